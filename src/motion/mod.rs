@@ -1,0 +1,1 @@
+//! Motion: velocities, position tracks, the clock.

@@ -1,0 +1,3 @@
+//! Exact tests.
+mod shape;
+pub use shape::Shape;
