@@ -1,0 +1,501 @@
+//! The 26 directions of a cubical lattice, by kind, and their names.
+//!
+//! A cube touches its equals across six faces, along twelve edges and at eight vertices. Each of these is a direction,
+//! named by the letters of the faces that meet there: `RU` is the edge between the right and the upper face.
+//!
+//! | letter | face  | axis in Bevy's right-handed, −Z-forward space |
+//! |--------|-------|-----------------------------------------------|
+//! | `L`    | left  | −x |
+//! | `R`    | right | +x |
+//! | `D`    | down  | −y |
+//! | `U`    | up    | +y |
+//! | `F`    | front | −z |
+//! | `B`    | back  | +z |
+//!
+//! The names are those of Swan, *Fast Collision Detection with an N-Objects Octree*, 1994, section 2.1, after Samet,
+//! *Applications of Spatial Data Structures*, 1990. Their undefined direction Ω is [`None`] here.
+
+use std::fmt;
+use std::str::FromStr;
+
+use bevy::math::IVec3;
+use thiserror::Error;
+
+/// The text is not the name of a direction of the kind that was asked for.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error(
+    "unknown {expected} `{text}`; a name is one of L, R, then D, U, then B, F, such as R, RU or RUF"
+)]
+pub struct ParseDirectionError {
+    /// The text that was refused.
+    pub text: String,
+    /// The kind of direction that was expected: "face", "edge", "vertex" or "direction".
+    pub expected: &'static str,
+}
+
+/// The sign along x, y and z of the direction with this name.
+const fn signs_of(name: &str) -> [i8; 3] {
+    let name = name.as_bytes();
+    let mut signs = [0; 3];
+    let mut i = 0;
+    while i < name.len() {
+        match name[i] {
+            b'L' => signs[0] = -1,
+            b'R' => signs[0] = 1,
+            b'D' => signs[1] = -1,
+            b'U' => signs[1] = 1,
+            b'F' => signs[2] = -1,
+            b'B' => signs[2] = 1,
+            _ => panic!("a direction's name consists of the letters L, R, D, U, B, F"),
+        }
+        i += 1;
+    }
+    signs
+}
+
+/// Whether two directions point opposite ways.
+const fn are_opposite(a: [i8; 3], b: [i8; 3]) -> bool {
+    a[0] == -b[0] && a[1] == -b[1] && a[2] == -b[2]
+}
+
+/// Defines one kind of direction. The variants' names are the only source: signs and opposites follow from them.
+macro_rules! direction_kind {
+    (
+        $(#[$kind_doc:meta])*
+        $Kind:ident($kind:literal, $count:literal) { $($(#[$doc:meta])* $Name:ident,)* }
+    ) => {
+        $(#[$kind_doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[repr(u8)]
+        pub enum $Kind {
+            $($(#[$doc])* $Name,)*
+        }
+
+        impl $Kind {
+            #[doc = concat!("Every ", $kind, ", in the order of [`index`](Self::index).")]
+            pub const ALL: [Self; $count] = [$(Self::$Name),*];
+
+            const NAMES: [&str; $count] = [$(stringify!($Name)),*];
+
+            const SIGNS: [[i8; 3]; $count] = [$(signs_of(stringify!($Name))),*];
+
+            const OPPOSITES: [Self; $count] = {
+                let mut opposites = Self::ALL;
+                let mut i = 0;
+                while i < $count {
+                    let mut j = 0;
+                    while !are_opposite(Self::SIGNS[i], Self::SIGNS[j]) {
+                        j += 1;
+                    }
+                    opposites[i] = Self::ALL[j];
+                    i += 1;
+                }
+                opposites
+            };
+
+            #[doc = concat!("The place of this ", $kind, " in [`ALL`](Self::ALL).")]
+            #[inline]
+            #[must_use]
+            pub const fn index(self) -> usize {
+                self as usize
+            }
+
+            /// The upper-case name.
+            #[inline]
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                Self::NAMES[self as usize]
+            }
+
+            /// The signs along x, y and z: −1, 0 or 1 each.
+            #[inline]
+            #[must_use]
+            pub const fn signs(self) -> [i8; 3] {
+                Self::SIGNS[self as usize]
+            }
+
+            /// The step to the neighbouring cell of a unit lattice: [`signs`](Self::signs) as a vector.
+            #[inline]
+            #[must_use]
+            pub const fn offset(self) -> IVec3 {
+                let [x, y, z] = self.signs();
+                IVec3::new(x as i32, y as i32, z as i32)
+            }
+
+            #[doc = concat!("The ", $kind, " on the far side of the cube.")]
+            #[inline]
+            #[must_use]
+            pub const fn opposite(self) -> Self {
+                Self::OPPOSITES[self as usize]
+            }
+        }
+
+        impl fmt::Display for $Kind {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.pad(self.name())
+            }
+        }
+
+        /// Reads a name in upper, lower or mixed case.
+        impl FromStr for $Kind {
+            type Err = ParseDirectionError;
+
+            fn from_str(text: &str) -> Result<Self, Self::Err> {
+                Self::ALL
+                    .into_iter()
+                    .find(|direction| direction.name().eq_ignore_ascii_case(text))
+                    .ok_or_else(|| ParseDirectionError { text: text.to_owned(), expected: $kind })
+            }
+        }
+
+        impl From<$Kind> for Direction {
+            #[inline]
+            fn from(direction: $Kind) -> Self {
+                Self::$Kind(direction)
+            }
+        }
+    };
+}
+
+direction_kind! {
+    /// A direction through one of a cube's six faces.
+    ///
+    /// The value is the axis times two, plus one on the positive side.
+    Face("face", 6) {
+        /// Left, −x.
+        L,
+        /// Right, +x.
+        R,
+        /// Down, −y.
+        D,
+        /// Up, +y.
+        U,
+        /// Front, −z.
+        F,
+        /// Back, +z.
+        B,
+    }
+}
+
+direction_kind! {
+    /// A direction across one of a cube's twelve edges.
+    Edge("edge", 12) {
+        /// Left and down.
+        LD,
+        /// Left and up.
+        LU,
+        /// Left and back.
+        LB,
+        /// Left and front.
+        LF,
+        /// Right and down.
+        RD,
+        /// Right and up.
+        RU,
+        /// Right and back.
+        RB,
+        /// Right and front.
+        RF,
+        /// Down and back.
+        DB,
+        /// Down and front.
+        DF,
+        /// Up and back.
+        UB,
+        /// Up and front.
+        UF,
+    }
+}
+
+direction_kind! {
+    /// A direction across one of a cube's eight vertices; equally one of the eight octants that a cube is split into.
+    ///
+    /// Bit 0 of the value is set on the right (+x), bit 1 on the upper side (+y), bit 2 at the back (+z): bit *i* says on
+    /// which side of axis *i* the octant lies, so that the value is the octant's place in a Z-order curve.
+    Vertex("vertex", 8) {
+        /// Left, down, front.
+        LDF,
+        /// Right, down, front.
+        RDF,
+        /// Left, up, front.
+        LUF,
+        /// Right, up, front.
+        RUF,
+        /// Left, down, back.
+        LDB,
+        /// Right, down, back.
+        RDB,
+        /// Left, up, back.
+        LUB,
+        /// Right, up, back.
+        RUB,
+    }
+}
+
+impl Vertex {
+    /// The octant on the positive side of each axis whose bit (0 for x, 1 for y, 2 for z) is set in `bits`.
+    /// Higher bits are ignored.
+    #[inline]
+    #[must_use]
+    pub const fn from_bits(bits: u32) -> Self {
+        Self::ALL[(bits & 7) as usize]
+    }
+
+    /// The octant on the positive side of the axes that are true.
+    #[inline]
+    #[must_use]
+    pub const fn from_sides(x: bool, y: bool, z: bool) -> Self {
+        Self::from_bits(x as u32 | (y as u32) << 1 | (z as u32) << 2)
+    }
+
+    /// Bit 0 is set on the right, bit 1 on the upper side, bit 2 at the back.
+    #[inline]
+    #[must_use]
+    pub const fn bits(self) -> u32 {
+        self as u32
+    }
+}
+
+/// One of the 26 directions from a cube to its equals in a cubical lattice.
+///
+/// ```
+/// use bevy::math::IVec3;
+/// use bevy_octree::octree::{Direction, Edge};
+///
+/// let direction: Direction = "ru".parse()?;
+/// assert_eq!(direction, Direction::Edge(Edge::RU));
+/// assert_eq!(direction.offset(), IVec3::new(1, 1, 0));
+/// assert_eq!(direction.opposite().to_string(), "LD");
+/// # Ok::<(), bevy_octree::octree::ParseDirectionError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Direction {
+    /// Through a face: one sign is not zero.
+    Face(Face),
+    /// Across an edge: two signs are not zero.
+    Edge(Edge),
+    /// Across a vertex: no sign is zero.
+    Vertex(Vertex),
+}
+
+impl Direction {
+    /// Every direction: the faces, then the edges, then the vertices.
+    pub const ALL: [Self; 26] = {
+        let mut all = [Self::Face(Face::L); 26];
+        let mut i = 0;
+        while i < 26 {
+            all[i] = match i {
+                0..6 => Self::Face(Face::ALL[i]),
+                6..18 => Self::Edge(Edge::ALL[i - 6]),
+                _ => Self::Vertex(Vertex::ALL[i - 18]),
+            };
+            i += 1;
+        }
+        all
+    };
+
+    /// The direction of each offset, x fastest; no direction in the middle.
+    const BY_OFFSET: [Option<Self>; 27] = {
+        let mut table = [None; 27];
+        let mut i = 0;
+        while i < 26 {
+            let [x, y, z] = Self::ALL[i].signs();
+            table[((x + 1) + (y + 1) * 3 + (z + 1) * 9) as usize] = Some(Self::ALL[i]);
+            i += 1;
+        }
+        table
+    };
+
+    /// The place of this direction in [`ALL`](Self::ALL).
+    #[inline]
+    #[must_use]
+    pub const fn index(self) -> usize {
+        match self {
+            Self::Face(face) => face.index(),
+            Self::Edge(edge) => 6 + edge.index(),
+            Self::Vertex(vertex) => 18 + vertex.index(),
+        }
+    }
+
+    /// The upper-case name.
+    #[inline]
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Face(face) => face.name(),
+            Self::Edge(edge) => edge.name(),
+            Self::Vertex(vertex) => vertex.name(),
+        }
+    }
+
+    /// The signs along x, y and z: −1, 0 or 1 each.
+    #[inline]
+    #[must_use]
+    pub const fn signs(self) -> [i8; 3] {
+        match self {
+            Self::Face(face) => face.signs(),
+            Self::Edge(edge) => edge.signs(),
+            Self::Vertex(vertex) => vertex.signs(),
+        }
+    }
+
+    /// The step to the neighbouring cell of a unit lattice: [`signs`](Self::signs) as a vector.
+    #[inline]
+    #[must_use]
+    pub const fn offset(self) -> IVec3 {
+        match self {
+            Self::Face(face) => face.offset(),
+            Self::Edge(edge) => edge.offset(),
+            Self::Vertex(vertex) => vertex.offset(),
+        }
+    }
+
+    /// The direction whose [`offset`](Self::offset) this is: [`None`] for zero, and if a component is not −1, 0 or 1.
+    #[inline]
+    #[must_use]
+    pub fn from_offset(offset: IVec3) -> Option<Self> {
+        let is_step = offset.min_element() >= -1 && offset.max_element() <= 1;
+        if !is_step {
+            return None;
+        }
+        let place = (offset + IVec3::ONE).dot(IVec3::new(1, 3, 9));
+        Self::BY_OFFSET[place as usize]
+    }
+
+    /// The direction that points the other way.
+    #[inline]
+    #[must_use]
+    pub const fn opposite(self) -> Self {
+        match self {
+            Self::Face(face) => Self::Face(face.opposite()),
+            Self::Edge(edge) => Self::Edge(edge.opposite()),
+            Self::Vertex(vertex) => Self::Vertex(vertex.opposite()),
+        }
+    }
+}
+
+impl fmt::Display for Direction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// Reads a name in upper, lower or mixed case.
+impl FromStr for Direction {
+    type Err = ParseDirectionError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Self::ALL
+            .into_iter()
+            .find(|direction| direction.name().eq_ignore_ascii_case(text))
+            .ok_or_else(|| ParseDirectionError {
+                text: text.to_owned(),
+                expected: "direction",
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_round_trip_in_either_case() {
+        for direction in Direction::ALL {
+            let name = direction.to_string();
+            assert_eq!(name, name.to_uppercase());
+            assert_eq!(name.parse(), Ok(direction));
+            assert_eq!(name.to_lowercase().parse(), Ok(direction));
+        }
+        assert_eq!("rUf".parse(), Ok(Vertex::RUF));
+    }
+
+    #[test]
+    fn kinds_read_only_their_own_names() {
+        assert_eq!("d".parse(), Ok(Face::D));
+        assert_eq!("UB".parse(), Ok(Edge::UB));
+        assert!("UB".parse::<Face>().is_err());
+        assert!("R".parse::<Edge>().is_err());
+        assert!("RU".parse::<Vertex>().is_err());
+    }
+
+    #[test]
+    fn unknown_names_are_named_in_the_error() {
+        for text in ["", "OMEGA", "UR", "LR", "RUFF", " R", "É"] {
+            let error = text.parse::<Direction>().unwrap_err();
+            assert_eq!(error.text, text);
+            assert!(error.to_string().contains(&format!("`{text}`")));
+        }
+    }
+
+    #[test]
+    fn offsets_follow_bevys_axes() {
+        assert_eq!(Face::R.offset(), IVec3::X);
+        assert_eq!(Face::L.offset(), IVec3::NEG_X);
+        assert_eq!(Face::U.offset(), IVec3::Y);
+        assert_eq!(Face::D.offset(), IVec3::NEG_Y);
+        assert_eq!(Face::F.offset(), IVec3::NEG_Z);
+        assert_eq!(Face::B.offset(), IVec3::Z);
+    }
+
+    #[test]
+    fn offset_is_the_sum_of_the_letters() {
+        for direction in Direction::ALL {
+            let letters = direction
+                .name()
+                .chars()
+                .map(|c| c.to_string().parse::<Face>().unwrap().offset());
+            assert_eq!(letters.sum::<IVec3>(), direction.offset());
+        }
+    }
+
+    #[test]
+    fn from_offset_inverts_offset_and_refuses_the_rest() {
+        for x in -2..=2 {
+            for y in -2..=2 {
+                for z in -2..=2 {
+                    let offset = IVec3::new(x, y, z);
+                    let expected = Direction::ALL.into_iter().find(|d| d.offset() == offset);
+                    assert_eq!(Direction::from_offset(offset), expected);
+                }
+            }
+        }
+        assert_eq!(Direction::from_offset(IVec3::MAX), None);
+        assert_eq!(Direction::from_offset(IVec3::MIN), None);
+    }
+
+    #[test]
+    fn all_is_complete_ordered_and_indexed() {
+        for (i, direction) in Direction::ALL.into_iter().enumerate() {
+            assert_eq!(direction.index(), i);
+            assert_eq!(
+                Direction::ALL
+                    .iter()
+                    .filter(|d| d.offset() == direction.offset())
+                    .count(),
+                1
+            );
+        }
+        assert!(Direction::ALL.is_sorted());
+    }
+
+    #[test]
+    fn opposite_negates_the_offset() {
+        for direction in Direction::ALL {
+            assert_eq!(direction.opposite().offset(), -direction.offset());
+        }
+    }
+
+    #[test]
+    fn a_vertex_counts_its_positive_sides_in_bits() {
+        for vertex in Vertex::ALL {
+            let positive = vertex.offset().cmpgt(IVec3::ZERO);
+            assert_eq!(vertex.bits(), positive.bitmask());
+            assert_eq!(Vertex::from_bits(vertex.bits()), vertex);
+            assert_eq!(
+                Vertex::from_sides(positive.test(0), positive.test(1), positive.test(2)),
+                vertex
+            );
+        }
+    }
+}

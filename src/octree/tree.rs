@@ -1,0 +1,650 @@
+//! The tree itself: an arena of nodes, and the operations of the data type.
+
+use std::mem;
+use std::num::NonZeroU32;
+
+use super::direction::Vertex;
+use super::iter::Children;
+
+/// A handle of a node of an [`Octree`].
+///
+/// It stays valid until the node is removed ([`join`](Octree::join) of an ancestor, [`reset`](Octree::reset)). Handles are
+/// small and cheap, and know nothing of the tree: a removed node's handle names whichever node is given its place later.
+/// [`Octree::contains`] tells whether some node has it now.
+///
+/// `Option<NodeId>` is no larger than `NodeId`.
+// Siblings stand in blocks of eight: the lower three bits are the child type, the others the block. Block 0 is the root's,
+// which takes slot 1 of it, so that no handle is zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct NodeId(NonZeroU32);
+
+impl NodeId {
+    /// The root of every octree.
+    pub const ROOT: Self = Self(NonZeroU32::MIN);
+
+    /// A small number that no other live node has, to find the node's entry in a table of one's own: always less than
+    /// [`Octree::index_bound`].
+    #[inline]
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self.0.get() as usize
+    }
+
+    #[inline]
+    const fn block(self) -> usize {
+        self.index() >> 3
+    }
+
+    #[inline]
+    const fn octant(self) -> Vertex {
+        Vertex::from_bits(self.0.get())
+    }
+
+    /// The sibling in `slot`, seen from the first one.
+    #[inline]
+    pub(super) fn sibling(self, slot: u32) -> Self {
+        debug_assert!(self.0.get() & 7 == 0 && slot < 8);
+        Self(self.0 | slot)
+    }
+
+    #[inline]
+    pub(super) fn next_sibling(self) -> Option<Self> {
+        let is_last = self.0.get() & 7 == 7;
+        if is_last {
+            None
+        } else {
+            self.0.checked_add(1).map(Self)
+        }
+    }
+
+    /// The first node of `block`, unless it is block 0 or past the last handle.
+    #[inline]
+    fn first_of(block: usize) -> Option<Self> {
+        u32::try_from(block)
+            .ok()?
+            .checked_mul(8)
+            .and_then(NonZeroU32::new)
+            .map(Self)
+    }
+}
+
+#[derive(Clone, Debug, Default)]
+pub(super) struct Node<T> {
+    /// The first of eight children; of a free block's first node, the first node of the next free block.
+    pub(super) first_child: Option<NodeId>,
+    data: T,
+}
+
+/// A tree in which every node has eight children or none, and a datum of type `T`.
+///
+/// The tree knows no coordinates: a node is a cube only through its place among its siblings, which is a [`Vertex`]. What
+/// cube the root stands for is the client's affair.
+///
+/// `T`'s default value plays the part of "no client data": new nodes start with it, and it stays behind where a datum is
+/// removed.
+///
+/// # Handles
+///
+/// Methods that take a [`NodeId`] require it to be live ([`contains`](Self::contains)). With `debug_assertions` a dead one
+/// is detected and panics. Without, it is treated as the leaf that used to be there, until its place is given to a new
+/// node, and as out of bounds (a panic) if the tree was [`reset`](Self::reset) to fewer nodes.
+///
+/// # Cost
+///
+/// All methods take constant time unless they say otherwise. A node takes the size of `T` plus four bytes, and a block
+/// of eight siblings four bytes more. Blocks of removed nodes are used again: [`split`](Self::split) allocates only when
+/// the tree grows beyond its largest size so far, and [`join`](Self::join) never does.
+#[derive(Clone, Debug)]
+pub struct Octree<T> {
+    /// Eight for each block.
+    pub(super) nodes: Vec<Node<T>>,
+    /// The parent of each block's nodes; none for block 0, the root's, and for free blocks.
+    pub(super) parents: Vec<Option<NodeId>>,
+    /// The first node of the block that was freed last; the others follow in a list.
+    pub(super) free: Option<NodeId>,
+    /// The number of blocks in use, without the root's.
+    pub(super) splits: usize,
+}
+
+impl<T: Default> Default for Octree<T> {
+    fn default() -> Self {
+        Self::new(T::default())
+    }
+}
+
+impl<T> Octree<T> {
+    /// The root.
+    #[inline]
+    #[must_use]
+    pub const fn root(&self) -> NodeId {
+        NodeId::ROOT
+    }
+
+    /// Whether the handle names a node of this tree.
+    #[inline]
+    #[must_use]
+    pub fn contains(&self, node: NodeId) -> bool {
+        node == NodeId::ROOT || self.parents.get(node.block()).is_some_and(Option::is_some)
+    }
+
+    /// The parent, or [`None`] of the root.
+    #[inline]
+    #[must_use]
+    pub fn parent(&self, node: NodeId) -> Option<NodeId> {
+        debug_assert!(self.contains(node), "{node:?} was removed");
+        self.parents[node.block()]
+    }
+
+    /// The child in `octant`, or [`None`] of a leaf.
+    #[inline]
+    #[must_use]
+    pub fn child(&self, node: NodeId, octant: Vertex) -> Option<NodeId> {
+        self.node(node)
+            .first_child
+            .map(|first| first.sibling(octant.bits()))
+    }
+
+    /// The children in the order of [`Vertex::ALL`]; none of a leaf.
+    #[inline]
+    #[must_use]
+    pub fn children(&self, node: NodeId) -> Children {
+        Children::new(self.node(node).first_child)
+    }
+
+    /// The octant of its parent that the node is, or [`None`] of the root.
+    #[inline]
+    #[must_use]
+    pub fn child_type(&self, node: NodeId) -> Option<Vertex> {
+        debug_assert!(self.contains(node), "{node:?} was removed");
+        (node != NodeId::ROOT).then(|| node.octant())
+    }
+
+    /// Whether the node has children.
+    #[inline]
+    #[must_use]
+    pub fn is_split(&self, node: NodeId) -> bool {
+        self.node(node).first_child.is_some()
+    }
+
+    /// Whether the node has no children.
+    #[inline]
+    #[must_use]
+    pub fn is_leaf(&self, node: NodeId) -> bool {
+        !self.is_split(node)
+    }
+
+    /// The number of ancestors: 0 for the root, 1 for its children, and so on. Takes time linear in the result.
+    #[must_use]
+    pub fn generation(&self, node: NodeId) -> u32 {
+        let mut generation = 0;
+        let mut ancestor = self.parent(node);
+        while let Some(node) = ancestor {
+            generation += 1;
+            ancestor = self.parents[node.block()];
+        }
+        generation
+    }
+
+    /// The datum of the node.
+    #[inline]
+    #[must_use]
+    pub fn data(&self, node: NodeId) -> &T {
+        &self.node(node).data
+    }
+
+    /// The datum of the node, to be changed.
+    #[inline]
+    #[must_use]
+    pub fn data_mut(&mut self, node: NodeId) -> &mut T {
+        &mut self.node_mut(node).data
+    }
+
+    /// The data of two different nodes, to be changed; [`None`] if the nodes are the same.
+    #[inline]
+    #[must_use]
+    pub fn data_pair_mut(&mut self, a: NodeId, b: NodeId) -> Option<(&mut T, &mut T)> {
+        debug_assert!(
+            self.contains(a) && self.contains(b),
+            "{a:?} or {b:?} was removed"
+        );
+        let [a, b] = self.nodes.get_disjoint_mut([a.index(), b.index()]).ok()?;
+        Some((&mut a.data, &mut b.data))
+    }
+
+    /// Gives the node the datum `data`, and returns the one it had.
+    #[inline]
+    pub fn swap_data(&mut self, node: NodeId, data: T) -> T {
+        mem::replace(self.data_mut(node), data)
+    }
+
+    /// The number of nodes.
+    #[inline]
+    #[must_use]
+    pub const fn node_count(&self) -> usize {
+        1 + 8 * self.splits
+    }
+
+    /// The number of leaves.
+    #[inline]
+    #[must_use]
+    pub const fn leaf_count(&self) -> usize {
+        1 + 7 * self.splits
+    }
+
+    /// The bound of [`NodeId::index`] over the nodes that the tree has and has had: the length that a table indexed by
+    /// it needs.
+    #[inline]
+    #[must_use]
+    pub const fn index_bound(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// The bytes that the tree has allocated, without what its data have.
+    #[inline]
+    #[must_use]
+    pub const fn memory_bytes(&self) -> usize {
+        self.nodes.capacity() * size_of::<Node<T>>()
+            + self.parents.capacity() * size_of::<Option<NodeId>>()
+    }
+
+    #[inline]
+    fn node(&self, node: NodeId) -> &Node<T> {
+        debug_assert!(self.contains(node), "{node:?} was removed");
+        &self.nodes[node.index()]
+    }
+
+    #[inline]
+    fn node_mut(&mut self, node: NodeId) -> &mut Node<T> {
+        debug_assert!(self.contains(node), "{node:?} was removed");
+        &mut self.nodes[node.index()]
+    }
+}
+
+impl<T: Default> Octree<T> {
+    /// A tree of one node, the root, with the given datum.
+    #[must_use]
+    pub fn new(data: T) -> Self {
+        Self::with_capacity(data, 1)
+    }
+
+    /// A tree of one node, with room for `nodes` of them before it allocates again.
+    #[must_use]
+    pub fn with_capacity(data: T, nodes: usize) -> Self {
+        let blocks = 1 + nodes.saturating_sub(1).div_ceil(8);
+        let mut tree = Self {
+            nodes: Vec::with_capacity(blocks.saturating_mul(8)),
+            parents: Vec::with_capacity(blocks),
+            free: None,
+            splits: 0,
+        };
+        tree.reset(data);
+        tree
+    }
+
+    /// Removes every node but the root, drops all data, and gives the root the datum `data`. Keeps the memory.
+    ///
+    /// Takes time linear in the largest size of the tree since the last reset.
+    pub fn reset(&mut self, data: T) {
+        self.nodes.clear();
+        self.nodes.resize_with(8, Node::default);
+        self.parents.clear();
+        self.parents.push(None);
+        self.free = None;
+        self.splits = 0;
+        *self.data_mut(NodeId::ROOT) = data;
+    }
+
+    /// Gives a leaf eight children that hold default data, and returns them. The node keeps its own datum.
+    ///
+    /// Requires a leaf. Without `debug_assertions`, a node that is split already is left as it is.
+    ///
+    /// # Panics
+    ///
+    /// Like [`Vec::push`], if there is no more memory, or if the tree would have more than 2³² nodes.
+    #[inline]
+    pub fn split(&mut self, node: NodeId) -> Children {
+        debug_assert!(self.is_leaf(node), "{node:?} is split already");
+        let first = self
+            .node(node)
+            .first_child
+            .unwrap_or_else(|| self.attach_block(node));
+        Children::new(Some(first))
+    }
+
+    /// As [`split`](Self::split); the child in each octant gets the datum that `data` returns for it.
+    #[inline]
+    pub fn split_with(&mut self, node: NodeId, mut data: impl FnMut(Vertex) -> T) -> Children {
+        let children = self.split(node);
+        for child in children.clone() {
+            *self.data_mut(child) = data(child.octant());
+        }
+        children
+    }
+
+    /// Removes all descendants of a node, which becomes a leaf and keeps its own datum.
+    ///
+    /// Each removed node's datum is handed to `remove`: children in the order of [`Vertex::ALL`], a node after its
+    /// children. Takes time linear in their number, and neither allocates nor recurses.
+    ///
+    /// Requires that the node is split. Without `debug_assertions`, nothing happens to a leaf.
+    #[inline]
+    pub fn join(&mut self, node: NodeId, mut remove: impl FnMut(T)) {
+        debug_assert!(self.is_split(node), "{node:?} is a leaf");
+        let Some(mut at) = self.node(node).first_child else {
+            return;
+        };
+        // The tree is in order whenever `remove` runs, so that it may unwind.
+        loop {
+            while let Some(child) = self.node(at).first_child {
+                at = child;
+            }
+            remove(mem::take(self.data_mut(at)));
+            at = loop {
+                if let Some(sibling) = at.next_sibling() {
+                    break sibling;
+                }
+                at = self.detach_block(at);
+                if at == node {
+                    return;
+                }
+                remove(mem::take(self.data_mut(at)));
+            };
+        }
+    }
+
+    /// Removes all data from the subtree at `node`: every node of it is left, with the default datum.
+    ///
+    /// Each removed datum is handed to `remove` in the order of [`subtree`](Self::subtree). Takes time linear in the
+    /// number of nodes. To remove the nodes as well, [`join`](Self::join).
+    pub fn clear(&mut self, node: NodeId, mut remove: impl FnMut(T)) {
+        let mut next = Some(node);
+        while let Some(at) = next {
+            remove(mem::take(self.data_mut(at)));
+            next = self.next_in_subtree(at, node);
+        }
+    }
+
+    /// Makes the tree one generation taller: the root, with its datum and its subtree, becomes the child in `octant` of
+    /// a new root, whose other children are leaves. Returns that child.
+    ///
+    /// Only the old root's handle changes: [`NodeId::ROOT`] names the new root, whose datum is the default.
+    ///
+    /// # Panics
+    ///
+    /// As [`split`](Self::split).
+    pub fn grow(&mut self, octant: Vertex) -> NodeId {
+        let old = mem::take(self.node_mut(NodeId::ROOT));
+        let child = self.attach_block(NodeId::ROOT).sibling(octant.bits());
+        if let Some(grandchild) = old.first_child {
+            self.parents[grandchild.block()] = Some(child);
+        }
+        *self.node_mut(child) = old;
+        child
+    }
+
+    /// Takes a block, of leaves with default data, and makes it the children of `node`.
+    #[inline]
+    fn attach_block(&mut self, node: NodeId) -> NodeId {
+        let first = match self.free {
+            Some(first) => {
+                self.free = mem::take(&mut self.nodes[first.index()].first_child);
+                first
+            }
+            None => self.push_block(),
+        };
+        self.parents[first.block()] = Some(node);
+        self.node_mut(node).first_child = Some(first);
+        self.splits += 1;
+        first
+    }
+
+    /// Makes one more block.
+    #[cold]
+    fn push_block(&mut self) -> NodeId {
+        let first = NodeId::first_of(self.parents.len()).expect("an octree has at most 2^32 nodes");
+        self.nodes.resize_with(self.nodes.len() + 8, Node::default);
+        self.parents.push(None);
+        first
+    }
+
+    /// Frees the block of `child`, all eight of which are leaves with default data, and returns the parent.
+    #[inline]
+    fn detach_block(&mut self, child: NodeId) -> NodeId {
+        let parent = mem::take(&mut self.parents[child.block()]).expect("a child has a parent");
+        let first =
+            mem::take(&mut self.nodes[parent.index()].first_child).expect("a parent has children");
+        self.nodes[first.index()].first_child = mem::replace(&mut self.free, Some(first));
+        self.splits -= 1;
+        parent
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tree whose root and first child are split, every node numbered in the order of [`Octree::subtree`].
+    fn numbered() -> (Octree<u32>, NodeId) {
+        let mut tree = Octree::new(0);
+        let first = tree.split(NodeId::ROOT).next().unwrap();
+        tree.split_with(first, |octant| octant.bits() + 2);
+        tree.swap_data(first, 1);
+        for (i, child) in (10..).zip(tree.children(NodeId::ROOT).skip(1)) {
+            tree.swap_data(child, i);
+        }
+        (tree, first)
+    }
+
+    #[test]
+    fn a_new_tree_is_one_leaf() {
+        let tree = Octree::new(7);
+        assert_eq!(tree.root(), NodeId::ROOT);
+        assert_eq!(*tree.data(tree.root()), 7);
+        assert_eq!(tree.parent(tree.root()), None);
+        assert_eq!(tree.child_type(tree.root()), None);
+        assert_eq!(tree.generation(tree.root()), 0);
+        assert!(tree.is_leaf(tree.root()) && !tree.is_split(tree.root()));
+        assert_eq!((tree.node_count(), tree.leaf_count()), (1, 1));
+        assert_eq!(tree.children(tree.root()).len(), 0);
+        assert!(
+            Vertex::ALL
+                .into_iter()
+                .all(|octant| tree.child(tree.root(), octant).is_none())
+        );
+    }
+
+    #[test]
+    fn split_gives_eight_empty_children_and_keeps_the_datum() {
+        let mut tree = Octree::new(7);
+        let children = tree.split(NodeId::ROOT);
+        assert!(tree.is_split(NodeId::ROOT));
+        assert_eq!(*tree.data(NodeId::ROOT), 7);
+        assert_eq!((tree.node_count(), tree.leaf_count()), (9, 8));
+        for (octant, child) in Vertex::ALL.into_iter().zip(children) {
+            assert_eq!(tree.child(NodeId::ROOT, octant), Some(child));
+            assert_eq!(tree.child_type(child), Some(octant));
+            assert_eq!(tree.parent(child), Some(NodeId::ROOT));
+            assert_eq!(tree.generation(child), 1);
+            assert_eq!(*tree.data(child), 0);
+            assert!(tree.is_leaf(child) && tree.contains(child));
+        }
+        tree.assert_well_formed();
+    }
+
+    #[test]
+    fn join_hands_out_descendants_children_first_and_keeps_the_datum() {
+        let (mut tree, first) = numbered();
+        let mut removed = Vec::new();
+        tree.join(NodeId::ROOT, |datum| removed.push(datum));
+        let expected: Vec<u32> = (2..10).chain([1]).chain(10..17).collect();
+        assert_eq!(removed, expected);
+        assert!(tree.is_leaf(NodeId::ROOT) && !tree.contains(first));
+        assert_eq!((tree.node_count(), *tree.data(NodeId::ROOT)), (1, 0));
+        tree.assert_well_formed();
+    }
+
+    #[test]
+    fn join_of_an_inner_node_leaves_the_rest() {
+        let (mut tree, first) = numbered();
+        let mut removed = 0;
+        tree.join(first, |_| removed += 1);
+        assert_eq!((removed, tree.node_count()), (8, 9));
+        let left: Vec<u32> = tree
+            .subtree(NodeId::ROOT)
+            .map(|node| *tree.data(node))
+            .collect();
+        assert_eq!(left, [0, 1, 10, 11, 12, 13, 14, 15, 16]);
+        tree.assert_well_formed();
+    }
+
+    #[test]
+    fn clear_takes_the_data_and_leaves_the_nodes() {
+        let (mut tree, first) = numbered();
+        let mut removed = Vec::new();
+        tree.clear(first, |datum| removed.push(datum));
+        assert_eq!(removed, Vec::from_iter(1..10));
+        assert_eq!(tree.node_count(), 17);
+        assert!(tree.subtree(first).all(|node| *tree.data(node) == 0));
+        assert_eq!(
+            tree.subtree(NodeId::ROOT)
+                .map(|node| *tree.data(node))
+                .sum::<u32>(),
+            (10..17).sum()
+        );
+        tree.assert_well_formed();
+    }
+
+    #[test]
+    fn walks_are_depth_first_and_stay_in_the_subtree() {
+        let (tree, first) = numbered();
+        let data = |nodes: &mut dyn Iterator<Item = NodeId>| {
+            Vec::from_iter(nodes.map(|node| *tree.data(node)))
+        };
+        assert_eq!(data(&mut tree.subtree(NodeId::ROOT)), Vec::from_iter(0..17));
+        assert_eq!(data(&mut tree.subtree(first)), Vec::from_iter(1..10));
+        assert_eq!(data(&mut tree.leaves(NodeId::ROOT)), Vec::from_iter(2..17));
+        assert_eq!(data(&mut tree.leaves(first)), Vec::from_iter(2..10));
+        assert_eq!(
+            data(&mut tree.children(first).rev()),
+            Vec::from_iter((2..10).rev())
+        );
+        assert_eq!(tree.leaves(NodeId::ROOT).count(), tree.leaf_count());
+        let leaf = tree.child(first, Vertex::RUB).unwrap();
+        assert_eq!(Vec::from_iter(tree.subtree(leaf)), [leaf]);
+        assert_eq!(Vec::from_iter(tree.leaves(leaf)), [leaf]);
+    }
+
+    #[test]
+    fn data_are_swapped_and_changed_in_place() {
+        let (mut tree, first) = numbered();
+        assert_eq!(tree.swap_data(first, 99), 1);
+        *tree.data_mut(NodeId::ROOT) += 5;
+        let (root, child) = tree.data_pair_mut(NodeId::ROOT, first).unwrap();
+        std::mem::swap(root, child);
+        assert_eq!((*tree.data(NodeId::ROOT), *tree.data(first)), (99, 5));
+        assert!(tree.data_pair_mut(first, first).is_none());
+    }
+
+    #[test]
+    fn grow_puts_the_old_root_below_the_new_one() {
+        let (mut tree, first) = numbered();
+        *tree.data_mut(NodeId::ROOT) = 50;
+        let old = tree.grow(Vertex::RUF);
+        assert_eq!(tree.child(NodeId::ROOT, Vertex::RUF), Some(old));
+        assert_eq!((*tree.data(NodeId::ROOT), *tree.data(old)), (0, 50));
+        assert_eq!((tree.parent(first), tree.generation(first)), (Some(old), 2));
+        assert_eq!(tree.node_count(), 25);
+        tree.assert_well_formed();
+    }
+
+    #[test]
+    fn grow_of_a_leaf_keeps_it_a_leaf() {
+        let mut tree = Octree::new(3);
+        let old = tree.grow(Vertex::LDB);
+        assert!(tree.is_leaf(old));
+        assert_eq!(*tree.data(old), 3);
+        tree.assert_well_formed();
+    }
+
+    #[test]
+    fn reset_keeps_the_memory() {
+        let (mut tree, first) = numbered();
+        let memory = tree.memory_bytes();
+        tree.reset(4);
+        assert_eq!((tree.node_count(), *tree.data(NodeId::ROOT)), (1, 4));
+        assert!(!tree.contains(first));
+        assert_eq!(tree.memory_bytes(), memory);
+        tree.assert_well_formed();
+    }
+
+    #[test]
+    fn freed_blocks_are_used_again() {
+        let mut tree = Octree::with_capacity(0, 17);
+        let memory = tree.memory_bytes();
+        for _ in 0..1000 {
+            let first = tree.split_with(NodeId::ROOT, |_| 1).next().unwrap();
+            tree.split_with(first, |_| 1);
+            tree.join(NodeId::ROOT, drop);
+        }
+        assert_eq!(tree.memory_bytes(), memory);
+        assert_eq!(tree.index_bound(), 24);
+        assert!(tree.split(NodeId::ROOT).all(|child| *tree.data(child) == 0));
+        tree.assert_well_formed();
+    }
+
+    #[test]
+    fn very_deep_trees_are_walked_without_recursion() {
+        let mut tree = Octree::new(0_u8);
+        let mut node = NodeId::ROOT;
+        for _ in 0..100_000 {
+            node = tree.split(node).next_back().unwrap();
+        }
+        assert_eq!(tree.generation(node), 100_000);
+        assert_eq!(tree.subtree(NodeId::ROOT).count(), tree.node_count());
+        let mut removed = 0;
+        tree.join(NodeId::ROOT, |_| removed += 1);
+        assert_eq!(removed, 800_000);
+    }
+
+    #[test]
+    fn an_unwinding_closure_leaves_the_tree_in_order() {
+        for allowed in 0..16 {
+            let (mut tree, _) = numbered();
+            let mut calls = 0;
+            let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                tree.join(NodeId::ROOT, |_| {
+                    calls += 1;
+                    if calls > allowed {
+                        std::panic::resume_unwind(Box::new(()));
+                    }
+                });
+            }));
+            assert!(result.is_err());
+            tree.assert_well_formed();
+        }
+    }
+
+    #[test]
+    fn handles_are_four_bytes_with_or_without_option() {
+        assert_eq!(size_of::<NodeId>(), 4);
+        assert_eq!(size_of::<Option<NodeId>>(), 4);
+        assert_eq!(size_of::<Node<u32>>(), 8);
+    }
+
+    #[test]
+    #[cfg(debug_assertions)]
+    #[should_panic(expected = "was removed")]
+    fn dead_handles_are_detected() {
+        let (mut tree, first) = numbered();
+        tree.join(NodeId::ROOT, drop);
+        let _ = tree.data(first);
+    }
+
+    #[test]
+    #[cfg(debug_assertions)]
+    #[should_panic(expected = "is split already")]
+    fn splitting_twice_is_detected() {
+        let (mut tree, _) = numbered();
+        tree.split(NodeId::ROOT);
+    }
+}
