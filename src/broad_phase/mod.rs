@@ -1,1 +1,162 @@
-//! The broad phase.
+//! The broad phase: from boxes to pairs of overlapping boxes.
+//!
+//! A [`SpatialIndex`] holds the boxes of all objects behind stable handles ([`ProxyId`]) and a [`BroadPhase`], the
+//! way in which it looks for overlaps. Boxes go in one by one; an [`update`](SpatialIndex::update) brings the broad
+//! phase up to date with all that changed since the last one; [`find_pairs`](SpatialIndex::find_pairs) gives every
+//! pair of overlapping boxes, each once.
+//!
+//! ```
+//! use bevy::math::{Vec3, bounding::Aabb3d};
+//! use bevy_octree::broad_phase::{Method, SpatialIndex};
+//!
+//! let mut index = SpatialIndex::new(&Method::default());
+//! let cube = |x: f32| Aabb3d::new(Vec3::new(x, 0.0, 0.0), Vec3::splat(0.5));
+//! let a = index.insert(cube(0.0))?;
+//! let b = index.insert(cube(0.75))?;
+//! let c = index.insert(cube(9.0))?;
+//! index.update();
+//! assert_eq!(index.find_pairs().len(), 1); // a and b
+//!
+//! index.set(c, cube(1.5))?; // touches b, within half a unit of a
+//! index.update();
+//! assert!(index.find_pairs().iter().all(|pair| pair.a == b || pair.b == b));
+//! # Ok::<(), bevy_octree::broad_phase::BoxError>(())
+//! ```
+//!
+//! # Two ways to look
+//!
+//! The report compares an octree with exhaustive search; here each is an implementation of [`BroadPhase`], chosen by a
+//! [`Method`] and exchanged at any time ([`SpatialIndex::set_method`]):
+//!
+//! - [`Exhaustive`]: every box against every other; the reference.
+//! - [`ObjectOctree`]: the report's N-objects octree, maintained as objects move.
+//!
+//! All of them give the same pairs: exactly those whose boxes overlap, touching included.
+//!
+//! # A way of your own
+//!
+//! Implement [`BroadPhase`] for a type, and give it to [`SpatialIndex::with_engine`]. The trait has one verb for each
+//! step of a tick; the boxes, the handles, the list of what changed and the pairs of resting objects are kept for you.
+//!
+//! ```
+//! use bevy_octree::broad_phase::*;
+//!
+//! /// Exhaustive search over a list sorted along x.
+//! #[derive(Default)]
+//! struct SweepAndPrune {
+//!     order: Vec<ProxyId>,
+//! }
+//!
+//! impl BroadPhase for SweepAndPrune {
+//!     fn name(&self) -> &'static str {
+//!         "sweep and prune"
+//!     }
+//!
+//!     fn maintain(&mut self, proxies: &Proxies) {
+//!         self.order.clear();
+//!         self.order.extend(proxies.iter().map(|(id, _)| id));
+//!         let low = |id: &ProxyId| proxies.boxes()[id.index()].min.x;
+//!         self.order.sort_by(|a, b| low(a).total_cmp(&low(b)));
+//!     }
+//!
+//!     fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) {
+//!         let boxes = proxies.boxes();
+//!         for (i, &a) in self.order.iter().enumerate() {
+//!             let reach = boxes[a.index()].max.x;
+//!             for &b in self.order[i + 1..].iter().take_while(|b| boxes[b.index()].min.x <= reach) {
+//!                 let moved = proxies.is_moved(a) || proxies.is_moved(b);
+//!                 if moved && overlap(&boxes[a.index()], &boxes[b.index()]) {
+//!                     pairs.push(Pair::new(a, b));
+//!                 }
+//!             }
+//!         }
+//!     }
+//!
+//!     fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor) {
+//!         Exhaustive::default().traverse(proxies, visitor);
+//!     }
+//!
+//!     fn stats(&self) -> BroadPhaseStats {
+//!         BroadPhaseStats::default()
+//!     }
+//! }
+//!
+//! let index = SpatialIndex::with_engine(Box::new(SweepAndPrune::default()));
+//! assert_eq!(index.engine().name(), "sweep and prune");
+//! ```
+
+mod exhaustive;
+mod index;
+mod method;
+pub mod object_octree;
+mod pairs;
+mod proxy;
+mod query;
+
+use bevy::math::{Vec3A, bounding::Aabb3d};
+
+pub use exhaustive::Exhaustive;
+pub use index::SpatialIndex;
+pub use method::{Method, UnknownMethod};
+pub use object_octree::{ObjectOctree, ObjectOctreeSettings, RootPolicy, SettingsError};
+pub use pairs::{Pair, PairSet};
+pub use proxy::{BoxError, Proxies, ProxyId, check_box, overlap};
+pub use query::RayHit;
+
+/// A way to find the overlapping pairs among moving boxes.
+///
+/// A [`SpatialIndex`] owns the boxes and calls these methods, always in this order: [`maintain`](Self::maintain) after
+/// boxes changed, then any number of [`find_pairs`](Self::find_pairs) and [`traverse`](Self::traverse). An
+/// implementation that has just been installed finds every object in [`Proxies::moved`].
+///
+/// What every implementation owes: the pairs are exact (each once, none missing, touching counts), their order
+/// depends on the history of calls alone, memory is linear in the objects, and no input makes it panic.
+pub trait BroadPhase: Send + Sync + 'static {
+    /// The name by which users know this way of searching.
+    fn name(&self) -> &'static str;
+
+    /// Takes up the changes listed in [`Proxies::moved`]: objects inserted, moved and removed.
+    fn maintain(&mut self, proxies: &Proxies);
+
+    /// Appends every pair of overlapping boxes of which at least one [moved](Proxies::is_moved), each once. The pairs
+    /// of resting objects are kept by the caller and must not be given.
+    fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>);
+
+    /// Walks the index from coarse to fine: calls [`Visitor::enter`] with boxes that bound groups of objects, and
+    /// [`Visitor::object`] with the objects of the groups that the visitor enters. Queries are written against this.
+    fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor);
+
+    /// What the structure looks like now.
+    fn stats(&self) -> BroadPhaseStats;
+}
+
+/// What walks through a [`BroadPhase`]: see [`BroadPhase::traverse`].
+pub trait Visitor {
+    /// Is anything inside `bounds` of interest? Objects may stick out of it; the parts that do are in other groups.
+    fn enter(&mut self, bounds: &Aabb3d) -> bool;
+
+    /// An object of an entered group, with its box. An object may come up once in each of several groups; `cell` is
+    /// the part of space that this visit speaks for. Cells are half-open, disjoint and together all of space, so that
+    /// a point of the object's box lies in the cell of exactly one of its visits.
+    fn object(&mut self, id: ProxyId, aabb: &Aabb3d, cell: &Aabb3d);
+}
+
+/// The cell of a broad phase that does not divide space.
+pub const EVERYWHERE: Aabb3d = Aabb3d { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
+
+/// Figures about a [`BroadPhase`]; all zero where it has nothing of the kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BroadPhaseStats {
+    /// Nodes of the tree, leaves included.
+    pub nodes: usize,
+    /// Leaves of the tree.
+    pub leaves: usize,
+    /// The largest generation of a node; 0 for a lone root.
+    pub depth: u32,
+    /// Entries in all leaves together: an object counts once for each leaf that lists it.
+    pub entries: usize,
+    /// Pairs of boxes compared in the last search.
+    pub pairs_tested: u64,
+    /// Memory taken, in bytes, that of the [`Proxies`] not included.
+    pub bytes: usize,
+}

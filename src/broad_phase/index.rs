@@ -1,0 +1,156 @@
+//! The boxes, the broad phase and the pairs, together.
+
+use std::fmt;
+
+use bevy::math::bounding::Aabb3d;
+
+use super::{BoxError, BroadPhase, BroadPhaseStats, Method, PairSet, Proxies, ProxyId, Visitor};
+
+/// An index over the boxes of objects: boxes in, overlapping pairs out, queries on the side.
+///
+/// See the [module's documentation](super) for an example.
+pub struct SpatialIndex {
+    proxies: Proxies,
+    engine: Box<dyn BroadPhase>,
+    pairs: PairSet,
+    /// Have the pairs been searched for since the last update?
+    searched: bool,
+    /// Has an update been passed over without a search, so that the kept pairs are out of date?
+    stale: bool,
+}
+
+impl SpatialIndex {
+    /// An empty index that searches by `method`.
+    #[must_use]
+    pub fn new(method: &Method) -> Self {
+        Self::with_engine(method.engine())
+    }
+
+    /// An empty index around an implementation of [`BroadPhase`], which must be empty too.
+    #[must_use]
+    pub fn with_engine(engine: Box<dyn BroadPhase>) -> Self {
+        Self { proxies: Proxies::default(), engine, pairs: PairSet::default(), searched: true, stale: false }
+    }
+
+    /// Searches by another method from now on. All objects stay, and take part in the next update as if they had
+    /// just been inserted.
+    pub fn set_method(&mut self, method: &Method) {
+        self.set_engine(method.engine());
+    }
+
+    /// As [`set_method`](Self::set_method), with an implementation of one's own, which must be empty.
+    pub fn set_engine(&mut self, engine: Box<dyn BroadPhase>) {
+        self.engine = engine;
+        self.proxies.touch_all();
+    }
+
+    /// The broad phase at work.
+    #[must_use]
+    pub fn engine(&self) -> &dyn BroadPhase {
+        &*self.engine
+    }
+
+    /// The boxes, as of now: changes that await an update included.
+    #[must_use]
+    pub const fn proxies(&self) -> &Proxies {
+        &self.proxies
+    }
+
+    /// Adds an object. O(1) here; it costs its share at the next update.
+    ///
+    /// # Errors
+    /// A box that is not finite or inverted is refused, and nothing changes.
+    pub fn insert(&mut self, aabb: Aabb3d) -> Result<ProxyId, BoxError> {
+        self.proxies.insert(aabb)
+    }
+
+    /// Gives an object its box of this tick. Setting the box that it already has is no change. O(1).
+    ///
+    /// # Errors
+    /// A box that is not finite or inverted, and an unknown handle, are refused, and nothing changes.
+    #[inline]
+    pub fn set(&mut self, id: ProxyId, aabb: &Aabb3d) -> Result<(), BoxError> {
+        self.proxies.set(id, aabb)
+    }
+
+    /// Counts an object as moved though its box stays: it may have turned inside it. False if there is none.
+    pub fn touch(&mut self, id: ProxyId) -> bool {
+        self.proxies.touch(id)
+    }
+
+    /// Removes an object. False if there is none. O(1).
+    pub fn remove(&mut self, id: ProxyId) -> bool {
+        self.proxies.remove(id)
+    }
+
+    /// One maintenance step: brings the broad phase up to date with every change since the last. Costs nothing for
+    /// objects that did not change.
+    pub fn update(&mut self) {
+        self.stale |= !self.searched;
+        self.searched = false;
+        self.proxies.begin_update();
+        self.engine.maintain(&self.proxies);
+    }
+
+    /// Every pair of boxes that overlapped at the last [`update`](Self::update), touching included, each once.
+    /// Searched for at the first call after an update; further calls cost nothing. If boxes changed since, an update
+    /// comes first.
+    pub fn find_pairs(&mut self) -> &PairSet {
+        if self.proxies.has_pending() {
+            self.update();
+        }
+        if self.stale {
+            // What moved in an update that nobody searched after is not known any more: all pairs are sought anew.
+            self.pairs.clear();
+            self.proxies.touch_all();
+            self.update();
+            self.stale = false;
+        }
+        if !self.searched {
+            let found = self.pairs.begin(&self.proxies);
+            self.engine.find_pairs(&self.proxies, found);
+            self.searched = true;
+        }
+        &self.pairs
+    }
+
+    /// The pairs that the last [`find_pairs`](Self::find_pairs) gave.
+    #[must_use]
+    pub const fn pairs(&self) -> &PairSet {
+        &self.pairs
+    }
+
+    /// Lets a visitor walk through the index as of the last update: see [`BroadPhase::traverse`].
+    pub fn traverse(&self, visitor: &mut dyn Visitor) {
+        self.engine.traverse(&self.proxies, visitor);
+    }
+
+    /// Figures about the broad phase.
+    #[must_use]
+    pub fn stats(&self) -> BroadPhaseStats {
+        self.engine.stats()
+    }
+
+    /// The memory taken by boxes, broad phase and pairs, in bytes.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        self.proxies.memory_bytes() + self.stats().bytes + self.pairs.memory_bytes()
+    }
+}
+
+impl Default for SpatialIndex {
+    fn default() -> Self {
+        Self::new(&Method::default())
+    }
+}
+
+impl fmt::Debug for SpatialIndex {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SpatialIndex")
+            .field("engine", &self.engine.name())
+            .field("objects", &self.proxies.len())
+            .field("pairs", &self.pairs.len())
+            .field("stats", &self.stats())
+            .finish()
+    }
+}

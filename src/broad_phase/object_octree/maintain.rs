@@ -1,0 +1,218 @@
+//! Maintenance after a tick (Swan 1994, section 2.4): objects leave leaves, and enter others.
+//!
+//! All objects that moved take their turn first; nodes split and merge afterwards, when every list is up to date. The
+//! outcome is that of restructuring after each object, since the shape is canonical, with no node split only to be
+//! merged again in the same tick.
+
+use std::sync::LazyLock;
+
+use bevy::math::bounding::Aabb3d;
+use smallvec::SmallVec;
+
+use super::{Cell, Entry, ObjectOctree, StayRegion};
+use crate::{
+    broad_phase::{Proxies, overlap},
+    octree::{Direction, NodeId},
+};
+
+impl ObjectOctree {
+    /// Brings lists and nodes up to date with all changes.
+    pub(super) fn take_up(&mut self, proxies: &Proxies) {
+        self.entries.resize(proxies.capacity(), Entry::ABSENT);
+        if self.fit_root(proxies) {
+            for (id, aabb) in proxies.iter() {
+                self.arrive(id.get(), aabb);
+            }
+        } else if self.root.is_some() {
+            for &id in proxies.moved() {
+                match proxies.get(id) {
+                    Some(aabb) => self.take_turn(id.get(), aabb),
+                    None => self.depart(id.get()),
+                }
+            }
+        }
+        self.restructure();
+    }
+
+    /// One object's turn: its box is this now.
+    fn take_turn(&mut self, object: u32, aabb: &Aabb3d) {
+        let Some(root) = self.root else { return };
+        let levels = root.levels(aabb, &self.settings);
+        let entry = &mut self.entries[object as usize];
+        if entry.leaves.is_empty() {
+            return self.arrive(object, aabb);
+        }
+        if entry.levels == levels && entry.stay.holds(aabb) {
+            entry.aabb = *aabb;
+            return;
+        }
+        // Neighbours are reached step by step, through space that the box overlaps now. That finds all of them only if
+        // the box still overlaps where it was; and counts against N stay right only if its size class is the same.
+        if entry.levels != levels || !overlap(&entry.aabb, aabb) {
+            self.depart(object);
+            return self.arrive(object, aabb);
+        }
+        let before = std::mem::replace(&mut entry.aabb, *aabb);
+        self.leave(object, aabb);
+        self.enter_neighbors(object, &before, aabb);
+        self.unsettle(object);
+    }
+
+    /// The report's first check: takes the object off the lists of the leaves that it has left, and marks the others
+    /// as holding it in this turn.
+    fn leave(&mut self, object: u32, aabb: &Aabb3d) {
+        let turn = self.next_turn();
+        let mut place = 0;
+        while let Some(&leaf) = self.entries[object as usize].leaves.get(place) {
+            let cell = self.tree.data_mut(leaf);
+            if cell.overlaps(aabb) {
+                cell.held = turn;
+                place += 1;
+            } else {
+                self.unlist(leaf, object);
+                self.entries[object as usize].leaves.swap_remove(place);
+            }
+        }
+    }
+
+    /// The report's second check: from each leaf that lists the object, looks at the neighbours in the directions in
+    /// which the box advanced, and enters the object in those that it overlaps now, from where the search goes on.
+    /// Marks on the cells keep a neighbour that several leaves share from being tested twice.
+    fn enter_neighbors(&mut self, object: u32, before: &Aabb3d, now: &Aabb3d) {
+        let turn = self.turn;
+        let directions = advance_directions(before, now);
+        let mut place = 0;
+        while let Some(&leaf) = self.entries[object as usize].leaves.get(place) {
+            place += 1;
+            for &direction in directions {
+                let Some(neighbor) = self.tree.neighbor(leaf, direction) else { continue };
+                let cell = self.tree.data_mut(neighbor);
+                if cell.tested != turn {
+                    cell.tested = turn;
+                    if cell.overlaps(now) {
+                        self.enter_below(neighbor, object, now);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Enters an object that is in no leaf.
+    pub(super) fn arrive(&mut self, object: u32, aabb: &Aabb3d) {
+        let Some(root) = self.root else { return };
+        let entry = &mut self.entries[object as usize];
+        debug_assert!(entry.leaves.is_empty());
+        entry.aabb = *aabb;
+        entry.levels = root.levels(aabb, &self.settings);
+        self.next_turn();
+        self.enter_below(NodeId::ROOT, object, aabb);
+        self.unsettle(object);
+    }
+
+    /// Takes an object off all lists.
+    fn depart(&mut self, object: u32) {
+        let leaves = std::mem::take(&mut self.entries[object as usize].leaves);
+        for &leaf in &leaves {
+            self.unlist(leaf, object);
+        }
+        self.entries[object as usize].stay = StayRegion::NOWHERE;
+    }
+
+    /// Enters an object in all leaves at or below a node that its box overlaps and that are not marked as holding it.
+    fn enter_below(&mut self, top: NodeId, object: u32, aabb: &Aabb3d) {
+        let mut stack: SmallVec<[NodeId; 32]> = SmallVec::new();
+        stack.push(top);
+        while let Some(node) = stack.pop() {
+            let children = self.tree.children(node);
+            let cell = self.tree.data_mut(node);
+            if children.len() > 0 {
+                let octants = cell.octants(aabb);
+                stack.extend(children.enumerate().filter(|(o, _)| octants >> o & 1 != 0).map(|(_, child)| child));
+            } else if cell.held != self.turn {
+                cell.held = self.turn;
+                self.list(node, object);
+            }
+        }
+    }
+
+    /// Puts an object on the list of a leaf.
+    pub(super) fn list(&mut self, leaf: NodeId, object: u32) {
+        let entry = &mut self.entries[object as usize];
+        entry.leaves.push(leaf);
+        let cell = self.tree.data_mut(leaf);
+        cell.list(object, entry.counts_in(cell.generation()));
+        if !cell.queued && must_split(cell, self.settings.max_objects, self.settings.max_depth) {
+            cell.queued = true;
+            self.overfull.push(leaf);
+        }
+    }
+
+    /// Takes an object off the list of a leaf, but not the leaf off the list of the object.
+    fn unlist(&mut self, leaf: NodeId, object: u32) {
+        let entry = &self.entries[object as usize];
+        let cell = self.tree.data_mut(leaf);
+        let was_listed = cell.unlist(object, entry.counts_in(cell.generation()));
+        debug_assert!(was_listed, "object {object} is not on the list of {leaf:?}");
+        if let Some(parent) = self.tree.parent(leaf) {
+            self.queue_merge(parent);
+        }
+    }
+
+    /// Has the object's stay region computed anew when the tree has its new shape.
+    pub(super) fn unsettle(&mut self, object: u32) {
+        let entry = &mut self.entries[object as usize];
+        if !entry.unsettled {
+            entry.unsettled = true;
+            self.unsettled.push(object);
+        }
+    }
+}
+
+/// Does a leaf list too many objects, above the depth limit?
+#[inline]
+pub(super) const fn must_split(cell: &Cell, max_objects: u32, max_depth: u32) -> bool {
+    cell.counted() > max_objects && cell.generation() < max_depth
+}
+
+/// The directions that lead into the space that the box `now` covers and `before` did not: every combination of the
+/// faces that moved outward. For a box that moves without growing these are the report's seven directions of the
+/// octant that it moves toward, less those along an axis on which it does not move.
+fn advance_directions(before: &Aabb3d, now: &Aabb3d) -> &'static [Direction] {
+    static DIRECTIONS: LazyLock<[Vec<Direction>; 64]> = LazyLock::new(|| {
+        std::array::from_fn(|faces| {
+            let advanced = |axis: usize, sign: i8| match sign {
+                0 => true,
+                1 => faces >> axis & 1 != 0,
+                _ => faces >> (axis + 3) & 1 != 0,
+            };
+            let leads_there = |direction: &Direction| {
+                direction.signs().into_iter().enumerate().all(|(axis, sign)| advanced(axis, sign))
+            };
+            Direction::ALL.into_iter().filter(leads_there).collect()
+        })
+    });
+    let upward = now.max.cmpgt(before.max).bitmask() as usize;
+    let downward = now.min.cmplt(before.min).bitmask() as usize;
+    &DIRECTIONS[downward << 3 | upward]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::math::Vec3;
+
+    #[test]
+    fn a_box_that_moves_advances_into_the_octant_of_its_motion() {
+        let before = Aabb3d::new(Vec3::ZERO, Vec3::ONE);
+        let to = |offset: Vec3| Aabb3d::new(offset, Vec3::ONE);
+        assert_eq!(advance_directions(&before, &before), []);
+        assert_eq!(advance_directions(&before, &to(Vec3::X)), ["R".parse().unwrap()]);
+        let mut seven: Vec<_> = crate::octree::directions_toward(Vec3::new(1.0, -1.0, 1.0)).to_vec();
+        let mut found = advance_directions(&before, &to(Vec3::new(0.1, -0.1, 0.1))).to_vec();
+        seven.sort_by_key(|direction| direction.index());
+        found.sort_by_key(|direction| direction.index());
+        assert_eq!(found, seven);
+        let grown = Aabb3d::new(Vec3::ZERO, Vec3::splat(2.0));
+        assert_eq!(advance_directions(&before, &grown).len(), 26);
+    }
+}

@@ -1,0 +1,149 @@
+//! Splits and merges: the tree takes its canonical shape.
+
+use bevy::math::bounding::Aabb3d;
+
+use super::{ObjectOctree, StayRegion, maintain::must_split};
+use crate::octree::{NodeId, Vertex};
+
+impl ObjectOctree {
+    /// Merges and splits what maintenance has queued, and settles the objects whose leaves changed.
+    pub(super) fn restructure(&mut self) {
+        self.merge_shrunk();
+        self.split_overfull();
+        self.settle();
+    }
+
+    /// Puts a node that may have to merge in the queue.
+    pub(super) fn queue_merge(&mut self, node: NodeId) {
+        let cell = self.tree.data_mut(node);
+        if !cell.queued {
+            cell.queued = true;
+            self.shrunk.push(node);
+        }
+    }
+
+    /// Merges leaves that list at most N distinct objects with their siblings, and goes on with the parents. No node
+    /// is made here, so that the handle of a node that is gone names no other.
+    fn merge_shrunk(&mut self) {
+        let mut place = 0;
+        while let Some(&node) = self.shrunk.get(place) {
+            place += 1;
+            if !self.tree.contains(node) {
+                continue;
+            }
+            self.tree.data_mut(node).queued = false;
+            if let Some((objects, counted)) = self.mergeable(node) {
+                self.merge(node, objects, counted);
+                if let Some(parent) = self.tree.parent(node) {
+                    self.queue_merge(parent);
+                }
+            }
+        }
+        self.shrunk.clear();
+    }
+
+    /// The distinct objects of a node's eight leaves, and how many of them count against N; `None` if they are too
+    /// many, or the children are not all leaves.
+    fn mergeable(&mut self, node: NodeId) -> Option<(Vec<u32>, u32)> {
+        let children = self.tree.children(node);
+        let limit = self.settings.max_objects - self.settings.merge_slack;
+        let merges =
+            |child| !self.tree.is_split(child) && self.tree.data(child).counted() <= limit;
+        if children.len() == 0 || !children.clone().all(merges) {
+            return None;
+        }
+        let generation = self.tree.data(node).generation();
+        let turn = self.next_turn();
+        self.seen.resize(self.entries.len(), 0);
+        let mut objects = self.spare.pop().unwrap_or_default();
+        let mut counted = 0;
+        for child in children {
+            for &object in self.tree.data(child).listed() {
+                if std::mem::replace(&mut self.seen[object as usize], turn) != turn {
+                    objects.push(object);
+                    counted += u32::from(self.entries[object as usize].counts_in(generation));
+                }
+            }
+            if counted > limit {
+                self.recycle(objects);
+                return None;
+            }
+        }
+        Some((objects, counted))
+    }
+
+    fn merge(&mut self, node: NodeId, objects: Vec<u32>, counted: u32) {
+        for &object in &objects {
+            let entry = &mut self.entries[object as usize];
+            entry.leaves.retain(|leaf| self.tree.parent(*leaf) != Some(node));
+            entry.leaves.push(node);
+            self.unsettle(object);
+        }
+        let spare = &mut self.spare;
+        self.tree.join(node, |mut cell| {
+            let mut list = cell.take_list();
+            list.clear();
+            spare.push(list);
+        });
+        self.tree.data_mut(node).put_list(objects, counted);
+    }
+
+    /// Splits leaves that list more than N objects, and their children in turn, down to the depth limit.
+    fn split_overfull(&mut self) {
+        while let Some(leaf) = self.overfull.pop() {
+            if !self.tree.contains(leaf) {
+                continue;
+            }
+            let cell = self.tree.data_mut(leaf);
+            cell.queued = false;
+            if must_split(cell, self.settings.max_objects, self.settings.max_depth) && !self.tree.is_split(leaf) {
+                self.split(leaf);
+            }
+        }
+    }
+
+    fn split(&mut self, leaf: NodeId) {
+        let cell = self.tree.data_mut(leaf);
+        let objects = cell.take_list();
+        let frame = cell.frame();
+        let children = self.tree.split(leaf);
+        for (child, octant) in children.clone().zip(Vertex::ALL) {
+            let list = self.spare.pop().unwrap_or_default();
+            self.tree.data_mut(child).set_child_of(&frame, octant, list);
+        }
+        for &object in &objects {
+            let entry = &mut self.entries[object as usize];
+            let Aabb3d { min, max } = entry.aabb;
+            if let Some(place) = entry.leaves.iter().position(|listed| *listed == leaf) {
+                entry.leaves.swap_remove(place);
+            }
+            let octants = self.tree.data(leaf).octants(&Aabb3d { min, max });
+            for (octant, child) in children.clone().enumerate() {
+                if octants >> octant & 1 != 0 {
+                    self.list(child, object);
+                }
+            }
+            self.unsettle(object);
+        }
+        self.recycle(objects);
+    }
+
+    /// Computes the stay regions of the objects whose leaves changed.
+    fn settle(&mut self) {
+        for object in self.unsettled.drain(..) {
+            let entry = &mut self.entries[object as usize];
+            entry.unsettled = false;
+            let cells = entry.leaves.iter().map(|leaf| self.tree.data(*leaf));
+            entry.stay = if entry.leaves.is_empty() {
+                StayRegion::NOWHERE
+            } else {
+                StayRegion::new(&entry.aabb, cells)
+            };
+        }
+    }
+
+    fn recycle(&mut self, mut list: Vec<u32>) {
+        list.clear();
+        self.spare.push(list);
+    }
+}

@@ -1,0 +1,169 @@
+//! The settings of the N-objects octree.
+
+use bevy::prelude::*;
+use thiserror::Error;
+
+/// How the root cell of an [`ObjectOctree`](super::ObjectOctree) is laid.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+pub enum RootPolicy {
+    /// A cube around the centre of the bounding box of all objects at the first update, its side this multiple of the
+    /// box's longest side. The report's heuristic is 1.5.
+    Fit {
+        /// Side of the root over the longest side of the bounding box; at least 1.
+        scale: f32,
+    },
+    /// A cube that the user lays, where the extent of the scene is known.
+    Cube {
+        /// Its centre.
+        center: Vec3,
+        /// Half its side; more than 0.
+        half_size: f32,
+    },
+}
+
+impl Default for RootPolicy {
+    fn default() -> Self {
+        Self::Fit { scale: 1.5 }
+    }
+}
+
+/// The parameters of an [`ObjectOctree`](super::ObjectOctree).
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+pub struct ObjectOctreeSettings {
+    /// The report's N: a leaf that lists more objects than this splits, unless it is at the depth limit. At least 1.
+    ///
+    /// Small values make many small leaves: few boxes are compared, and much is maintained. Large values do the
+    /// opposite.
+    pub max_objects: u32,
+    /// The depth limit: no node has a generation above this. From 1 to [`MAX_DEPTH`](Self::MAX_DEPTH).
+    ///
+    /// Without it, objects in one spot would split for ever.
+    pub max_depth: u32,
+    /// How the root cell is laid.
+    pub root: RootPolicy,
+    /// How often the root cell may double toward objects that leave it. Objects beyond the root are still found: they
+    /// are listed in the outermost cells, which reach to infinity. The bound keeps a single runaway from making the
+    /// root so large that all others share a few cells at the depth limit.
+    pub max_doublings: u32,
+    /// Eight leaves merge when they list at most `max_objects - merge_slack` distinct objects between them. With a
+    /// slack above 0, objects that wander to and fro across a border do not split and merge the same nodes at each
+    /// crossing; the tree then depends on its history. Below `max_objects`.
+    pub merge_slack: u32,
+}
+
+impl Default for ObjectOctreeSettings {
+    fn default() -> Self {
+        Self { max_objects: 16, max_depth: 16, root: RootPolicy::default(), max_doublings: 16, merge_slack: 0 }
+    }
+}
+
+impl ObjectOctreeSettings {
+    /// The largest depth limit: an `f32` tells no more than 2²⁴ cells apart along an axis.
+    pub const MAX_DEPTH: u32 = 24;
+
+    /// The defaults, with another N.
+    #[must_use]
+    pub fn with_max_objects(max_objects: u32) -> Self {
+        Self { max_objects, ..Self::default() }
+    }
+
+    /// Checks every setting.
+    ///
+    /// # Errors
+    /// Names the setting that is out of range, its value, and the range.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        if self.max_objects == 0 {
+            return Err(SettingsError::MaxObjects);
+        }
+        if !(1..=Self::MAX_DEPTH).contains(&self.max_depth) {
+            return Err(SettingsError::MaxDepth(self.max_depth));
+        }
+        if self.merge_slack >= self.max_objects {
+            return Err(SettingsError::MergeSlack { slack: self.merge_slack, max_objects: self.max_objects });
+        }
+        match self.root {
+            RootPolicy::Fit { scale } if !(scale.is_finite() && scale >= 1.0) => Err(SettingsError::RootScale(scale)),
+            RootPolicy::Cube { center, half_size }
+                if !(center.is_finite() && half_size.is_finite() && half_size > 0.0) =>
+            {
+                Err(SettingsError::RootCube { center, half_size })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The nearest settings that pass the [`check`](Self::check), with a warning in the log for what was out of range.
+    #[must_use]
+    pub fn clamped(&self) -> Self {
+        let mut settings = *self;
+        while let Err(error) = settings.check() {
+            tracing::warn!("{error}; the nearest allowed value is used");
+            match error {
+                SettingsError::MaxObjects => settings.max_objects = 1,
+                SettingsError::MaxDepth(depth) => settings.max_depth = depth.clamp(1, Self::MAX_DEPTH),
+                SettingsError::MergeSlack { .. } => settings.merge_slack = settings.max_objects - 1,
+                SettingsError::RootScale(scale) if scale < 1.0 => settings.root = RootPolicy::Fit { scale: 1.0 },
+                SettingsError::RootScale(_) | SettingsError::RootCube { .. } => settings.root = RootPolicy::default(),
+            }
+        }
+        settings
+    }
+}
+
+/// A setting of the N-objects octree that is out of range.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum SettingsError {
+    /// N is 0.
+    #[error("max_objects is 0: a leaf must be able to list at least 1 object")]
+    MaxObjects,
+    /// The depth limit is 0 or too large.
+    #[error("max_depth is {0}: expected 1 to {max}", max = ObjectOctreeSettings::MAX_DEPTH)]
+    MaxDepth(u32),
+    /// The slack leaves nothing to merge.
+    #[error("merge_slack is {slack}: expected less than max_objects, which is {max_objects}")]
+    MergeSlack {
+        /// The slack given.
+        slack: u32,
+        /// N.
+        max_objects: u32,
+    },
+    /// The root would not hold all objects, or be infinite.
+    #[error("the root's scale is {0}: expected a finite number, at least 1")]
+    RootScale(f32),
+    /// The root is no cube.
+    #[error("the root cube has the centre {center} and half size {half_size}: expected finite numbers, half size above 0")]
+    RootCube {
+        /// The centre given.
+        center: Vec3,
+        /// The half size given.
+        half_size: f32,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_setting_out_of_range_is_named_and_can_be_clamped() {
+        let good = ObjectOctreeSettings::default();
+        assert_eq!(good.check(), Ok(()));
+        assert_eq!(good.clamped(), good);
+        let cube = |half_size| RootPolicy::Cube { center: Vec3::ZERO, half_size };
+        let bad = [
+            (ObjectOctreeSettings { max_objects: 0, ..good }, "max_objects is 0"),
+            (ObjectOctreeSettings { max_depth: 0, ..good }, "max_depth is 0"),
+            (ObjectOctreeSettings { max_depth: 25, ..good }, "max_depth is 25"),
+            (ObjectOctreeSettings { merge_slack: 16, ..good }, "merge_slack is 16"),
+            (ObjectOctreeSettings { root: RootPolicy::Fit { scale: 0.5 }, ..good }, "scale is 0.5"),
+            (ObjectOctreeSettings { root: RootPolicy::Fit { scale: f32::NAN }, ..good }, "scale is NaN"),
+            (ObjectOctreeSettings { root: cube(0.0), ..good }, "half size 0"),
+            (ObjectOctreeSettings { root: cube(f32::INFINITY), ..good }, "half size inf"),
+        ];
+        for (settings, expected) in bad {
+            let error = settings.check().unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+            assert_eq!(settings.clamped().check(), Ok(()));
+        }
+    }
+}

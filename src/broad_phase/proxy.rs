@@ -1,0 +1,327 @@
+//! Proxies: the boxes of the objects, behind stable handles.
+
+use bevy::math::bounding::Aabb3d;
+use thiserror::Error;
+
+/// The handle of one object's box in a [`SpatialIndex`](super::SpatialIndex).
+///
+/// Handles are dense, from 0 up. A handle stays the same until its object is removed; after that it is not handed
+/// out again before two more updates have passed, so that whoever compares one tick with the next never takes one
+/// object for another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ProxyId(u32);
+
+impl ProxyId {
+    /// The handle with this index.
+    #[inline]
+    #[must_use]
+    pub const fn new(index: u32) -> Self {
+        Self(index)
+    }
+
+    /// The position in arrays that run parallel to the proxies.
+    #[inline]
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+
+    /// The index as the 32-bit number that it is stored as.
+    #[inline]
+    #[must_use]
+    pub const fn get(self) -> u32 {
+        self.0
+    }
+}
+
+/// Why a box cannot be indexed.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum BoxError {
+    /// A corner is NaN or infinite.
+    #[error("the box has a corner that is not finite: min {:?}, max {:?}", .0.min, .0.max)]
+    NotFinite(Aabb3d),
+    /// A minimum lies above its maximum.
+    #[error("the box is inverted: min {:?}, max {:?}", .0.min, .0.max)]
+    Inverted(Aabb3d),
+    /// There is no such object, or no longer.
+    #[error("no object has the handle {0:?}")]
+    UnknownProxy(ProxyId),
+    /// All of the 2³² − 1 handles are in use.
+    #[error("the index is full: it holds {} objects", u32::MAX)]
+    Full,
+}
+
+/// Refuses boxes that are not finite, or inverted. A box without extent (a point) is fine.
+///
+/// # Errors
+/// [`BoxError::NotFinite`] and [`BoxError::Inverted`].
+#[inline]
+pub fn check_box(aabb: &Aabb3d) -> Result<(), BoxError> {
+    // Finite and ordered is the case to make fast: a NaN fails the comparison.
+    if aabb.min.cmple(aabb.max).all() && aabb.min.is_finite() && aabb.max.is_finite() {
+        return Ok(());
+    }
+    if aabb.min.is_finite() && aabb.max.is_finite() {
+        Err(BoxError::Inverted(*aabb))
+    } else {
+        Err(BoxError::NotFinite(*aabb))
+    }
+}
+
+/// Do two boxes overlap? Touching counts, as in [`Aabb3d`]'s own `intersects`.
+#[inline]
+#[must_use]
+pub fn overlap(a: &Aabb3d, b: &Aabb3d) -> bool {
+    a.min.cmple(b.max).all() && a.max.cmpge(b.min).all()
+}
+
+const ALIVE: u8 = 1;
+/// Changed since the last update.
+const PENDING: u8 = 2;
+/// Changed between the last two updates: what the current pairs are about.
+const MOVED: u8 = 4;
+
+/// The boxes of all objects, and which of them changed.
+///
+/// An implementation of [`BroadPhase`](super::BroadPhase) reads this and never writes it.
+#[derive(Clone, Debug, Default)]
+pub struct Proxies {
+    boxes: Vec<Aabb3d>,
+    flags: Vec<u8>,
+    pending: Vec<ProxyId>,
+    moved: Vec<ProxyId>,
+    /// Removed since the last update, removed before it, and free.
+    dying: Vec<ProxyId>,
+    dead: Vec<ProxyId>,
+    free: Vec<ProxyId>,
+    alive: usize,
+}
+
+impl Proxies {
+    /// The number of objects.
+    #[inline]
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.alive
+    }
+
+    /// Is there no object at all?
+    #[inline]
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.alive == 0
+    }
+
+    /// One more than the largest index in use: the length of arrays that run parallel to the proxies.
+    #[inline]
+    #[must_use]
+    pub const fn capacity(&self) -> usize {
+        self.boxes.len()
+    }
+
+    /// Is there an object with this handle?
+    #[inline]
+    #[must_use]
+    pub fn contains(&self, id: ProxyId) -> bool {
+        self.flags.get(id.index()).is_some_and(|f| f & ALIVE != 0)
+    }
+
+    /// The box of an object, or `None` if there is no such object.
+    #[inline]
+    #[must_use]
+    pub fn get(&self, id: ProxyId) -> Option<&Aabb3d> {
+        self.contains(id).then(|| &self.boxes[id.index()])
+    }
+
+    /// All boxes by index, those of removed objects included: for the inner loops of a broad phase.
+    #[inline]
+    #[must_use]
+    pub fn boxes(&self) -> &[Aabb3d] {
+        &self.boxes
+    }
+
+    /// Was the object inserted, moved or touched between the last two updates?
+    #[inline]
+    #[must_use]
+    pub fn is_moved(&self, id: ProxyId) -> bool {
+        self.flags[id.index()] & (ALIVE | MOVED) == ALIVE | MOVED
+    }
+
+    /// Has the object a part in the pairs of this tick without having moved?
+    #[inline]
+    #[must_use]
+    pub fn is_resting(&self, id: ProxyId) -> bool {
+        self.flags.get(id.index()).is_some_and(|f| f & (ALIVE | MOVED) == ALIVE)
+    }
+
+    /// The objects that were inserted, moved, touched or removed between the last two updates, each once, in the
+    /// order of their first change. Those for which [`contains`](Self::contains) is false were removed.
+    #[inline]
+    #[must_use]
+    pub fn moved(&self) -> &[ProxyId] {
+        &self.moved
+    }
+
+    /// Are there changes that no update has taken up yet?
+    #[inline]
+    #[must_use]
+    pub const fn has_pending(&self) -> bool {
+        !self.pending.is_empty()
+    }
+
+    /// All objects, by ascending handle. O(capacity).
+    pub fn iter(&self) -> impl Iterator<Item = (ProxyId, &Aabb3d)> {
+        (0..).map(ProxyId).zip(&self.boxes).zip(&self.flags).filter(|(_, f)| *f & ALIVE != 0).map(|(item, _)| item)
+    }
+
+    /// The memory taken, in bytes.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        let lists = [&self.pending, &self.moved, &self.dying, &self.dead, &self.free];
+        self.boxes.capacity() * size_of::<Aabb3d>()
+            + self.flags.capacity()
+            + lists.iter().map(|list| list.capacity() * size_of::<ProxyId>()).sum::<usize>()
+    }
+
+    pub(super) fn insert(&mut self, aabb: Aabb3d) -> Result<ProxyId, BoxError> {
+        check_box(&aabb)?;
+        let id = match self.free.pop() {
+            Some(id) => {
+                self.boxes[id.index()] = aabb;
+                id
+            }
+            None => {
+                let index = u32::try_from(self.boxes.len()).ok().filter(|i| *i != u32::MAX).ok_or(BoxError::Full)?;
+                self.boxes.push(aabb);
+                self.flags.push(0);
+                ProxyId(index)
+            }
+        };
+        self.flags[id.index()] = ALIVE;
+        self.mark(id);
+        self.alive += 1;
+        Ok(id)
+    }
+
+    #[inline]
+    pub(super) fn set(&mut self, id: ProxyId, aabb: &Aabb3d) -> Result<(), BoxError> {
+        check_box(aabb)?;
+        if !self.contains(id) {
+            return Err(BoxError::UnknownProxy(id));
+        }
+        let old = &mut self.boxes[id.index()];
+        if old.min != aabb.min || old.max != aabb.max {
+            *old = *aabb;
+            self.mark(id);
+        }
+        Ok(())
+    }
+
+    pub(super) fn touch(&mut self, id: ProxyId) -> bool {
+        let known = self.contains(id);
+        if known {
+            self.mark(id);
+        }
+        known
+    }
+
+    pub(super) fn touch_all(&mut self) {
+        for index in 0..self.boxes.len() {
+            if self.flags[index] & ALIVE != 0 {
+                self.mark(ProxyId(index as u32));
+            }
+        }
+    }
+
+    pub(super) fn remove(&mut self, id: ProxyId) -> bool {
+        if !self.contains(id) {
+            return false;
+        }
+        self.flags[id.index()] &= !ALIVE;
+        self.mark(id);
+        self.dying.push(id);
+        self.alive -= 1;
+        true
+    }
+
+    /// Makes the pending changes the current ones.
+    pub(super) fn begin_update(&mut self) {
+        for id in self.moved.drain(..) {
+            self.flags[id.index()] &= !MOVED;
+        }
+        std::mem::swap(&mut self.moved, &mut self.pending);
+        for id in &self.moved {
+            let flags = &mut self.flags[id.index()];
+            *flags = *flags & ALIVE | MOVED;
+        }
+        self.free.append(&mut self.dead);
+        std::mem::swap(&mut self.dead, &mut self.dying);
+    }
+
+    #[inline]
+    fn mark(&mut self, id: ProxyId) {
+        let flags = &mut self.flags[id.index()];
+        if *flags & PENDING == 0 {
+            *flags |= PENDING;
+            self.pending.push(id);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::math::Vec3;
+
+    fn unit(x: f32) -> Aabb3d {
+        Aabb3d::new(Vec3::new(x, 0.0, 0.0), Vec3::splat(0.5))
+    }
+
+    #[test]
+    fn bad_boxes_are_refused_by_name() {
+        let mut proxies = Proxies::default();
+        let nan = Aabb3d { min: Vec3::NAN.into(), max: Vec3::ONE.into() };
+        assert!(matches!(proxies.insert(nan), Err(BoxError::NotFinite(_))));
+        let endless = Aabb3d { min: Vec3::ZERO.into(), max: Vec3::INFINITY.into() };
+        assert!(matches!(proxies.insert(endless), Err(BoxError::NotFinite(_))));
+        let inverted = Aabb3d { min: Vec3::ONE.into(), max: Vec3::ZERO.into() };
+        assert!(matches!(proxies.insert(inverted), Err(BoxError::Inverted(_))));
+        assert!(proxies.is_empty());
+        let point = Aabb3d { min: Vec3::ONE.into(), max: Vec3::ONE.into() };
+        let id = proxies.insert(point).unwrap();
+        assert!(matches!(proxies.set(id, &nan), Err(BoxError::NotFinite(_))));
+        assert_eq!(proxies.get(id), Some(&point));
+        assert_eq!(proxies.set(ProxyId(7), &point), Err(BoxError::UnknownProxy(ProxyId(7))));
+    }
+
+    #[test]
+    fn a_handle_is_reused_only_after_two_updates() {
+        let mut proxies = Proxies::default();
+        let first = proxies.insert(unit(0.0)).unwrap();
+        proxies.begin_update();
+        assert!(proxies.remove(first));
+        assert!(!proxies.remove(first));
+        for _ in 0..2 {
+            assert_ne!(proxies.insert(unit(1.0)).unwrap(), first);
+            proxies.begin_update();
+        }
+        assert_eq!(proxies.insert(unit(2.0)).unwrap(), first);
+    }
+
+    #[test]
+    fn moved_lists_each_change_once_and_unchanged_boxes_never() {
+        let mut proxies = Proxies::default();
+        let [a, b, c] = [0.0, 1.0, 2.0].map(|x| proxies.insert(unit(x)).unwrap());
+        proxies.begin_update();
+        assert_eq!(proxies.moved(), [a, b, c]);
+        proxies.set(b, &unit(5.0)).unwrap();
+        proxies.set(b, &unit(6.0)).unwrap();
+        proxies.set(a, &unit(0.0)).unwrap();
+        proxies.touch(c);
+        proxies.begin_update();
+        assert_eq!(proxies.moved(), [b, c]);
+        assert!(proxies.is_resting(a) && proxies.is_moved(b) && proxies.is_moved(c));
+        proxies.begin_update();
+        assert!(proxies.moved().is_empty() && proxies.is_resting(b));
+    }
+}
