@@ -294,13 +294,13 @@ impl Direction {
         all
     };
 
-    /// The direction of each offset, x fastest; no direction in the middle.
-    const BY_OFFSET: [Option<Self>; 27] = {
+    /// The direction of each triple of signs, x fastest; no direction in the middle.
+    const BY_SIGNS: [Option<Self>; 27] = {
         let mut table = [None; 27];
         let mut i = 0;
         while i < 26 {
             let [x, y, z] = Self::ALL[i].signs();
-            table[((x + 1) + (y + 1) * 3 + (z + 1) * 9) as usize] = Some(Self::ALL[i]);
+            table[Self::place(x, y, z)] = Some(Self::ALL[i]);
             i += 1;
         }
         table
@@ -350,16 +350,29 @@ impl Direction {
         }
     }
 
-    /// The direction whose [`offset`](Self::offset) this is: [`None`] for zero, and if a component is not −1, 0 or 1.
+    /// The direction whose [`offset`](Self::offset) this is: [`None`] for zero, and if a component
+    /// is not −1, 0 or 1.
     #[inline]
     #[must_use]
     pub fn from_offset(offset: IVec3) -> Option<Self> {
         let is_step = offset.min_element() >= -1 && offset.max_element() <= 1;
-        if !is_step {
-            return None;
+        if is_step {
+            Self::from_signs(offset.to_array().map(|component| component as i8))
+        } else {
+            None
         }
-        let place = (offset + IVec3::ONE).dot(IVec3::new(1, 3, 9));
-        Self::BY_OFFSET[place as usize]
+    }
+
+    /// The direction whose [`signs`](Self::signs) these are, each −1, 0 or 1; [`None`] if all are 0.
+    #[inline]
+    pub(super) const fn from_signs([x, y, z]: [i8; 3]) -> Option<Self> {
+        Self::BY_SIGNS[Self::place(x, y, z)]
+    }
+
+    /// The place of these signs in [`BY_SIGNS`](Self::BY_SIGNS).
+    #[inline]
+    const fn place(x: i8, y: i8, z: i8) -> usize {
+        ((x + 1) + (y + 1) * 3 + (z + 1) * 9) as usize
     }
 
     /// The direction that points the other way.
