@@ -7,9 +7,7 @@ use super::{BroadPhase, BroadPhaseStats, EVERYWHERE, Pair, Proxies, ProxyId, Vis
 /// Time per tick is O(m·n) for m moved objects among n, with a small constant; there is nothing to maintain. It is
 /// the reference that the other implementations are checked against, and the fastest for a handful of objects.
 #[derive(Clone, Debug, Default)]
-pub struct Exhaustive {
-    pairs_tested: u64,
-}
+pub struct Exhaustive;
 
 impl BroadPhase for Exhaustive {
     fn name(&self) -> &'static str {
@@ -18,9 +16,8 @@ impl BroadPhase for Exhaustive {
 
     fn maintain(&mut self, _: &Proxies) {}
 
-    fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) {
+    fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {
         let boxes = proxies.boxes();
-        self.pairs_tested = tests(proxies);
         for &id in proxies.moved() {
             let Some(aabb) = proxies.get(id) else { continue };
             for (index, other) in boxes.iter().enumerate() {
@@ -35,6 +32,7 @@ impl BroadPhase for Exhaustive {
                 }
             }
         }
+        distinct_pairs(proxies)
     }
 
     fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor) {
@@ -46,12 +44,12 @@ impl BroadPhase for Exhaustive {
     }
 
     fn stats(&self) -> BroadPhaseStats {
-        BroadPhaseStats { pairs_tested: self.pairs_tested, ..BroadPhaseStats::default() }
+        BroadPhaseStats::default()
     }
 }
 
 /// The number of distinct pairs with an object that moved.
-fn tests(proxies: &Proxies) -> u64 {
+fn distinct_pairs(proxies: &Proxies) -> u64 {
     let all = proxies.len() as u64;
     let moved = proxies.moved().iter().filter(|id| proxies.contains(**id)).count() as u64;
     moved * (all - moved) + moved * moved.saturating_sub(1) / 2

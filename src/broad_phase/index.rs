@@ -13,6 +13,7 @@ pub struct SpatialIndex {
     proxies: Proxies,
     engine: Box<dyn BroadPhase>,
     pairs: PairSet,
+    pairs_tested: u64,
     /// Have the pairs been searched for since the last update?
     searched: bool,
     /// Has an update been passed over without a search, so that the kept pairs are out of date?
@@ -29,7 +30,7 @@ impl SpatialIndex {
     /// An empty index around an implementation of [`BroadPhase`], which must be empty too.
     #[must_use]
     pub fn with_engine(engine: Box<dyn BroadPhase>) -> Self {
-        Self { proxies: Proxies::default(), engine, pairs: PairSet::default(), searched: true, stale: false }
+        Self { proxies: Proxies::default(), engine, pairs: PairSet::default(), pairs_tested: 0, searched: true, stale: false }
     }
 
     /// Searches by another method from now on. All objects stay, and take part in the next update as if they had
@@ -78,6 +79,11 @@ impl SpatialIndex {
         self.proxies.touch(id)
     }
 
+    /// Counts all objects as moved. O(n).
+    pub fn touch_all(&mut self) {
+        self.proxies.touch_all();
+    }
+
     /// Removes an object. False if there is none. O(1).
     pub fn remove(&mut self, id: ProxyId) -> bool {
         self.proxies.remove(id)
@@ -108,7 +114,7 @@ impl SpatialIndex {
         }
         if !self.searched {
             let found = self.pairs.begin(&self.proxies);
-            self.engine.find_pairs(&self.proxies, found);
+            self.pairs_tested = self.engine.find_pairs(&self.proxies, found);
             self.searched = true;
         }
         &self.pairs
@@ -120,12 +126,18 @@ impl SpatialIndex {
         &self.pairs
     }
 
+    /// How many pairs of boxes the last search compared.
+    #[must_use]
+    pub const fn pairs_tested(&self) -> u64 {
+        self.pairs_tested
+    }
+
     /// Lets a visitor walk through the index as of the last update: see [`BroadPhase::traverse`].
     pub fn traverse(&self, visitor: &mut dyn Visitor) {
         self.engine.traverse(&self.proxies, visitor);
     }
 
-    /// Figures about the broad phase.
+    /// Figures about the broad phase. Takes time linear in its size.
     #[must_use]
     pub fn stats(&self) -> BroadPhaseStats {
         self.engine.stats()

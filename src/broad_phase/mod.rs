@@ -59,21 +59,24 @@
 //!         self.order.sort_by(|a, b| low(a).total_cmp(&low(b)));
 //!     }
 //!
-//!     fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) {
+//!     fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {
 //!         let boxes = proxies.boxes();
+//!         let mut compared = 0;
 //!         for (i, &a) in self.order.iter().enumerate() {
 //!             let reach = boxes[a.index()].max.x;
 //!             for &b in self.order[i + 1..].iter().take_while(|b| boxes[b.index()].min.x <= reach) {
+//!                 compared += 1;
 //!                 let moved = proxies.is_moved(a) || proxies.is_moved(b);
 //!                 if moved && overlap(&boxes[a.index()], &boxes[b.index()]) {
 //!                     pairs.push(Pair::new(a, b));
 //!                 }
 //!             }
 //!         }
+//!         compared
 //!     }
 //!
 //!     fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor) {
-//!         Exhaustive::default().traverse(proxies, visitor);
+//!         Exhaustive.traverse(proxies, visitor);
 //!     }
 //!
 //!     fn stats(&self) -> BroadPhaseStats {
@@ -119,8 +122,9 @@ pub trait BroadPhase: Send + Sync + 'static {
     fn maintain(&mut self, proxies: &Proxies);
 
     /// Appends every pair of overlapping boxes of which at least one [moved](Proxies::is_moved), each once. The pairs
-    /// of resting objects are kept by the caller and must not be given.
-    fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>);
+    /// of resting objects are kept by the caller and must not be given. Returns the number of pairs of boxes that it
+    /// compared.
+    fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64;
 
     /// Walks the index from coarse to fine: calls [`Visitor::enter`] with boxes that bound groups of objects, and
     /// [`Visitor::object`] with the objects of the groups that the visitor enters. Queries are written against this.
@@ -155,8 +159,6 @@ pub struct BroadPhaseStats {
     pub depth: u32,
     /// Entries in all leaves together: an object counts once for each leaf that lists it.
     pub entries: usize,
-    /// Pairs of boxes compared in the last search.
-    pub pairs_tested: u64,
     /// Memory taken, in bytes, that of the [`Proxies`] not included.
     pub bytes: usize,
 }

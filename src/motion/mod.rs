@@ -1,1 +1,104 @@
-//! Motion: velocities, position tracks, the clock.
+//! Motion: velocities, position tracks and the clock (Swan 1994, sections 1.2 and 1.3).
+
+use bevy::{ecs::schedule::InternedScheduleLabel, prelude::*};
+
+use crate::plugin::CollisionSystems;
+
+/// How fast and where to an entity moves, in units per second, in the space of its parent.
+///
+/// The report gives each object a direction and a speed; this is their product. A velocity that is not finite moves
+/// nothing, with a warning in the log.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect, Deref, DerefMut)]
+#[reflect(Component, Debug, Default, PartialEq)]
+#[require(Transform)]
+pub struct Velocity(pub Vec3);
+
+/// Counts ticks from zero: the runs of the schedule that the plugins are in.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Resource, Debug, Default, PartialEq)]
+pub struct CollisionClock {
+    tick: u64,
+}
+
+impl CollisionClock {
+    /// The number of the current tick: 0 during the first, and one more after each.
+    #[must_use]
+    pub const fn tick(&self) -> u64 {
+        self.tick
+    }
+
+    /// Sets the clock, as to play position tracks from another tick on.
+    pub const fn set_tick(&mut self, tick: u64) {
+        self.tick = tick;
+    }
+
+    pub(crate) fn advance(mut clock: ResMut<Self>) {
+        clock.tick += 1;
+    }
+}
+
+/// Settings of the motion.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Resource, Debug, Default, PartialEq)]
+pub struct MotionSettings {
+    /// How much time passes in a tick.
+    pub step: Step,
+}
+
+/// How much time passes in a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+pub enum Step {
+    /// What [`Time`] says in the schedule that the plugins are in: the fixed timestep in fixed schedules. Nothing if
+    /// the app has no `Time`.
+    #[default]
+    Time,
+    /// So many seconds, whatever the time. A number that is negative or not finite lets no time pass, with a warning
+    /// in the log.
+    Seconds(f32),
+}
+
+impl Step {
+    /// The seconds of a tick; `None` for a step that is negative or not finite.
+    fn seconds(self, time: Option<&Time>) -> Option<f32> {
+        match self {
+            Self::Time => Some(time.map_or(0.0, Time::delta_secs)),
+            Self::Seconds(seconds) => (seconds.is_finite() && seconds >= 0.0).then_some(seconds),
+        }
+    }
+}
+
+/// Moves entities, each tick.
+#[derive(Clone, Debug)]
+pub struct MotionPlugin(pub(crate) InternedScheduleLabel);
+
+impl Plugin for MotionPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(self.0, move_by_velocity.in_set(CollisionSystems::Motion));
+    }
+}
+
+fn move_by_velocity(
+    mut moving: Query<(Entity, &Velocity, &mut Transform)>,
+    settings: Res<MotionSettings>,
+    time: Option<Res<Time>>,
+    mut warned: Local<bool>,
+) {
+    let Some(seconds) = settings.step.seconds(time.as_deref()) else {
+        if !std::mem::replace(&mut *warned, true) {
+            tracing::warn!("nothing moves: the step is {:?}, expected seconds, finite and not negative", settings.step);
+        }
+        return;
+    };
+    *warned = false;
+    for (entity, velocity, mut transform) in &mut moving {
+        // What does not move must not count as changed.
+        if velocity.0 == Vec3::ZERO || seconds == 0.0 {
+            continue;
+        }
+        if velocity.0.is_finite() {
+            transform.translation += velocity.0 * seconds;
+        } else {
+            tracing::warn!("{entity} does not move: its velocity is {}", velocity.0);
+        }
+    }
+}

@@ -202,8 +202,8 @@ impl BroadPhase for ObjectOctree {
         self.take_up(proxies);
     }
 
-    fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) {
-        self.search_leaves(proxies, pairs);
+    fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {
+        self.search_leaves(proxies, pairs)
     }
 
     fn traverse(&self, _: &Proxies, visitor: &mut dyn Visitor) {
@@ -226,7 +226,6 @@ impl BroadPhase for ObjectOctree {
         let mut stats = BroadPhaseStats {
             nodes: self.tree.node_count(),
             leaves: self.tree.leaf_count(),
-            pairs_tested: self.search.pairs_tested,
             bytes: self.tree.memory_bytes()
                 + self.entries.capacity() * size_of::<Entry>()
                 + self.seen.capacity() * size_of::<u64>(),

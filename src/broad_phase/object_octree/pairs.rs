@@ -14,14 +14,14 @@ pub(super) struct Search {
     /// The objects of the current leaf, those that moved first: boxes in one place, whatever their order in memory.
     boxes: Vec<Aabb3d>,
     ids: Vec<ProxyId>,
-    pub(super) pairs_tested: u64,
+    compared: u64,
 }
 
 impl ObjectOctree {
     /// Finds the pairs of all leaves that list an object that moved, and another.
-    pub(super) fn search_leaves(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) {
+    pub(super) fn search_leaves(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {
         let mut search = std::mem::take(&mut self.search);
-        search.pairs_tested = 0;
+        search.compared = 0;
         let moved = proxies.moved();
         if moved.len() * 4 > proxies.len() {
             // Most leaves are concerned: depth first through all of them.
@@ -39,7 +39,9 @@ impl ObjectOctree {
                 }
             }
         }
+        let compared = search.compared;
         self.search = search;
+        compared
     }
 }
 
@@ -61,7 +63,7 @@ impl Search {
                 return;
             }
             if wanted {
-                self.pairs_tested += tests(cell.listed().len(), self.ids.len());
+                self.compared += tests(cell.listed().len(), self.ids.len());
             }
         }
         let moved = self.ids.partition_point(|id| proxies.is_moved(*id));

@@ -1,0 +1,81 @@
+//! World boxes from transforms and shapes.
+
+use bevy::{ecs::schedule::InternedScheduleLabel, prelude::*};
+
+use crate::{
+    components::{BroadPhaseProxy, CollisionShape, WorldAabb},
+    narrow_phase::{NarrowPhase, Placed},
+    plugin::{CollisionSystems, NarrowPhaseSettings},
+};
+
+/// Computes the [`WorldAabb`] of every entity whose shape or place in the world changed.
+///
+/// The place is taken from the [`Transform`]s of the entity and its ancestors, not from `GlobalTransform`, which is up
+/// to date only after transform propagation: boxes are right in the tick in which something moved.
+///
+/// An entity whose box cannot be computed (a transform that is not finite, an unbounded shape) is left out of
+/// collision detection, with a warning in the log, until its transform or shape changes again.
+#[derive(Clone, Debug)]
+pub struct BoundsPlugin(pub(crate) InternedScheduleLabel);
+
+impl Plugin for BoundsPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(self.0, (update_roots, update_children).chain().in_set(CollisionSystems::Bounds))
+            .add_observer(on_unparented);
+    }
+}
+
+type Bounded<'a> =
+    (Entity, &'a CollisionShape, &'a Transform, &'a mut WorldAabb, &'a mut BroadPhaseProxy);
+type ChangedRoot = (Without<ChildOf>, Or<(Changed<Transform>, Changed<CollisionShape>, Changed<BroadPhaseProxy>)>);
+
+fn update_roots(mut roots: Query<Bounded, ChangedRoot>, settings: Res<NarrowPhaseSettings>) {
+    for (entity, shape, transform, mut aabb, mut proxy) in &mut roots {
+        proxy.bypass_change_detection().pose = *transform;
+        *aabb = world_aabb(settings.tests(), entity, shape, transform);
+    }
+}
+
+type Child<'a> = (Entity, Ref<'a, CollisionShape>, &'a mut WorldAabb, &'a mut BroadPhaseProxy);
+type Ancestor<'a> = (Ref<'a, Transform>, Option<Ref<'a, ChildOf>>);
+
+fn update_children(
+    mut children: Query<Child, With<ChildOf>>,
+    ancestors: Query<Ancestor>,
+    settings: Res<NarrowPhaseSettings>,
+) {
+    for (entity, shape, mut aabb, mut proxy) in &mut children {
+        let mut changed = shape.is_changed() || proxy.is_changed();
+        let mut world = GlobalTransform::IDENTITY;
+        let mut next = Some(entity);
+        while let Some(Ok((transform, parent))) = next.map(|ancestor| ancestors.get(ancestor)) {
+            changed |= transform.is_changed() || parent.as_ref().is_some_and(|parent| parent.is_changed());
+            world = *transform * world;
+            next = parent.map(|parent| parent.parent());
+        }
+        if changed {
+            let pose = world.compute_transform();
+            proxy.bypass_change_detection().pose = pose;
+            *aabb = world_aabb(settings.tests(), entity, &shape, &pose);
+        }
+    }
+}
+
+fn world_aabb(tests: &NarrowPhase, entity: Entity, shape: &CollisionShape, transform: &Transform) -> WorldAabb {
+    match tests.world_aabb(Placed::new(&shape.0, transform)) {
+        Ok(aabb) => WorldAabb(aabb),
+        Err(error) => {
+            tracing::warn!("{entity} is left out of collision detection: {error}");
+            WorldAabb::NONE
+        }
+    }
+}
+
+/// An entity that loses its parent is elsewhere from then on, and so are its descendants.
+fn on_unparented(event: On<Remove, ChildOf>, children: Query<&Children>, mut proxies: Query<&mut BroadPhaseProxy>) {
+    for entity in std::iter::once(event.entity).chain(children.iter_descendants(event.entity)) {
+        if let Ok(mut proxy) = proxies.get_mut(entity) {
+            proxy.set_changed();
+        }
+    }
+}
