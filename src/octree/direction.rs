@@ -1,7 +1,8 @@
 //! The 26 directions of a cubical lattice, by kind, and their names.
 //!
-//! A cube touches its equals across six faces, along twelve edges and at eight vertices. Each of these is a direction,
-//! named by the letters of the faces that meet there: `RU` is the edge between the right and the upper face.
+//! A cube touches its equals across six faces, along twelve edges and at eight vertices. Each of
+//! these is a direction, named by the letters of the faces that meet there: `RU` is the edge
+//! between the right and the upper face.
 //!
 //! | letter | face  | axis in Bevy's right-handed, −Z-forward space |
 //! |--------|-------|-----------------------------------------------|
@@ -12,8 +13,9 @@
 //! | `F`    | front | −z |
 //! | `B`    | back  | +z |
 //!
-//! The names are those of Swan, *Fast Collision Detection with an N-Objects Octree*, 1994, section 2.1, after Samet,
-//! *Applications of Spatial Data Structures*, 1990. Their undefined direction Ω is [`None`] here.
+//! The names are those of Swan, *Fast Collision Detection with an N-Objects Octree*, 1994, section
+//! 2.1, after Samet, *Applications of Spatial Data Structures*, 1990. Their undefined direction Ω
+//! is [`None`] here.
 
 use std::fmt;
 use std::str::FromStr;
@@ -58,7 +60,8 @@ const fn are_opposite(a: [i8; 3], b: [i8; 3]) -> bool {
     a[0] == -b[0] && a[1] == -b[1] && a[2] == -b[2]
 }
 
-/// Defines one kind of direction. The variants' names are the only source: signs and opposites follow from them.
+/// Defines one kind of direction. The variants' names are the only source: signs and opposites
+/// follow from them.
 macro_rules! direction_kind {
     (
         $(#[$kind_doc:meta])*
@@ -114,7 +117,8 @@ macro_rules! direction_kind {
                 Self::SIGNS[self as usize]
             }
 
-            /// The step to the neighbouring cell of a unit lattice: [`signs`](Self::signs) as a vector.
+            /// The step to the neighbouring cell of a unit lattice: [`signs`](Self::signs) as a
+            /// vector.
             #[inline]
             #[must_use]
             pub const fn offset(self) -> IVec3 {
@@ -208,10 +212,12 @@ direction_kind! {
 }
 
 direction_kind! {
-    /// A direction across one of a cube's eight vertices; equally one of the eight octants that a cube is split into.
+    /// A direction across one of a cube's eight vertices; equally one of the eight octants that a
+    /// cube is split into.
     ///
-    /// Bit 0 of the value is set on the right (+x), bit 1 on the upper side (+y), bit 2 at the back (+z): bit *i* says on
-    /// which side of axis *i* the octant lies, so that the value is the octant's place in a Z-order curve.
+    /// Bit 0 of the value is set on the right (+x), bit 1 on the upper side (+y), bit 2 at the back
+    /// (+z): bit *i* says on which side of axis *i* the octant lies, so that the value is the
+    /// octant's place in a Z-order curve.
     Vertex("vertex", 8) {
         /// Left, down, front.
         LDF,
@@ -233,8 +239,8 @@ direction_kind! {
 }
 
 impl Vertex {
-    /// The octant on the positive side of each axis whose bit (0 for x, 1 for y, 2 for z) is set in `bits`.
-    /// Higher bits are ignored.
+    /// The octant on the positive side of each axis whose bit (0 for x, 1 for y, 2 for z) is set in
+    /// `bits`. Higher bits are ignored.
     #[inline]
     #[must_use]
     pub const fn from_bits(bits: u32) -> Self {
@@ -363,7 +369,8 @@ impl Direction {
         }
     }
 
-    /// The direction whose [`signs`](Self::signs) these are, each −1, 0 or 1; [`None`] if all are 0.
+    /// The direction whose [`signs`](Self::signs) these are, each −1, 0 or 1; [`None`] if all are
+    /// 0.
     #[inline]
     pub(super) const fn from_signs([x, y, z]: [i8; 3]) -> Option<Self> {
         Self::BY_SIGNS[Self::place(x, y, z)]

@@ -8,8 +8,8 @@ use super::tree::{NodeId, Octree};
 
 /// The children of a node in the order of [`Vertex::ALL`]; empty for a leaf.
 ///
-/// It does not borrow the tree, so that the tree can change during the walk. Made by [`Octree::children`] and
-/// [`Octree::split`].
+/// It does not borrow the tree, so that the tree can change during the walk. Made by
+/// [`Octree::children`] and [`Octree::split`].
 #[derive(Clone, Debug)]
 pub struct Children {
     first: NodeId,
@@ -54,7 +54,8 @@ impl DoubleEndedIterator for Children {
 impl ExactSizeIterator for Children {}
 impl FusedIterator for Children {}
 
-/// The nodes of a subtree in depth-first order, a node before its children. Made by [`Octree::subtree`].
+/// The nodes of a subtree in depth-first order, a node before its children. Made by
+/// [`Octree::subtree`].
 #[derive(Clone, Debug)]
 pub struct Subtree<'a, T> {
     tree: &'a Octree<T>,

@@ -7,9 +7,9 @@
 //!
 //! To find it, ascend to the first ancestor that contains both cells, and descend the mirrored way.
 //! [`Direction::adj`], [`Vertex::common_edge`], [`Vertex::common_face`] and [`Edge::common_face`]
-//! tell at each step up in which direction, from the parent, the search goes on, or that it is over;
-//! [`Direction::reflect`] tells the way down (Samet, *Applications of Spatial Data Structures*,
-//! 1990, chapter 3). No coordinates are needed, nor the depth of the tree.
+//! tell at each step up in which direction, from the parent, the search goes on, or that it is
+//! over; [`Direction::reflect`] tells the way down (Samet, *Applications of Spatial Data
+//! Structures*, 1990, chapter 3). No coordinates are needed, nor the depth of the tree.
 
 use smallvec::SmallVec;
 
@@ -21,7 +21,8 @@ impl<T> Octree<T> {
     ///
     /// Takes time linear in the number of generations to the closest ancestor that contains both.
     /// On average over a full tree that is a constant; at worst, across the middle of the root or
-    /// out of it, it is the node's generation. Allocates only if it ascends more than 32 generations.
+    /// out of it, it is the node's generation. Allocates only if it ascends more than 32
+    /// generations.
     ///
     /// ```
     /// use bevy_octree::octree::{Direction, Edge, Octree, Vertex};

@@ -1,10 +1,10 @@
-//! The four primitives of neighbour-finding: *Adj*, *Reflect*, *CommonFace* and *CommonEdge*.
+//! The four primitives of neighbour-finding: `Adj`, `Reflect`, `CommonFace` and `CommonEdge`.
 //!
 //! All of them ask about a step in direction *I* from octant *O* of a block to the equally large
 //! cell there, and what the step does to the block around it. Each axis along which the step goes
 //! either stays in the block or leaves it, by whether the octant lies on the far or the near side.
 //! The axes that are left are again a direction, as seen from the block: it may be *I* itself
-//! (*Adj*), a lesser one (*CommonFace*, *CommonEdge*), or none if the step ends at a sibling.
+//! (`Adj`), a lesser one (`CommonFace`, `CommonEdge`), or none if the step ends at a sibling.
 //!
 //! ```
 //! use bevy_octree::octree::{Direction, Edge, Face, Vertex};
@@ -61,7 +61,7 @@ const AXES: [u8; 26] = {
 };
 
 impl Direction {
-    /// *Adj*: whether the octant touches this face, edge or vertex of its block, so that a step in
+    /// `Adj`: whether the octant touches this face, edge or vertex of its block, so that a step in
     /// this direction leaves the block in the same direction.
     #[inline]
     #[must_use]
@@ -72,7 +72,7 @@ impl Direction {
         }
     }
 
-    /// *Reflect*: the octant, of its own block, that a step in this direction leads to.
+    /// `Reflect`: the octant, of its own block, that a step in this direction leads to.
     #[inline]
     #[must_use]
     pub const fn reflect(self, octant: Vertex) -> Vertex {
@@ -91,7 +91,7 @@ impl Direction {
 }
 
 impl Edge {
-    /// *CommonFace*: the face of the octant's block that lies between the octant and its neighbour
+    /// `CommonFace`: the face of the octant's block that lies between the octant and its neighbour
     /// across this edge.
     ///
     /// [`None`] if the neighbour is a sibling, or lies across an edge of the block.
@@ -106,7 +106,7 @@ impl Edge {
 }
 
 impl Vertex {
-    /// *CommonFace*: the face of the octant's block that lies between the octant and its neighbour
+    /// `CommonFace`: the face of the octant's block that lies between the octant and its neighbour
     /// across this vertex.
     ///
     /// [`None`] if the neighbour is a sibling, or lies across an edge or a vertex of the block.
@@ -119,7 +119,7 @@ impl Vertex {
         }
     }
 
-    /// *CommonEdge*: the edge of the octant's block that lies between the octant and its neighbour
+    /// `CommonEdge`: the edge of the octant's block that lies between the octant and its neighbour
     /// across this vertex.
     ///
     /// [`None`] if the neighbour is a sibling, or lies across a face or a vertex of the block.

@@ -8,13 +8,14 @@ use super::iter::Children;
 
 /// A handle of a node of an [`Octree`].
 ///
-/// It stays valid until the node is removed ([`join`](Octree::join) of an ancestor, [`reset`](Octree::reset)). Handles are
-/// small and cheap, and know nothing of the tree: a removed node's handle names whichever node is given its place later.
-/// [`Octree::contains`] tells whether some node has it now.
+/// It stays valid until the node is removed ([`join`](Octree::join) of an ancestor,
+/// [`reset`](Octree::reset)). Handles are small and cheap, and know nothing of the tree: a removed
+/// node's handle names whichever node is given its place later. [`Octree::contains`] tells whether
+/// some node has it now.
 ///
 /// `Option<NodeId>` is no larger than `NodeId`.
-// Siblings stand in blocks of eight: the lower three bits are the child type, the others the block. Block 0 is the root's,
-// which takes slot 1 of it, so that no handle is zero.
+// Siblings stand in blocks of eight: the lower three bits are the child type, the others the block.
+// Block 0 is the root's, which takes slot 1 of it, so that no handle is zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NodeId(NonZeroU32);
 
@@ -22,8 +23,8 @@ impl NodeId {
     /// The root of every octree.
     pub const ROOT: Self = Self(NonZeroU32::MIN);
 
-    /// A small number that no other live node has, to find the node's entry in a table of one's own: always less than
-    /// [`Octree::index_bound`].
+    /// A small number that no other live node has, to find the node's entry in a table of one's
+    /// own: always less than [`Octree::index_bound`].
     #[inline]
     #[must_use]
     pub const fn index(self) -> usize {
@@ -70,30 +71,32 @@ impl NodeId {
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Node<T> {
-    /// The first of eight children; of a free block's first node, the first node of the next free block.
+    /// The first of eight children; of a free block's first node, the first node of the next free
+    /// block.
     pub(super) first_child: Option<NodeId>,
     data: T,
 }
 
 /// A tree in which every node has eight children or none, and a datum of type `T`.
 ///
-/// The tree knows no coordinates: a node is a cube only through its place among its siblings, which is a [`Vertex`]. What
-/// cube the root stands for is the client's affair.
+/// The tree knows no coordinates: a node is a cube only through its place among its siblings, which
+/// is a [`Vertex`]. What cube the root stands for is the client's affair.
 ///
-/// `T`'s default value plays the part of "no client data": new nodes start with it, and it stays behind where a datum is
-/// removed.
+/// `T`'s default value plays the part of "no client data": new nodes start with it, and it stays
+/// behind where a datum is removed.
 ///
 /// # Handles
 ///
-/// Methods that take a [`NodeId`] require it to be live ([`contains`](Self::contains)). With `debug_assertions` a dead one
-/// is detected and panics. Without, it is treated as the leaf that used to be there, until its place is given to a new
-/// node, and as out of bounds (a panic) if the tree was [`reset`](Self::reset) to fewer nodes.
+/// Methods that take a [`NodeId`] require it to be live ([`contains`](Self::contains)). With
+/// `debug_assertions` a dead one is detected, and panics. Without, what happens is not specified: a
+/// wrong answer, a panic, or a tree out of order.
 ///
 /// # Cost
 ///
-/// All methods take constant time unless they say otherwise. A node takes the size of `T` plus four bytes, and a block
-/// of eight siblings four bytes more. Blocks of removed nodes are used again: [`split`](Self::split) allocates only when
-/// the tree grows beyond its largest size so far, and [`join`](Self::join) never does.
+/// All methods take constant time unless they say otherwise. A node takes the size of `T` plus four
+/// bytes, and a block of eight siblings four bytes more. Blocks of removed nodes are used again:
+/// [`split`](Self::split) allocates only when the tree grows beyond its largest size so far, and
+/// [`join`](Self::join) never does.
 #[derive(Clone, Debug)]
 pub struct Octree<T> {
     /// Eight for each block.
@@ -173,7 +176,8 @@ impl<T> Octree<T> {
         !self.is_split(node)
     }
 
-    /// The number of ancestors: 0 for the root, 1 for its children, and so on. Takes time linear in the result.
+    /// The number of ancestors: 0 for the root, 1 for its children, and so on. Takes time linear in
+    /// the result.
     #[must_use]
     pub fn generation(&self, node: NodeId) -> u32 {
         let mut generation = 0;
@@ -231,8 +235,8 @@ impl<T> Octree<T> {
         1 + 7 * self.splits
     }
 
-    /// The bound of [`NodeId::index`] over the nodes that the tree has and has had: the length that a table indexed by
-    /// it needs.
+    /// The bound of [`NodeId::index`] over the nodes that the tree has and has had: the length that
+    /// a table indexed by it needs.
     #[inline]
     #[must_use]
     pub const fn index_bound(&self) -> usize {
@@ -281,7 +285,8 @@ impl<T: Default> Octree<T> {
         tree
     }
 
-    /// Removes every node but the root, drops all data, and gives the root the datum `data`. Keeps the memory.
+    /// Removes every node but the root, drops all data, and gives the root the datum `data`. Keeps
+    /// the memory.
     ///
     /// Takes time linear in the largest size of the tree since the last reset.
     pub fn reset(&mut self, data: T) {
@@ -294,13 +299,15 @@ impl<T: Default> Octree<T> {
         *self.data_mut(NodeId::ROOT) = data;
     }
 
-    /// Gives a leaf eight children that hold default data, and returns them. The node keeps its own datum.
+    /// Gives a leaf eight children that hold default data, and returns them. The node keeps its own
+    /// datum.
     ///
     /// Requires a leaf. Without `debug_assertions`, a node that is split already is left as it is.
     ///
     /// # Panics
     ///
-    /// Like [`Vec::push`], if there is no more memory, or if the tree would have more than 2³² nodes.
+    /// Like [`Vec::push`], if there is no more memory, or if the tree would have more than 2³²
+    /// nodes.
     #[inline]
     pub fn split(&mut self, node: NodeId) -> Children {
         debug_assert!(self.is_leaf(node), "{node:?} is split already");
@@ -311,7 +318,8 @@ impl<T: Default> Octree<T> {
         Children::new(Some(first))
     }
 
-    /// As [`split`](Self::split); the child in each octant gets the datum that `data` returns for it.
+    /// As [`split`](Self::split); the child in each octant gets the datum that `data` returns for
+    /// it.
     #[inline]
     pub fn split_with(&mut self, node: NodeId, mut data: impl FnMut(Vertex) -> T) -> Children {
         let children = self.split(node);
@@ -323,8 +331,9 @@ impl<T: Default> Octree<T> {
 
     /// Removes all descendants of a node, which becomes a leaf and keeps its own datum.
     ///
-    /// Each removed node's datum is handed to `remove`: children in the order of [`Vertex::ALL`], a node after its
-    /// children. Takes time linear in their number, and neither allocates nor recurses.
+    /// Each removed node's datum is handed to `remove`: children in the order of [`Vertex::ALL`], a
+    /// node after its children. Takes time linear in their number, and neither allocates nor
+    /// recurses.
     ///
     /// Requires that the node is split. Without `debug_assertions`, nothing happens to a leaf.
     #[inline]
@@ -352,10 +361,11 @@ impl<T: Default> Octree<T> {
         }
     }
 
-    /// Removes all data from the subtree at `node`: every node of it is left, with the default datum.
+    /// Removes all data from the subtree at `node`: every node of it is left, with the default
+    /// datum.
     ///
-    /// Each removed datum is handed to `remove` in the order of [`subtree`](Self::subtree). Takes time linear in the
-    /// number of nodes. To remove the nodes as well, [`join`](Self::join).
+    /// Each removed datum is handed to `remove` in the order of [`subtree`](Self::subtree). Takes
+    /// time linear in the number of nodes. To remove the nodes as well, [`join`](Self::join).
     pub fn clear(&mut self, node: NodeId, mut remove: impl FnMut(T)) {
         let mut next = Some(node);
         while let Some(at) = next {
@@ -364,10 +374,11 @@ impl<T: Default> Octree<T> {
         }
     }
 
-    /// Makes the tree one generation taller: the root, with its datum and its subtree, becomes the child in `octant` of
-    /// a new root, whose other children are leaves. Returns that child.
+    /// Makes the tree one generation taller: the root, with its datum and its subtree, becomes the
+    /// child in `octant` of a new root, whose other children are leaves. Returns that child.
     ///
-    /// Only the old root's handle changes: [`NodeId::ROOT`] names the new root, whose datum is the default.
+    /// Only the old root's handle changes: [`NodeId::ROOT`] names the new root, whose datum is the
+    /// default.
     ///
     /// # Panics
     ///
@@ -387,7 +398,7 @@ impl<T: Default> Octree<T> {
     fn attach_block(&mut self, node: NodeId) -> NodeId {
         let first = match self.free {
             Some(first) => {
-                self.free = mem::take(&mut self.nodes[first.index()].first_child);
+                self.free = self.nodes[first.index()].first_child.take();
                 first
             }
             None => self.push_block(),
@@ -407,13 +418,18 @@ impl<T: Default> Octree<T> {
         first
     }
 
-    /// Frees the block of `child`, all eight of which are leaves with default data, and returns the parent.
+    /// Frees the block of `child`, all eight of which are leaves with default data, and returns the
+    /// parent.
     #[inline]
     fn detach_block(&mut self, child: NodeId) -> NodeId {
-        let parent = mem::take(&mut self.parents[child.block()]).expect("a child has a parent");
-        let first =
-            mem::take(&mut self.nodes[parent.index()].first_child).expect("a parent has children");
-        self.nodes[first.index()].first_child = mem::replace(&mut self.free, Some(first));
+        let parent = self.parents[child.block()]
+            .take()
+            .expect("a child has a parent");
+        let first = self.nodes[parent.index()]
+            .first_child
+            .take()
+            .expect("a parent has children");
+        self.nodes[first.index()].first_child = self.free.replace(first);
         self.splits -= 1;
         parent
     }

@@ -7,8 +7,8 @@ impl<T> Octree<T> {
     ///
     /// # Panics
     ///
-    /// Panics if a child does not lead back to its parent, a block is reached twice or not at all, a free block has
-    /// links other than that of the free list, or a counter is wrong.
+    /// Panics if a child does not lead back to its parent, a block is reached twice or not at all,
+    /// a free block has links other than that of the free list, or a counter is wrong.
     pub fn assert_well_formed(&self) {
         assert_eq!(
             self.nodes.len(),
@@ -39,7 +39,8 @@ impl<T> Octree<T> {
         };
 
         let mut splits = 0;
-        // Every parent link is compared with the child link that led to it, so that the walk cannot run in circles.
+        // Every parent link is compared with the child link that led to it, so that the walk cannot
+        // run in circles.
         for node in self.subtree(NodeId::ROOT) {
             if let Some(first) = self.nodes[node.index()].first_child {
                 let block = reach(first);

@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// A tree whose root and first child are split, every node numbered in the order of [`Octree::subtree`].
+/// A tree whose root and first child are split, every node numbered in the order of
+/// [`Octree::subtree`].
 fn numbered() -> (Octree<u32>, NodeId) {
     let mut tree = Octree::new(0);
     let first = tree.split(NodeId::ROOT).next().unwrap();
@@ -225,4 +226,20 @@ fn dead_handles_are_detected() {
 fn splitting_twice_is_detected() {
     let (mut tree, _) = numbered();
     tree.split(NodeId::ROOT);
+}
+
+#[test]
+#[cfg(not(debug_assertions))]
+fn unmet_requirements_change_nothing() {
+    let (mut tree, first) = numbered();
+    assert!(tree.split(first).eq(tree.children(first)));
+    let leaf = tree.children(first).next().unwrap();
+    tree.join(leaf, |_| panic!("nothing is removed"));
+    assert_eq!(tree.node_count(), 17);
+    assert!(
+        tree.subtree(NodeId::ROOT)
+            .map(|node| *tree.data(node))
+            .eq(0..17)
+    );
+    tree.assert_well_formed();
 }
