@@ -1,0 +1,129 @@
+//! What can be wrong with a shape, and with the place it is put.
+
+use bevy::math::Vec3;
+use thiserror::Error;
+
+/// Why a shape cannot be built. Polygons and vertices are named by their index in the input.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ShapeError {
+    /// A half extent of a cuboid is negative, NaN or infinite.
+    #[error("half extents of a cuboid must be finite and not negative, got {0}")]
+    HalfSize(Vec3),
+    /// The radius of a sphere is negative, NaN or infinite.
+    #[error("the radius of a sphere must be finite and not negative, got {0}")]
+    Radius(f32),
+    /// The mesh has no polygons.
+    #[error("a mesh needs at least one polygon")]
+    Empty,
+    /// The mesh has more vertices or polygon corners than 32-bit indices can name.
+    #[error("a mesh can have at most 2^32 - 1 vertices and polygon corners")]
+    TooLarge,
+    /// A vertex has a NaN or infinite coordinate.
+    #[error("vertex {vertex} is not finite: {position}")]
+    NonFiniteVertex {
+        /// Which vertex.
+        vertex: usize,
+        /// Where it is said to be.
+        position: Vec3,
+    },
+    /// A polygon has fewer than three corners.
+    #[error("polygon {polygon} has {corners} corners, but needs at least 3")]
+    TooFewCorners {
+        /// Which polygon.
+        polygon: usize,
+        /// How many corners it has.
+        corners: usize,
+    },
+    /// A polygon names a vertex that does not exist.
+    #[error("polygon {polygon} names vertex {vertex}, but there are only {vertices}")]
+    IndexOutOfRange {
+        /// Which polygon.
+        polygon: usize,
+        /// The vertex it names.
+        vertex: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// A polygon names the same vertex twice.
+    #[error("polygon {polygon} names vertex {vertex} more than once")]
+    RepeatedVertex {
+        /// Which polygon.
+        polygon: usize,
+        /// The vertex it repeats.
+        vertex: u32,
+    },
+    /// The corners of a polygon lie on a line or in a point.
+    #[error("polygon {polygon} has no area")]
+    ZeroArea {
+        /// Which polygon.
+        polygon: usize,
+    },
+    /// The corners of a polygon do not lie in a plane.
+    #[error(
+        "polygon {polygon} is not planar: vertex {vertex} is {distance} off its plane; split it into triangles"
+    )]
+    NotPlanar {
+        /// Which polygon.
+        polygon: usize,
+        /// The vertex which is furthest off the plane.
+        vertex: u32,
+        /// How far off it is.
+        distance: f32,
+    },
+    /// A convex mesh has to be closed, and this edge is not shared by exactly two polygons (or they
+    /// cannot be oriented alike).
+    #[error("the edge from vertex {} to {} does not join two polygons of a closed surface", edge[0], edge[1])]
+    NotClosed {
+        /// The vertices at the ends of the edge.
+        edge: [u32; 2],
+    },
+    /// A convex mesh has to be in one piece.
+    #[error("a convex mesh has to be in one piece, this one has {0}")]
+    NotConnected(usize),
+    /// A vertex lies outside the plane of a polygon of a mesh that is meant to be convex.
+    #[error("not convex: vertex {vertex} is {distance} outside the plane of polygon {polygon}")]
+    NotConvex {
+        /// The polygon whose plane is crossed.
+        polygon: usize,
+        /// The vertex outside of it.
+        vertex: u32,
+        /// How far outside it is.
+        distance: f32,
+    },
+    /// A convex mesh encloses no volume.
+    #[error("a convex mesh has to enclose a volume")]
+    Flat,
+    /// The Bevy mesh does not consist of triangles.
+    #[cfg(feature = "mesh")]
+    #[error("only triangle lists and triangle strips have polygons, this mesh is a {0:?}")]
+    Topology(bevy::mesh::PrimitiveTopology),
+    /// The Bevy mesh has no positions of three 32-bit floats.
+    #[cfg(feature = "mesh")]
+    #[error("the mesh has no `Mesh::ATTRIBUTE_POSITION` of format `Float32x3`")]
+    NoPositions,
+    /// The Bevy mesh has handed its data over to the renderer.
+    #[cfg(feature = "mesh")]
+    #[error("the data of the mesh is not in main memory: {0}")]
+    NoAccess(String),
+}
+
+/// Why a shape at a place has no bounding box or sphere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum BoundsError {
+    /// The transform (or an unchecked shape) holds NaN or infinity, or a rotation of length zero.
+    #[error("the transform or the shape is not finite")]
+    NonFinite,
+    /// The shape has no end, as a half-space.
+    #[error("the shape is unbounded")]
+    Unbounded,
+}
+
+/// A tolerance has to be finite and greater than zero.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[error("the tolerance must be finite and greater than zero, got {0}")]
+pub struct ToleranceError(
+    /// The refused tolerance.
+    pub f32,
+);

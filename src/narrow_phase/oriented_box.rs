@@ -1,0 +1,97 @@
+//! Boxes with axes of their own: the frame in which every test of a pair is computed.
+
+use bevy::math::{Mat3A, Vec3, Vec3A};
+use bevy::transform::components::Transform;
+
+use super::{BoundsError, Shape};
+
+/// The box around a placed shape, turned with it; the shape itself, if that is a cuboid.
+///
+/// Positions are relative to an origin of the caller's choice: for a pair, the place of one of the two,
+/// so that 32-bit floats are as exact far from the world's origin as close to it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OrientedBox {
+    pub center: Vec3A,
+    /// Unit vectors, at right angles to each other.
+    pub axes: Mat3A,
+    /// Half the side along each axis.
+    pub half: Vec3A,
+    /// Around `center`; no larger than half the diagonal, smaller for shapes that miss the corners.
+    pub radius: f32,
+}
+
+impl OrientedBox {
+    #[inline]
+    pub fn of(shape: &Shape, transform: &Transform, origin: Vec3) -> Result<Self, BoundsError> {
+        let (local_center, local_half, local_radius) = shape.local_bounds()?;
+        let scale = effective_scale(shape, transform);
+        let axes = Mat3A::from_quat(transform.rotation.normalize());
+        let half = local_half * scale.abs();
+        let placed = Self {
+            center: Vec3A::from(transform.translation - origin) + axes * (local_center * scale),
+            axes,
+            half,
+            radius: half.length().min(local_radius * scale.abs().max_element()),
+        };
+        // A NaN anywhere in axes or extents shows in the reach.
+        if (placed.center.abs() + placed.reach()).is_finite() && placed.radius.is_finite() {
+            Ok(placed)
+        } else {
+            Err(BoundsError::NonFinite)
+        }
+    }
+
+    /// Half extents of the axis-aligned box around this one.
+    #[inline]
+    pub fn reach(&self) -> Vec3A {
+        self.axes.abs() * self.half
+    }
+
+    /// The point of the box closest to `point`; `point` itself if inside.
+    #[inline]
+    pub fn closest_point(&self, point: Vec3A) -> Vec3A {
+        let local = self.axes.transpose() * (point - self.center);
+        self.center + self.axes * local.clamp(-self.half, self.half)
+    }
+}
+
+/// The scale as the shape understands it; see [`Shape`].
+#[inline]
+pub(super) fn effective_scale(shape: &Shape, transform: &Transform) -> Vec3A {
+    match shape {
+        Shape::Sphere { .. } => Vec3A::splat(transform.scale.abs().max_element()),
+        #[cfg(feature = "rapier")]
+        Shape::Rapier(_) => Vec3A::ONE,
+        _ => transform.scale.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::math::Quat;
+    use std::f32::consts::FRAC_PI_4;
+
+    #[test]
+    fn turned_cube_reaches_further() {
+        let shape = Shape::cuboid(Vec3::ONE).unwrap();
+        let transform = Transform::from_xyz(1.0, 2.0, 3.0)
+            .with_rotation(Quat::from_rotation_z(FRAC_PI_4))
+            .with_scale(Vec3::new(1.0, -1.0, 5.0));
+        let placed = OrientedBox::of(&shape, &transform, Vec3::ZERO).unwrap();
+        let diagonal = 2f32.sqrt();
+        assert!((placed.reach() - Vec3A::new(diagonal, diagonal, 5.0)).length() < 1e-5);
+        assert!((placed.radius - 27f32.sqrt()).abs() < 1e-5);
+    }
+
+    #[test]
+    fn closest_point_is_clamped_along_own_axes() {
+        let shape = Shape::cuboid(Vec3::ONE).unwrap();
+        let turned = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_4));
+        let placed = OrientedBox::of(&shape, &turned, Vec3::ZERO).unwrap();
+        let closest = placed.closest_point(Vec3A::new(5.0, 0.0, 0.0));
+        assert!((closest - Vec3A::new(2f32.sqrt(), 0.0, 0.0)).length() < 1e-5);
+        let inside = Vec3A::new(0.1, 0.2, 0.3);
+        assert!((placed.closest_point(inside) - inside).length() < 1e-6);
+    }
+}
