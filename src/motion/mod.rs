@@ -1,8 +1,11 @@
 //! Motion: velocities, position tracks and the clock (Swan 1994, sections 1.2 and 1.3).
 
+mod track;
+
 use bevy::{ecs::schedule::InternedScheduleLabel, prelude::*};
 
 use crate::plugin::CollisionSystems;
+pub use track::{Interpolation, Outside, PositionTrack, TrackError};
 
 /// How fast and where to an entity moves, in units per second, in the space of its parent.
 ///
@@ -73,12 +76,24 @@ pub struct MotionPlugin(pub(crate) InternedScheduleLabel);
 
 impl Plugin for MotionPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(self.0, move_by_velocity.in_set(CollisionSystems::Motion));
+        app.register_type::<PositionTrack>()
+            .add_systems(self.0, (move_by_velocity, follow_tracks).chain().in_set(CollisionSystems::Motion));
+    }
+}
+
+/// Entities on a track go where the track says, whatever their velocity.
+fn follow_tracks(mut followers: Query<(&PositionTrack, &mut Transform)>, clock: Res<CollisionClock>) {
+    for (track, mut transform) in &mut followers {
+        let position = track.position(clock.tick());
+        // What does not move must not count as changed.
+        if transform.translation != position {
+            transform.translation = position;
+        }
     }
 }
 
 fn move_by_velocity(
-    mut moving: Query<(Entity, &Velocity, &mut Transform)>,
+    mut moving: Query<(Entity, &Velocity, &mut Transform), Without<PositionTrack>>,
     settings: Res<MotionSettings>,
     time: Option<Res<Time>>,
     mut warned: Local<bool>,

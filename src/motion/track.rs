@@ -1,0 +1,389 @@
+//! Position tracks: an object's position at each tick, from keyframes.
+
+use bevy::{
+    math::{
+        cubic_splines::CubicSegment,
+        curve::{Curve, EaseFunction, EasingCurve},
+    },
+    prelude::*,
+};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Gives an entity's position at each tick of the clock, as the tracks of a keyframe animation do (Swan, *Fast Collision
+/// Detection with an N-Objects Octree*, 1994, section 1.3).
+///
+/// The track has keyframes at some ticks; the positions between them are interpolated, and those before the first and
+/// after the last follow from [`Outside`]. At a keyframe the position is exactly the keyframe's.
+///
+/// ```
+/// use bevy::math::Vec3;
+/// use bevy_octree::motion::PositionTrack;
+///
+/// let track = PositionTrack::new([(0, Vec3::ZERO), (10, Vec3::X), (20, Vec3::ONE)])?;
+/// assert_eq!(track.position(5), Vec3::X * 0.5);
+/// assert_eq!(track.position(10), Vec3::X);
+/// assert_eq!(track.position(99), Vec3::ONE);
+/// # Ok::<(), bevy_octree::motion::TrackError>(())
+/// ```
+#[derive(Component, Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[reflect(Component, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "UncheckedTrack", into = "UncheckedTrack")]
+#[require(Transform)]
+pub struct PositionTrack {
+    /// Not empty, ticks strictly increasing, positions finite.
+    keyframes: Vec<(u64, Vec3)>,
+    interpolation: Interpolation,
+    outside: Outside,
+}
+
+/// How a [`PositionTrack`] gets from one keyframe to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect, Serialize, Deserialize)]
+#[reflect(Debug, Default, PartialEq)]
+pub enum Interpolation {
+    /// It stays at a keyframe's position until the tick of the next one.
+    Step,
+    /// Straight, at constant speed.
+    #[default]
+    Linear,
+    /// Along a Catmull–Rom spline: without sudden turns, at a keyframe in the direction from the keyframe before to the
+    /// one after.
+    Smooth,
+    /// Straight, at a speed that follows an easing function.
+    Ease(EaseFunction),
+}
+
+/// Where a [`PositionTrack`] is before its first and after its last keyframe.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize)]
+#[reflect(Debug, Default, PartialEq)]
+pub enum Outside {
+    /// At the nearest keyframe.
+    #[default]
+    Hold,
+    /// It repeats. The last keyframe stands for the same moment as the first, and its position is reached only if it is
+    /// the same.
+    Loop,
+}
+
+/// What is wrong with the keyframes of a [`PositionTrack`].
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum TrackError {
+    /// There are none.
+    #[error("the track has no keyframes, expected at least one")]
+    Empty,
+    /// A keyframe is not later than the one before.
+    #[error("keyframe {index} is at tick {tick}, expected a tick after {previous}")]
+    Unsorted {
+        /// The index of the keyframe, from 0.
+        index: usize,
+        /// Its tick.
+        tick: u64,
+        /// The tick of the keyframe before.
+        previous: u64,
+    },
+    /// A position is NaN or infinite.
+    #[error("keyframe {index} is at {position}, expected finite numbers")]
+    NotFinite {
+        /// The index of the keyframe, from 0.
+        index: usize,
+        /// Its position.
+        position: Vec3,
+    },
+}
+
+/// What a file holds of a [`PositionTrack`].
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename = "PositionTrack")]
+struct UncheckedTrack {
+    keyframes: Vec<(u64, Vec3)>,
+    #[serde(default)]
+    interpolation: Interpolation,
+    #[serde(default)]
+    outside: Outside,
+}
+
+impl PositionTrack {
+    /// A track through `keyframes`, each a tick and a position, that interpolates linearly and holds outside them.
+    ///
+    /// # Errors
+    ///
+    /// No keyframes, ticks that do not strictly increase, positions that are not finite.
+    pub fn new(keyframes: impl IntoIterator<Item = (u64, Vec3)>) -> Result<Self, TrackError> {
+        let keyframes: Vec<_> = keyframes.into_iter().collect();
+        if keyframes.is_empty() {
+            return Err(TrackError::Empty);
+        }
+        if let Some(index) = keyframes
+            .iter()
+            .position(|(_, position)| !position.is_finite())
+        {
+            let position = keyframes[index].1;
+            return Err(TrackError::NotFinite { index, position });
+        }
+        if let Some(before) = keyframes.windows(2).position(|pair| pair[0].0 >= pair[1].0) {
+            return Err(TrackError::Unsorted {
+                index: before + 1,
+                tick: keyframes[before + 1].0,
+                previous: keyframes[before].0,
+            });
+        }
+        Ok(Self {
+            keyframes,
+            interpolation: Interpolation::default(),
+            outside: Outside::default(),
+        })
+    }
+
+    /// The same track with another interpolation.
+    #[must_use]
+    pub fn with_interpolation(self, interpolation: Interpolation) -> Self {
+        Self {
+            interpolation,
+            ..self
+        }
+    }
+
+    /// The same track with another rule for the ticks outside the keyframes.
+    #[must_use]
+    pub fn with_outside(self, outside: Outside) -> Self {
+        Self { outside, ..self }
+    }
+
+    /// The keyframes: ticks, strictly increasing, and positions.
+    #[must_use]
+    pub fn keyframes(&self) -> &[(u64, Vec3)] {
+        &self.keyframes
+    }
+
+    /// The position at a tick, by binary search among the keyframes.
+    #[must_use]
+    pub fn position(&self, tick: u64) -> Vec3 {
+        let tick = match self.outside {
+            Outside::Hold => tick,
+            Outside::Loop => self.wrap(tick),
+        };
+        let next = self.keyframes.partition_point(|&(at, _)| at <= tick);
+        let previous = next.checked_sub(1);
+        match (
+            previous.and_then(|index| self.keyframes.get(index)),
+            self.keyframes.get(next),
+        ) {
+            (Some(&(at, position)), Some(_)) if at == tick => position,
+            (Some(&(start, _)), Some(&(end, _))) => {
+                let t = (tick - start) as f32 / (end - start) as f32;
+                self.interpolate(next - 1, t)
+            }
+            (Some(&(_, position)), None) | (None, Some(&(_, position))) => position,
+            // Out of reach for a checked track; reflection can empty one.
+            (None, None) => Vec3::ZERO,
+        }
+    }
+
+    /// The tick between the first keyframe and, exclusively, the last one, that stands for `tick` in a loop.
+    fn wrap(&self, tick: u64) -> u64 {
+        let (Some(&(first, _)), Some(&(last, _))) = (self.keyframes.first(), self.keyframes.last())
+        else {
+            return tick;
+        };
+        let period = last.saturating_sub(first);
+        if period == 0 {
+            first
+        } else if tick >= first {
+            first + (tick - first) % period
+        } else {
+            last - 1 - (first - tick - 1) % period
+        }
+    }
+
+    /// The position at `t`, between 0 and 1, of the way from a keyframe to the next.
+    fn interpolate(&self, index: usize, t: f32) -> Vec3 {
+        let ((start, from), (end, to)) = (self.keyframes[index], self.keyframes[index + 1]);
+        match self.interpolation {
+            Interpolation::Step => from,
+            Interpolation::Linear => from.lerp(to, t),
+            Interpolation::Ease(ease) => EasingCurve::new(from, to, ease).sample_unchecked(t),
+            Interpolation::Smooth => {
+                let third = (end - start) as f32 / 3.0;
+                CubicSegment::new_bezier([
+                    from,
+                    from + self.tangent(index) * third,
+                    to - self.tangent(index + 1) * third,
+                    to,
+                ])
+                .position(t)
+            }
+        }
+    }
+
+    /// The velocity at a keyframe, in units per tick, when moving smoothly: that of the straight line from the keyframe
+    /// before to the one after, across the seam of a closed loop, and one-sided at the ends of an open track.
+    fn tangent(&self, index: usize) -> Vec3 {
+        let keyframes = &self.keyframes;
+        let last = keyframes.len() - 1;
+        let closed = self.outside == Outside::Loop && keyframes[0].1 == keyframes[last].1;
+        if closed && (index == 0 || index == last) {
+            let ((start, _), (second, after)) = (keyframes[0], keyframes[1]);
+            let ((second_last, before), (end, _)) = (keyframes[last - 1], keyframes[last]);
+            let ticks = (second - start) as f32 + (end - second_last) as f32;
+            return (after - before) / ticks;
+        }
+        let (start, before) = keyframes[index.saturating_sub(1)];
+        let (end, after) = keyframes[(index + 1).min(last)];
+        (after - before) / (end - start) as f32
+    }
+}
+
+impl TryFrom<UncheckedTrack> for PositionTrack {
+    type Error = TrackError;
+
+    fn try_from(track: UncheckedTrack) -> Result<Self, TrackError> {
+        Ok(Self::new(track.keyframes)?
+            .with_interpolation(track.interpolation)
+            .with_outside(track.outside))
+    }
+}
+
+impl From<PositionTrack> for UncheckedTrack {
+    fn from(track: PositionTrack) -> Self {
+        Self {
+            keyframes: track.keyframes,
+            interpolation: track.interpolation,
+            outside: track.outside,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn corner() -> PositionTrack {
+        PositionTrack::new([
+            (10, Vec3::ZERO),
+            (14, Vec3::new(4.0, 0.0, 0.0)),
+            (22, Vec3::new(4.0, 16.0, 0.0)),
+        ])
+        .unwrap()
+    }
+
+    #[test]
+    fn linear_holds_outside_and_is_exact_at_keys() {
+        let track = corner();
+        for (tick, expected) in [
+            (0, (0.0, 0.0)),
+            (10, (0.0, 0.0)),
+            (11, (1.0, 0.0)),
+            (14, (4.0, 0.0)),
+            (15, (4.0, 2.0)),
+            (22, (4.0, 16.0)),
+            (u64::MAX, (4.0, 16.0)),
+        ] {
+            assert_eq!(track.position(tick).xy(), expected.into(), "tick {tick}");
+        }
+    }
+
+    #[test]
+    fn step_waits_for_the_next_key() {
+        let track = corner().with_interpolation(Interpolation::Step);
+        assert_eq!(track.position(13), Vec3::ZERO);
+        assert_eq!(track.position(14), Vec3::new(4.0, 0.0, 0.0));
+        assert_eq!(track.position(21), Vec3::new(4.0, 0.0, 0.0));
+        assert_eq!(track.position(22), Vec3::new(4.0, 16.0, 0.0));
+    }
+
+    #[test]
+    fn ease_follows_the_function_between_keys() {
+        let track = corner().with_interpolation(Interpolation::Ease(EaseFunction::QuadraticIn));
+        assert_eq!(track.position(12), Vec3::X);
+        assert_eq!(track.position(14), Vec3::X * 4.0);
+    }
+
+    #[test]
+    fn loop_repeats_in_both_directions() {
+        let track = corner().with_outside(Outside::Loop);
+        for tick in 10..22 {
+            for period in 1..5 {
+                assert_eq!(track.position(tick), track.position(tick + 12 * period));
+            }
+        }
+        // The end of the loop is its start again.
+        assert_eq!(track.position(22), Vec3::ZERO);
+        assert_eq!(track.position(9), track.position(21));
+        assert_eq!(track.position(0), track.position(12));
+    }
+
+    #[test]
+    fn smooth_passes_through_keys_and_keeps_straight_lines_straight() {
+        let smooth = corner().with_interpolation(Interpolation::Smooth);
+        for &(tick, position) in corner().keyframes() {
+            assert_eq!(smooth.position(tick), position);
+        }
+        let line = PositionTrack::new([(0, Vec3::ZERO), (3, Vec3::X * 3.0), (9, Vec3::X * 9.0)])
+            .unwrap()
+            .with_interpolation(Interpolation::Smooth);
+        for tick in 0..=9 {
+            assert!((line.position(tick) - Vec3::X * tick as f32).length() < 1e-5);
+        }
+    }
+
+    /// Dense ticks make differences of successive positions approximate velocities.
+    #[test]
+    fn smooth_has_no_sudden_turns_and_linear_does() {
+        let keyframes = [
+            (0, Vec3::ZERO),
+            (1000, Vec3::X),
+            (3000, Vec3::Y),
+            (4000, Vec3::ZERO),
+        ];
+        let track = PositionTrack::new(keyframes)
+            .unwrap()
+            .with_outside(Outside::Loop);
+        let turn = |track: &PositionTrack, tick: u64| {
+            let at = |tick| track.position(tick);
+            ((at(tick + 1) - at(tick)) - (at(tick) - at(tick - 1))).length() * 1000.0
+        };
+        let smooth = track.clone().with_interpolation(Interpolation::Smooth);
+        for tick in [1000, 3000, 4000] {
+            assert!(turn(&track, tick) > 0.5);
+            assert!(turn(&smooth, tick) < 0.05, "{}", turn(&smooth, tick));
+        }
+    }
+
+    #[test]
+    fn a_single_key_is_a_place() {
+        for outside in [Outside::Hold, Outside::Loop] {
+            let track = PositionTrack::new([(7, Vec3::ONE)])
+                .unwrap()
+                .with_outside(outside);
+            assert_eq!([0, 7, 8].map(|tick| track.position(tick)), [Vec3::ONE; 3]);
+        }
+    }
+
+    #[test]
+    fn late_ticks_stay_exact() {
+        let start = 1 << 40;
+        let track = PositionTrack::new([(start, Vec3::ZERO), (start + 4, Vec3::X)]).unwrap();
+        assert_eq!(track.position(start + 1), Vec3::X * 0.25);
+    }
+
+    #[test]
+    fn bad_keyframes_are_refused() {
+        assert_eq!(PositionTrack::new([]), Err(TrackError::Empty));
+        let error = PositionTrack::new([(0, Vec3::ZERO), (5, Vec3::X), (5, Vec3::Y)]).unwrap_err();
+        let message = "keyframe 2 is at tick 5, expected a tick after 5";
+        assert_eq!(error.to_string(), message);
+        let error = PositionTrack::new([(0, Vec3::NAN)]).unwrap_err();
+        assert!(matches!(error, TrackError::NotFinite { index: 0, .. }));
+    }
+
+    #[test]
+    fn an_emptied_track_does_not_panic() {
+        for outside in [Outside::Hold, Outside::Loop] {
+            let track = PositionTrack {
+                keyframes: Vec::new(),
+                ..corner().with_outside(outside)
+            };
+            assert_eq!(track.position(3), Vec3::ZERO);
+        }
+    }
+}

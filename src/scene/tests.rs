@@ -1,0 +1,329 @@
+//! Scene texts, good and bad.
+
+use std::path::Path;
+
+use bevy::math::Vec3;
+
+use super::*;
+use crate::motion::{Interpolation, Outside, PositionTrack};
+
+/// A scene text with one object, whose fields follow the shape.
+fn object(fields: &str) -> String {
+    format!("(name: \"x\", content: Objects([\n  (shape: Sphere(radius: 1), {fields}),\n]))")
+}
+
+#[test]
+fn every_field_is_read() {
+    let scene = SceneDescription::parse(
+        r#"(
+            name: "all",
+            ticks_per_second: 30,
+            content: Objects([
+                (shape: Cuboid(half_size: (1, 2, 3))),
+                (
+                    name: "mover",
+                    shape: Sphere(radius: 0.5),
+                    position: (1, 0, -1),
+                    rotation: (0, 90, 0),
+                    scale: (2, 2, 2),
+                    motion: Velocity(0, 1.5, 0),
+                ),
+                (
+                    shape: Cuboid(half_size: (1, 1, 1)),
+                    motion: Track(
+                        keyframes: [(0, (0, 0, 0)), (60, (1, 0, 0))],
+                        interpolation: Smooth,
+                        outside: Loop,
+                    ),
+                ),
+            ]),
+        )"#,
+    )
+    .unwrap();
+    let half_size = Vec3::new(1.0, 2.0, 3.0);
+    let track = PositionTrack::new([(0, Vec3::ZERO), (60, Vec3::X)])
+        .unwrap()
+        .with_interpolation(Interpolation::Smooth)
+        .with_outside(Outside::Loop);
+    let expected = SceneDescription {
+        ticks_per_second: 30.0,
+        ..SceneDescription::new(
+            "all",
+            [
+                ObjectDescription::new(ShapeDescription::Cuboid { half_size }),
+                ObjectDescription {
+                    name: Some("mover".into()),
+                    shape: ShapeDescription::Sphere { radius: 0.5 },
+                    position: Vec3::new(1.0, 0.0, -1.0),
+                    rotation: Vec3::Y * 90.0,
+                    scale: Vec3::splat(2.0),
+                    motion: Motion::Velocity(Vec3::Y * 1.5),
+                },
+                ObjectDescription {
+                    motion: Motion::Track(track),
+                    ..ObjectDescription::new(ShapeDescription::Cuboid {
+                        half_size: Vec3::ONE,
+                    })
+                },
+            ],
+        )
+    };
+    assert_eq!(scene, expected);
+    assert_eq!(scene.object_count(), 3);
+    let forward = scene.objects().nth(1).unwrap().transform().forward();
+    assert!(forward.abs_diff_eq(Vec3::NEG_X, 1e-6));
+}
+
+#[test]
+fn what_is_written_reads_back() {
+    let mesh = ShapeDescription::Mesh {
+        vertices: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z],
+        polygons: vec![vec![0, 2, 1], vec![0, 1, 3], vec![0, 3, 2], vec![1, 2, 3]],
+    };
+    let track = PositionTrack::new([(3, Vec3::ONE)]).unwrap();
+    let scene = SceneDescription::new(
+        "text with \"quotes\"\n",
+        [
+            ObjectDescription {
+                name: Some("a".into()),
+                motion: Motion::Track(track),
+                ..ObjectDescription::new(mesh)
+            },
+            ObjectDescription {
+                position: Vec3::new(0.1, 1e-30, -1e30),
+                motion: Motion::Velocity(Vec3::X),
+                ..ObjectDescription::new(ShapeDescription::Sphere { radius: 0.1 })
+            },
+        ],
+    );
+    for scene in [scene, TestSet::new(7).into()] {
+        let text = scene.to_ron();
+        assert_eq!(SceneDescription::parse(&text).unwrap(), scene, "{text}");
+    }
+}
+
+#[test]
+fn bad_texts_name_the_place_and_what_was_expected() {
+    let bad = [
+        (String::new(), "scene text:1:1: ", "Expected"),
+        ("(name: \"x\"".into(), "scene text:1:11: ", "Expected"),
+        (
+            "(name: \"x\")".into(),
+            "scene text:1:12: ",
+            "missing field named `content`",
+        ),
+        ("(name: 5)".into(), "scene text:1:8: ", "Expected string"),
+        (
+            "(name: \"x\",\n content: Cubes(3))".into(),
+            "scene text:2:15: ",
+            "expected one of `TestSet` or `Objects`",
+        ),
+        (
+            "(name: \"x\",\n content: TestSet(rings: -1))".into(),
+            "scene text:2:27: ",
+            "",
+        ),
+        (object("mass: 3"), "scene text:2:34: ", "field named `mass`"),
+        (object("position: (1, 2)"), "scene text:2:", "Expected"),
+        (
+            object("position: (1, NaN, 2)"),
+            "scene text:2:",
+            "position is [1, NaN, 2], expected finite",
+        ),
+        (
+            object("scale: (1, 0, 1)"),
+            "scene text:2:",
+            "expected no component to be 0",
+        ),
+        (
+            object("motion: Velocity(inf, 0, 0)"),
+            "scene text:2:",
+            "velocity is [inf, 0, 0], expected finite",
+        ),
+        (
+            object("motion: Fall"),
+            "scene text:2:",
+            "expected one of `Static`, `Velocity` or `Track`",
+        ),
+        (
+            object("motion: Track(keyframes: [])"),
+            "scene text:2:",
+            "no keyframes, expected at least one",
+        ),
+        (
+            object("motion: Track(keyframes: [(0, (0, 0, 0)),\n (0, (1, 0, 0))])"),
+            "scene text:3:",
+            "keyframe 1 is at tick 0, expected a tick after 0",
+        ),
+        (
+            object("position: (1, 0, 0), motion: Track(keyframes: [(0, (0, 0, 0))])"),
+            "scene text:2:",
+            "position is [1, 0, 0], expected none beside a track",
+        ),
+    ];
+    for (text, place, expected) in bad {
+        let error = SceneDescription::parse(&text).unwrap_err();
+        assert!(matches!(error, SceneError::Parse { .. }), "{error:?}");
+        let message = error.to_string();
+        assert!(
+            message.starts_with(place) && message.contains(expected),
+            "{text}\n{message}"
+        );
+    }
+}
+
+#[test]
+fn bad_shapes_name_the_place_and_what_was_expected() {
+    let bad = [
+        (
+            "Cuboid(half_size: (1, -1, 1))",
+            "half_size is [1, -1, 1], expected three positive",
+        ),
+        ("Cuboid(half_size: (1, 0, 1))", "expected three positive"),
+        (
+            "Sphere(radius: 0)",
+            "radius is 0, expected a positive number",
+        ),
+        (
+            "Sphere(radius: NaN)",
+            "radius is NaN, expected a positive number",
+        ),
+        ("Sphere(diameter: 1)", "field named `diameter`"),
+        (
+            "Capsule(radius: 1)",
+            "expected one of `Cuboid`, `Sphere`, `Convex` or `Mesh`",
+        ),
+        (
+            "Mesh(vertices: [], polygons: [[0]])",
+            "expected at least one of each",
+        ),
+        (
+            "Mesh(vertices: [(0, 0, 0)], polygons: [])",
+            "expected at least one of each",
+        ),
+        (
+            "Convex(vertices: [(0, inf, 0)], polygons: [[0, 0, 0]])",
+            "vertex 0 is [0, inf, 0], expected finite",
+        ),
+        (
+            "Mesh(vertices: [(0, 0, 0)], polygons: [[0, 0]])",
+            "polygon 0 has 2 corners, expected at least 3",
+        ),
+        (
+            "Mesh(vertices: [(0, 0, 0)], polygons: [[0, 0, 1]])",
+            "polygon 0 names vertex 1, expected an index below 1",
+        ),
+    ];
+    for (shape, expected) in bad {
+        let text =
+            format!("(name: \"x\", content: Objects([\n  (name: \"box\", shape: {shape}),\n]))");
+        let message = SceneDescription::parse(&text).unwrap_err().to_string();
+        assert!(
+            message.starts_with("scene text:2:") && message.contains(expected),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn invalid_scenes_say_why() {
+    let bad = [
+        (
+            "(name: \"x\", content: Objects([]))",
+            "scene text: the scene has no objects, expected at least one",
+        ),
+        (
+            "(name: \"x\", ticks_per_second: 0, content: TestSet(rings: 1))",
+            "scene text: ticks_per_second is 0, expected a positive number",
+        ),
+        (
+            "(name: \"x\", ticks_per_second: -64, content: TestSet(rings: 1))",
+            "scene text: ticks_per_second is -64, expected a positive number",
+        ),
+        (
+            "(name: \"x\", ticks_per_second: inf, content: TestSet(rings: 1))",
+            "scene text: ticks_per_second is inf, expected a positive number",
+        ),
+        (
+            "(name: \"x\", content: TestSet(rings: 1, side: 2))",
+            "scene text: test set: spacing is 1.5, expected more than side",
+        ),
+        (
+            "(name: \"x\", content: Objects([(name: \"object_1\", shape: Sphere(radius: 1)), (shape: Sphere(radius: 1))]))",
+            "scene text: objects 0 and 1 are both named \"object_1\", expected unique names",
+        ),
+    ];
+    for (text, expected) in bad {
+        let error = SceneDescription::parse(text).unwrap_err();
+        assert!(matches!(error, SceneError::Invalid { .. }), "{error:?}");
+        assert_eq!(error.to_string(), expected);
+    }
+}
+
+#[test]
+fn scenes_built_in_code_name_the_object() {
+    let ball = ObjectDescription::new(ShapeDescription::Sphere { radius: 1.0 });
+    let bad = ObjectDescription {
+        rotation: Vec3::NAN,
+        ..ball.clone()
+    };
+    let problem = SceneDescription::new("x", [ball, bad])
+        .validate()
+        .unwrap_err();
+    let expected = "object 1 (\"object_1\"): rotation is [NaN, NaN, NaN], expected finite numbers";
+    assert_eq!(problem.to_string(), expected);
+}
+
+#[test]
+fn files_are_named_in_errors() {
+    let folder = std::env::temp_dir().join(format!("bevy_octree_scene_{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("bad.scene.ron");
+
+    let error = SceneDescription::load(&file).unwrap_err();
+    assert!(matches!(&error, SceneError::Read { path, .. } if *path == file));
+    assert!(
+        error
+            .to_string()
+            .starts_with(&format!("{}: cannot read", file.display()))
+    );
+
+    std::fs::write(&file, "(\n  name: \"x\",\n  contents: [],\n)").unwrap();
+    let message = SceneDescription::load(&file).unwrap_err().to_string();
+    assert!(
+        message.starts_with(&format!("{}:3:11: ", file.display())),
+        "{message}"
+    );
+    assert!(
+        message.contains("`contents`") && message.contains("`content`"),
+        "{message}"
+    );
+
+    std::fs::write(&file, b"(name: \"\xff\")").unwrap();
+    assert!(matches!(
+        SceneDescription::load(&file),
+        Err(SceneError::Read { .. })
+    ));
+
+    let scene = SceneDescription::from(TestSet::new(2));
+    scene.save(&file).unwrap();
+    assert_eq!(SceneDescription::load(&file).unwrap(), scene);
+    let error = scene.save(Path::new(&folder)).unwrap_err();
+    assert!(matches!(error, SceneError::Write { .. }));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn test_sets_write_out_their_cubes() {
+    let scene = SceneDescription::from(TestSet::new(1));
+    assert_eq!((scene.name.as_str(), scene.object_count()), ("t1", 18));
+    let objects: Vec<_> = scene.objects().collect();
+    assert_eq!(objects.len(), 18);
+    assert_eq!(objects[0].name.as_deref(), Some("left_0"));
+    assert_eq!(objects[17].name.as_deref(), Some("right_8"));
+    assert_eq!(objects[0].motion, Motion::Velocity(Vec3::X * 4.0));
+    assert_eq!(objects[9].position, Vec3::X * 1.53125);
+    let written_out =
+        SceneDescription::new("t1", objects.into_iter().map(|object| object.into_owned()));
+    assert_eq!(written_out.validate(), Ok(()));
+}
