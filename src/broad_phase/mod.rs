@@ -17,7 +17,7 @@
 //! index.update();
 //! assert_eq!(index.find_pairs().len(), 1); // a and b
 //!
-//! index.set(c, cube(1.5))?; // touches b, within half a unit of a
+//! index.set(c, &cube(1.75))?; // touches b
 //! index.update();
 //! assert!(index.find_pairs().iter().all(|pair| pair.a == b || pair.b == b));
 //! # Ok::<(), bevy_octree::broad_phase::BoxError>(())
