@@ -3,7 +3,7 @@
 use std::{borrow::Cow, collections::HashMap, fs, path::Path, time::Duration};
 
 use bevy::prelude::*;
-use ron::{extensions::Extensions, ser::PrettyConfig};
+use ron::{error::Span, extensions::Extensions, ser::PrettyConfig};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
 use super::{
@@ -128,14 +128,15 @@ impl SceneDescription {
 
     /// Reads a scene from RON that comes from `origin`, which errors name.
     pub(super) fn parse_from(text: &str, origin: &str) -> Result<Self, SceneError> {
-        let scene: Self = ron_options()
-            .from_str(text)
-            .map_err(|error| SceneError::Parse {
+        let scene: Self = ron_options().from_str(text).map_err(|error| {
+            let (line, column) = place(text, error.span);
+            SceneError::Parse {
                 origin: origin.to_owned(),
-                line: error.span.end.line,
-                column: error.span.end.col,
+                line,
+                column,
                 message: error.code.to_string(),
-            })?;
+            }
+        })?;
         scene.validate().map_err(|problem| SceneError::Invalid {
             origin: origin.to_owned(),
             problem,
@@ -344,4 +345,23 @@ impl<'de> Deserialize<'de> for ObjectDescription {
 fn ron_options() -> ron::Options {
     ron::Options::default()
         .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME)
+}
+
+/// The line and column of the offending token: RON's span begins at the blanks and comments before it.
+fn place(text: &str, span: Span) -> (usize, usize) {
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .skip(span.start.line.saturating_sub(1));
+    let token = lines.find_map(|(index, line)| {
+        let first = if index + 1 == span.start.line {
+            span.start.col.saturating_sub(1)
+        } else {
+            0
+        };
+        let code = line.split("//").next()?;
+        let blanks = code.chars().skip(first).position(|c| !c.is_whitespace())?;
+        Some((index + 1, first + blanks + 1))
+    });
+    token.unwrap_or((span.end.line, span.end.col))
 }

@@ -49,14 +49,21 @@
 //! # Ok::<(), bevy_octree::scene::SceneError>(())
 //! ```
 //!
+//! With the feature `asset`, scene files also load through Bevy's asset system.
+//!
 //! [`EulerRot::XYZ`]: bevy::math::EulerRot::XYZ
 //! [`PositionTrack`]: crate::motion::PositionTrack
 
+#[cfg(feature = "asset")]
+mod asset;
 mod description;
 mod error;
 mod shape;
+mod spawn;
 mod test_set;
 
+#[cfg(feature = "asset")]
+pub use asset::{SceneAssetPlugin, SceneLoader};
 pub use description::{Content, Motion, ObjectDescription, SceneDescription};
 pub use error::{ObjectProblem, SceneError, SceneProblem};
 pub use shape::{ShapeDescription, ShapeProblem};

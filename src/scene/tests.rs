@@ -106,24 +106,29 @@ fn what_is_written_reads_back() {
 fn bad_texts_name_the_place_and_what_was_expected() {
     let bad = [
         (String::new(), "scene text:1:1: ", "Expected"),
-        ("(name: \"x\"".into(), "scene text:1:11: ", "Expected"),
+        ("(name: \"x\"".into(), "scene text:1:9: ", "Expected comma"),
         (
             "(name: \"x\")".into(),
-            "scene text:1:12: ",
+            "scene text:1:11: ",
             "missing field named `content`",
         ),
         ("(name: 5)".into(), "scene text:1:8: ", "Expected string"),
         (
             "(name: \"x\",\n content: Cubes(3))".into(),
-            "scene text:2:15: ",
-            "expected one of `TestSet` or `Objects`",
+            "scene text:2:11: ",
+            "expected either `TestSet` or `Objects`",
         ),
         (
             "(name: \"x\",\n content: TestSet(rings: -1))".into(),
             "scene text:2:27: ",
-            "",
+            "out of bounds",
         ),
-        (object("mass: 3"), "scene text:2:34: ", "field named `mass`"),
+        (
+            "(name: \"x\",\n content: // 3 objects\n  7)".into(),
+            "scene text:3:3: ",
+            "identifier \"7\"",
+        ),
+        (object("mass: 3"), "scene text:2:30: ", "field named `mass`"),
         (object("position: (1, 2)"), "scene text:2:", "Expected"),
         (
             object("position: (1, NaN, 2)"),
@@ -143,7 +148,7 @@ fn bad_texts_name_the_place_and_what_was_expected() {
         (
             object("motion: Fall"),
             "scene text:2:",
-            "expected one of `Static`, `Velocity` or `Track`",
+            "expected one of `Static`, `Velocity`, or `Track`",
         ),
         (
             object("motion: Track(keyframes: [])"),
@@ -191,7 +196,7 @@ fn bad_shapes_name_the_place_and_what_was_expected() {
         ("Sphere(diameter: 1)", "field named `diameter`"),
         (
             "Capsule(radius: 1)",
-            "expected one of `Cuboid`, `Sphere`, `Convex` or `Mesh`",
+            "expected one of `Cuboid`, `Sphere`, `Convex`, or `Mesh`",
         ),
         (
             "Mesh(vertices: [], polygons: [[0]])",
@@ -291,7 +296,7 @@ fn files_are_named_in_errors() {
     std::fs::write(&file, "(\n  name: \"x\",\n  contents: [],\n)").unwrap();
     let message = SceneDescription::load(&file).unwrap_err().to_string();
     assert!(
-        message.starts_with(&format!("{}:3:11: ", file.display())),
+        message.starts_with(&format!("{}:3:3: ", file.display())),
         "{message}"
     );
     assert!(
@@ -326,4 +331,185 @@ fn test_sets_write_out_their_cubes() {
     let written_out =
         SceneDescription::new("t1", objects.into_iter().map(|object| object.into_owned()));
     assert_eq!(written_out.validate(), Ok(()));
+}
+
+/// A file of `assets/scenes`.
+fn asset(name: &str) -> SceneDescription {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/scenes");
+    SceneDescription::load(folder.join(format!("{name}.scene.ron"))).unwrap()
+}
+
+#[test]
+fn every_asset_loads_under_its_name() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/scenes");
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let file = entry.unwrap().file_name().into_string().unwrap();
+        if let Some(name) = file.strip_suffix(".scene.ron") {
+            assert_eq!(asset(name).name, name);
+            names.push(name.to_owned());
+        }
+    }
+    names.sort();
+    let expected = [
+        "clip",
+        "figures_5_7",
+        "mixed_shapes",
+        "t0",
+        "t1",
+        "t10",
+        "t3",
+    ];
+    assert_eq!(names, expected);
+}
+
+#[test]
+fn test_set_assets_are_the_defaults() {
+    for rings in [0, 1, 3, 10] {
+        assert_eq!(asset(&format!("t{rings}")), TestSet::new(rings).into());
+    }
+}
+
+/// The half extents of an object's box, if it is not turned.
+fn half_extents(object: &ObjectDescription) -> Vec3 {
+    match object.shape {
+        ShapeDescription::Cuboid { half_size } => half_size,
+        ShapeDescription::Sphere { radius } => Vec3::splat(radius),
+        _ => panic!("{:?} has no simple box", object.shape),
+    }
+}
+
+/// How many nodes an N-objects octree with N = 2 has, by the definition.
+fn node_count(min: Vec3, size: f32, boxes: &[(Vec3, Vec3)]) -> usize {
+    let inside: Vec<_> = boxes
+        .iter()
+        .filter(|(low, high)| high.cmpge(min).all() && low.cmplt(min + size).all())
+        .copied()
+        .collect();
+    if inside.len() <= 2 {
+        return 1;
+    }
+    let octants = (0..8).map(|octant| {
+        let corner = Vec3::new(
+            (octant & 1) as f32,
+            (octant >> 1 & 1) as f32,
+            (octant >> 2) as f32,
+        );
+        node_count(min + corner * size * 0.5, size * 0.5, &inside)
+    });
+    1 + octants.sum::<usize>()
+}
+
+#[test]
+fn figures_5_7_split_and_merge() {
+    let scene = asset("figures_5_7");
+    let objects: Vec<_> = scene.objects().map(|object| object.into_owned()).collect();
+    let mut expected = [(0, 9), (19, 9), (20, 73), (26, 73), (32, 73), (33, 9)]
+        .into_iter()
+        .peekable();
+    let mut positions: Vec<_> = objects.iter().map(|object| object.position).collect();
+    let mut direction = 1.0;
+    for tick in 0..=33 {
+        let boxes: Vec<_> = objects
+            .iter()
+            .zip(&positions)
+            .map(|(object, &center)| (center - half_extents(object), center + half_extents(object)))
+            .collect();
+        if expected.peek().is_some_and(|&(next, _)| next == tick) {
+            let (_, nodes) = expected.next().unwrap();
+            assert_eq!(
+                node_count(Vec3::splat(-3.0), 6.0, &boxes),
+                nodes,
+                "tick {tick}"
+            );
+        }
+        let [left, centre, right] = boxes[..] else {
+            panic!("three objects");
+        };
+        let hits = (left.1.x >= centre.0.x, right.0.x <= centre.1.x);
+        assert_eq!(hits, (tick == 26, tick == 26), "tick {tick}");
+        if tick == 26 {
+            direction = -1.0;
+        }
+        for (object, position) in objects.iter().zip(&mut positions) {
+            let Motion::Velocity(velocity) = object.motion else {
+                panic!("all three have a velocity");
+            };
+            *position += direction * velocity / 64.0;
+        }
+    }
+}
+
+/// The intervals of ticks within which the boxes of two objects overlap.
+fn overlaps(scene: &SceneDescription, a: &str, b: &str, end: u64) -> Vec<(u64, u64)> {
+    let find = |name: &str| {
+        let object = scene
+            .objects()
+            .find(|object| object.name.as_deref() == Some(name));
+        object.unwrap().into_owned()
+    };
+    let (a, b) = (find(a), find(b));
+    let at = |object: &ObjectDescription, tick| match &object.motion {
+        Motion::Track(track) => track.position(tick),
+        _ => object.position,
+    };
+    let mut intervals: Vec<(u64, u64)> = Vec::new();
+    for tick in 0..=end {
+        let distance = (at(&a, tick) - at(&b, tick)).abs();
+        if distance.cmple(half_extents(&a) + half_extents(&b)).all() {
+            match intervals.last_mut() {
+                Some((_, last)) if *last + 1 == tick => *last = tick,
+                _ => intervals.push((tick, tick)),
+            }
+        }
+    }
+    intervals
+}
+
+#[test]
+fn clip_touches_as_it_says() {
+    let scene = asset("clip");
+    let times = |a, b| overlaps(&scene, a, b, 240);
+    assert_eq!(times("arm", "floor"), [(30, 32)]);
+    assert_eq!(times("arm", "satellite").len(), 1);
+    assert_eq!(times("satellite", "bay_wall").len(), 2);
+    for untouched in ["camera", "hatch"] {
+        for other in ["floor", "bay_wall", "satellite", "arm"] {
+            assert_eq!(times(untouched, other), [], "{untouched} and {other}");
+        }
+    }
+    for (a, b) in [
+        ("arm", "bay_wall"),
+        ("satellite", "floor"),
+        ("floor", "bay_wall"),
+    ] {
+        assert_eq!(times(a, b), [], "{a} and {b}");
+    }
+}
+
+#[test]
+fn assets_build() {
+    for name in ["t0", "t1", "t3", "t10", "figures_5_7", "clip"] {
+        for object in asset(name).objects() {
+            object.shape.build().unwrap();
+        }
+    }
+    let unavailable = asset("mixed_shapes")
+        .objects()
+        .filter(|object| object.shape.build().is_err())
+        .count();
+    assert_eq!(unavailable, 2);
+}
+
+#[test]
+fn the_examples_of_the_format_are_scenes() {
+    let readme = include_str!("../../assets/scenes/README.md");
+    let examples: Vec<_> = readme
+        .split("```ron\n")
+        .skip(1)
+        .map(|rest| SceneDescription::parse(rest.split("```").next().unwrap()).unwrap())
+        .collect();
+    assert_eq!(examples.len(), 2);
+    assert_eq!(examples[0].object_count(), 3);
+    assert_eq!(examples[1], TestSet::new(3).into());
 }

@@ -89,7 +89,7 @@ fn clear_takes_the_data_and_leaves_the_nodes() {
         tree.subtree(NodeId::ROOT)
             .map(|node| *tree.data(node))
             .sum::<u32>(),
-        (10..17).sum()
+        (10..17).sum::<u32>()
     );
     tree.assert_well_formed();
 }

@@ -1,0 +1,373 @@
+//! The collision report of a clip: which objects touch, and when.
+
+use std::{
+    collections::{BTreeMap, HashMap},
+    io,
+};
+
+use serde::Serialize;
+use thiserror::Error;
+
+/// Collects the contacts of an animation tick by tick, and tells the animator which objects collide and when, so that
+/// nobody has to go through the clip frame by frame (Swan, *Fast Collision Detection with an N-Objects Octree*, 1994,
+/// section 1.1).
+///
+/// Memory grows with the number of contacts, not with how long they last.
+///
+/// ```
+/// use bevy_octree::motion::CollisionReport;
+///
+/// let mut report = CollisionReport::default();
+/// report.record(0, [("arm", "wall")])?;
+/// report.record(1, [("wall", "arm"), ("arm", "floor")])?;
+/// report.record(2, [] as [(&str, &str); 0])?;
+///
+/// let mut csv = Vec::new();
+/// report.write_csv(&mut csv)?;
+/// assert_eq!(
+///     String::from_utf8(csv)?,
+///     "a,b,first_contact,last_contact,ticks,contacts\n\
+///      arm,wall,0,1,2,1\n\
+///      arm,floor,1,1,1,1\n"
+/// );
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Formats
+///
+/// Rows of pairs come in the order of their first contact, then of their names; rows of ticks in the order of the ticks,
+/// then of the names. Within a pair, `a` sorts before `b`.
+///
+/// | | a row for each | columns or fields |
+/// |---|---|---|
+/// | [`write_csv`](Self::write_csv) | pair | `a`, `b`, `first_contact`, `last_contact` (ticks), `ticks` (how many with contact), `contacts` (how many intervals without a break) |
+/// | [`write_jsonl`](Self::write_jsonl) | pair | `a`, `b`, `first_contact`, `last_contact`, `ticks`, `intervals` (of `[first, last]` tick) |
+/// | [`write_ticks_csv`](Self::write_ticks_csv) | tick and pair | `tick`, `a`, `b` |
+/// | [`write_ticks_jsonl`](Self::write_ticks_jsonl) | tick with a contact | `tick`, `contacts` (of `[a, b]`) |
+///
+/// CSV starts with a row of column names; both formats end each row with a line feed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CollisionReport {
+    names: Vec<String>,
+    ids: HashMap<String, usize>,
+    /// For each pair of names, its intervals in order, not adjoining.
+    pairs: BTreeMap<(usize, usize), Vec<Interval>>,
+    last_tick: Option<u64>,
+}
+
+/// The first and the last tick of a contact without a break.
+pub type Interval = (u64, u64);
+
+/// What the report says about two objects.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PairContacts<'a> {
+    /// The name that sorts first.
+    pub a: &'a str,
+    /// The other one.
+    pub b: &'a str,
+    /// The first tick with contact.
+    pub first_contact: u64,
+    /// The last tick with contact.
+    pub last_contact: u64,
+    /// The number of ticks with contact.
+    pub ticks: u64,
+    /// The contacts between breaks, in order; never empty.
+    pub intervals: &'a [Interval],
+}
+
+/// A tick is recorded that is not later than the one recorded before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("tick {tick} is recorded after tick {previous}, expected a later one")]
+pub struct TickOutOfOrder {
+    /// The refused tick.
+    pub tick: u64,
+    /// The tick recorded before.
+    pub previous: u64,
+}
+
+impl CollisionReport {
+    /// Takes down all contacts of a tick, in any order, as pairs of names.
+    ///
+    /// Ticks with consecutive numbers continue a contact; a tick left out breaks it.
+    ///
+    /// # Errors
+    ///
+    /// [`TickOutOfOrder`] if `tick` is not later than the tick before. The report stays as it is then.
+    pub fn record<A: AsRef<str>, B: AsRef<str>>(
+        &mut self,
+        tick: u64,
+        contacts: impl IntoIterator<Item = (A, B)>,
+    ) -> Result<(), TickOutOfOrder> {
+        if let Some(previous) = self.last_tick.filter(|&previous| previous >= tick) {
+            return Err(TickOutOfOrder { tick, previous });
+        }
+        self.last_tick = Some(tick);
+        for (a, b) in contacts {
+            let (a, b) = (a.as_ref(), b.as_ref());
+            let (a, b) = if a <= b { (a, b) } else { (b, a) };
+            let pair = (self.id(a), self.id(b));
+            let intervals = self.pairs.entry(pair).or_default();
+            match intervals.last_mut() {
+                Some((_, last)) if *last == tick || *last + 1 == tick => *last = tick,
+                _ => intervals.push((tick, tick)),
+            }
+        }
+        Ok(())
+    }
+
+    /// Each pair that touched, in the order of first contacts, then of names.
+    #[must_use]
+    pub fn pairs(&self) -> Vec<PairContacts<'_>> {
+        let pairs = self.pairs.iter().filter_map(|(&(a, b), intervals)| {
+            let (&(first_contact, _), &(_, last_contact)) = (intervals.first()?, intervals.last()?);
+            Some(PairContacts {
+                a: &self.names[a],
+                b: &self.names[b],
+                first_contact,
+                last_contact,
+                ticks: intervals.iter().map(|(first, last)| last - first + 1).sum(),
+                intervals,
+            })
+        });
+        let mut pairs: Vec<_> = pairs.collect();
+        pairs.sort_by_key(|pair| (pair.first_contact, pair.a, pair.b));
+        pairs
+    }
+
+    /// Each tick that had contacts, in order, with the pairs that touched, in the order of names.
+    pub fn ticks(&self) -> impl Iterator<Item = (u64, Vec<(&str, &str)>)> {
+        let pairs = self.pairs();
+        let mut starts: Vec<_> = pairs
+            .iter()
+            .flat_map(|pair| {
+                pair.intervals
+                    .iter()
+                    .map(|&(first, last)| (first, last, pair.a, pair.b))
+            })
+            .collect();
+        starts.sort_unstable();
+        let mut starts = starts.into_iter().peekable();
+        let mut current: Vec<(&str, &str, u64)> = Vec::new();
+        let mut previous = None;
+        std::iter::from_fn(move || {
+            current.retain(|&(_, _, last)| Some(last) > previous);
+            let tick = match previous {
+                Some(previous) if !current.is_empty() => previous + 1,
+                _ => starts.peek()?.0,
+            };
+            while let Some((_, last, a, b)) = starts.next_if(|start| start.0 == tick) {
+                current.push((a, b, last));
+            }
+            current.sort_unstable();
+            previous = Some(tick);
+            Some((tick, current.iter().map(|&(a, b, _)| (a, b)).collect()))
+        })
+    }
+
+    /// Writes a row for each pair, as CSV.
+    ///
+    /// # Errors
+    ///
+    /// Those of the writer.
+    pub fn write_csv(&self, writer: impl io::Write) -> io::Result<()> {
+        let mut csv = csv::Writer::from_writer(writer);
+        csv.write_record([
+            "a",
+            "b",
+            "first_contact",
+            "last_contact",
+            "ticks",
+            "contacts",
+        ])?;
+        for pair in self.pairs() {
+            let (first, last) = (pair.first_contact, pair.last_contact);
+            csv.serialize((
+                pair.a,
+                pair.b,
+                first,
+                last,
+                pair.ticks,
+                pair.intervals.len(),
+            ))?;
+        }
+        csv.flush()
+    }
+
+    /// Writes a row for each tick and pair, as CSV.
+    ///
+    /// # Errors
+    ///
+    /// Those of the writer.
+    pub fn write_ticks_csv(&self, writer: impl io::Write) -> io::Result<()> {
+        let mut csv = csv::Writer::from_writer(writer);
+        csv.write_record(["tick", "a", "b"])?;
+        for (tick, contacts) in self.ticks() {
+            for (a, b) in contacts {
+                csv.serialize((tick, a, b))?;
+            }
+        }
+        csv.flush()
+    }
+
+    /// Writes an object for each pair, as JSON lines.
+    ///
+    /// # Errors
+    ///
+    /// Those of the writer.
+    pub fn write_jsonl(&self, mut writer: impl io::Write) -> io::Result<()> {
+        for pair in self.pairs() {
+            write_line(&mut writer, &pair)?;
+        }
+        writer.flush()
+    }
+
+    /// Writes an object for each tick with contacts, as JSON lines.
+    ///
+    /// # Errors
+    ///
+    /// Those of the writer.
+    pub fn write_ticks_jsonl(&self, mut writer: impl io::Write) -> io::Result<()> {
+        #[derive(Serialize)]
+        struct Tick<'a> {
+            tick: u64,
+            contacts: Vec<(&'a str, &'a str)>,
+        }
+        for (tick, contacts) in self.ticks() {
+            write_line(&mut writer, &Tick { tick, contacts })?;
+        }
+        writer.flush()
+    }
+
+    /// The number under which a name is kept.
+    fn id(&mut self, name: &str) -> usize {
+        if let Some(&id) = self.ids.get(name) {
+            return id;
+        }
+        let id = self.names.len();
+        self.names.push(name.to_owned());
+        self.ids.insert(name.to_owned(), id);
+        id
+    }
+}
+
+fn write_line(writer: &mut impl io::Write, row: &impl Serialize) -> io::Result<()> {
+    serde_json::to_writer(&mut *writer, row)?;
+    writer.write_all(b"\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two pairs that touch once and one that touches twice; the last tick is free.
+    fn report() -> CollisionReport {
+        let mut report = CollisionReport::default();
+        let ticks: [(u64, &[(&str, &str)]); 6] = [
+            (3, &[("satellite", "arm")]),
+            (4, &[("arm", "satellite"), ("wall", "satellite")]),
+            (5, &[("satellite", "wall")]),
+            (6, &[("satellite", "arm"), ("arm", "satellite")]),
+            (8, &[("a \"b\",\n\\c", "é")]),
+            (9, &[]),
+        ];
+        for (tick, contacts) in ticks {
+            report.record(tick, contacts.iter().copied()).unwrap();
+        }
+        report
+    }
+
+    fn written(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> String {
+        let mut bytes = Vec::new();
+        write(&mut bytes).unwrap();
+        String::from_utf8(bytes).unwrap()
+    }
+
+    #[test]
+    fn csv_has_a_row_for_each_pair() {
+        assert_eq!(
+            written(|bytes| report().write_csv(bytes)),
+            "a,b,first_contact,last_contact,ticks,contacts\n\
+             arm,satellite,3,6,3,2\n\
+             satellite,wall,4,5,2,1\n\
+             \"a \"\"b\"\",\n\\c\",é,8,8,1,1\n"
+        );
+    }
+
+    #[test]
+    fn jsonl_has_an_object_for_each_pair() {
+        let expected = r#"{"a":"arm","b":"satellite","first_contact":3,"last_contact":6,"ticks":3,"intervals":[[3,4],[6,6]]}
+{"a":"satellite","b":"wall","first_contact":4,"last_contact":5,"ticks":2,"intervals":[[4,5]]}
+{"a":"a \"b\",\n\\c","b":"é","first_contact":8,"last_contact":8,"ticks":1,"intervals":[[8,8]]}
+"#;
+        assert_eq!(written(|bytes| report().write_jsonl(bytes)), expected);
+    }
+
+    #[test]
+    fn ticks_come_one_by_one() {
+        assert_eq!(
+            written(|bytes| report().write_ticks_csv(bytes)),
+            "tick,a,b\n\
+             3,arm,satellite\n\
+             4,arm,satellite\n\
+             4,satellite,wall\n\
+             5,satellite,wall\n\
+             6,arm,satellite\n\
+             8,\"a \"\"b\"\",\n\\c\",é\n"
+        );
+        assert_eq!(
+            written(|bytes| report().write_ticks_jsonl(bytes)),
+            r#"{"tick":3,"contacts":[["arm","satellite"]]}
+{"tick":4,"contacts":[["arm","satellite"],["satellite","wall"]]}
+{"tick":5,"contacts":[["satellite","wall"]]}
+{"tick":6,"contacts":[["arm","satellite"]]}
+{"tick":8,"contacts":[["a \"b\",\n\\c","é"]]}
+"#
+        );
+    }
+
+    #[test]
+    fn an_empty_report_has_columns_only() {
+        let report = CollisionReport::default();
+        let columns = "a,b,first_contact,last_contact,ticks,contacts\n";
+        assert_eq!(written(|bytes| report.write_csv(bytes)), columns);
+        assert_eq!(written(|bytes| report.write_ticks_csv(bytes)), "tick,a,b\n");
+        assert_eq!(written(|bytes| report.write_jsonl(bytes)), "");
+        assert_eq!(report.ticks().count(), 0);
+    }
+
+    #[test]
+    fn a_tick_left_out_breaks_a_contact() {
+        let mut report = CollisionReport::default();
+        for tick in [0, 1, 3] {
+            report.record(tick, [("a", "b")]).unwrap();
+        }
+        assert_eq!(report.pairs()[0].intervals, [(0, 1), (3, 3)]);
+    }
+
+    #[test]
+    fn ticks_out_of_order_are_refused() {
+        let mut report = report();
+        let before = report.clone();
+        for tick in [9, 8] {
+            let error = report.record(tick, [("a", "b")]).unwrap_err();
+            assert_eq!(error, TickOutOfOrder { tick, previous: 9 });
+        }
+        assert_eq!(report, before);
+    }
+
+    #[test]
+    fn the_last_tick_there_is_can_be_recorded() {
+        let mut report = CollisionReport::default();
+        report.record(u64::MAX - 1, [("a", "b")]).unwrap();
+        report.record(u64::MAX, [("a", "b")]).unwrap();
+        assert_eq!(report.ticks().count(), 2);
+    }
+
+    #[test]
+    fn errors_of_the_writer_come_back() {
+        let mut full: &mut [u8] = &mut [0; 10];
+        assert!(report().write_csv(&mut full).is_err());
+        let mut full: &mut [u8] = &mut [0; 10];
+        assert!(report().write_ticks_jsonl(&mut full).is_err());
+    }
+}

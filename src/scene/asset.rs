@@ -1,0 +1,136 @@
+//! Scene files through Bevy's asset system.
+
+use std::{io, str};
+
+use bevy::{
+    asset::{AssetApp, AssetLoader, AssetServer, LoadContext, io::Reader},
+    prelude::*,
+};
+
+use super::{description::SceneDescription, error::SceneError};
+
+/// Teaches Bevy's asset system to load a [`SceneDescription`] from a file named `*.scene.ron`.
+///
+/// Does nothing in an app without an [`AssetServer`]: add it after `AssetPlugin`, or do without and call
+/// [`SceneDescription::load`].
+///
+/// ```
+/// use bevy::{asset::AssetPlugin, prelude::*};
+/// use bevy_octree::scene::{SceneAssetPlugin, SceneDescription};
+///
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, AssetPlugin::default(), SceneAssetPlugin));
+/// let scene: Handle<SceneDescription> = app.world().resource::<AssetServer>().load("scenes/t3.scene.ron");
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SceneAssetPlugin;
+
+impl Plugin for SceneAssetPlugin {
+    fn build(&self, app: &mut App) {
+        if app.world().contains_resource::<AssetServer>() {
+            app.init_asset::<SceneDescription>()
+                .register_asset_loader(SceneLoader);
+        } else {
+            tracing::debug!("no AssetServer: scenes do not load through the asset system");
+        }
+    }
+}
+
+/// Loads a [`SceneDescription`] from RON, as [`SceneDescription::load`] does.
+#[derive(Clone, Copy, Debug, Default, TypePath)]
+pub struct SceneLoader;
+
+impl AssetLoader for SceneLoader {
+    type Asset = SceneDescription;
+    type Settings = ();
+    type Error = SceneError;
+
+    async fn load(
+        &self,
+        reader: &mut dyn Reader,
+        _settings: &(),
+        context: &mut LoadContext<'_>,
+    ) -> Result<SceneDescription, SceneError> {
+        let path = context.path().path();
+        let unreadable = |source| SceneError::Read {
+            path: path.to_owned(),
+            source,
+        };
+        let mut bytes = Vec::new();
+        reader.read_to_end(&mut bytes).await.map_err(unreadable)?;
+        let text = str::from_utf8(&bytes)
+            .map_err(|error| unreadable(io::Error::new(io::ErrorKind::InvalidData, error)))?;
+        SceneDescription::parse_from(text, &path.display().to_string())
+    }
+
+    fn extensions(&self) -> &[&str] {
+        &["scene.ron"]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use bevy::asset::{AssetPlugin, LoadState};
+
+    use super::*;
+
+    /// Runs a headless app until an asset is loaded or has failed.
+    fn load(folder: &str, file: &str) -> (App, Handle<SceneDescription>, LoadState) {
+        let mut app = App::new();
+        let assets = AssetPlugin {
+            file_path: folder.to_owned(),
+            ..default()
+        };
+        app.add_plugins((MinimalPlugins, assets, SceneAssetPlugin));
+        let server = app.world().resource::<AssetServer>().clone();
+        let handle = server.load(file.to_owned());
+        let start = Instant::now();
+        loop {
+            app.update();
+            let state = server.load_state(&handle);
+            if matches!(state, LoadState::Loaded | LoadState::Failed(_)) {
+                return (app, handle, state);
+            }
+            assert!(
+                start.elapsed() < Duration::from_secs(30),
+                "{file} never loads"
+            );
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    #[test]
+    fn scene_files_load_headless() {
+        let (app, handle, state) = load("assets", "scenes/t3.scene.ron");
+        assert!(state.is_loaded(), "{state:?}");
+        let scenes = app.world().resource::<Assets<SceneDescription>>();
+        let scene = scenes.get(&handle).unwrap();
+        assert_eq!((scene.name.as_str(), scene.object_count()), ("t3", 98));
+    }
+
+    #[test]
+    fn malformed_files_fail_with_the_place() {
+        let folder = std::env::temp_dir().join(format!("bevy_octree_asset_{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("bad.scene.ron"), "(\n  name: 7,\n)").unwrap();
+        let (_, _, state) = load(folder.to_str().unwrap(), "bad.scene.ron");
+        std::fs::remove_dir_all(&folder).unwrap();
+        let LoadState::Failed(error) = state else {
+            panic!("{state:?}");
+        };
+        let message = error.to_string();
+        assert!(
+            message.contains("bad.scene.ron:2:9: Expected string"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn the_plugin_does_nothing_without_an_asset_server() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, SceneAssetPlugin)).update();
+        assert!(!app.world().contains_resource::<Assets<SceneDescription>>());
+    }
+}
