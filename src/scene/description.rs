@@ -1,6 +1,6 @@
 //! The description of a scene, and its form as a file.
 
-use std::{borrow::Cow, collections::HashMap, fs, path::Path, time::Duration};
+use std::{borrow::Cow, collections::HashMap, fs, io, path::Path, time::Duration};
 
 use bevy::prelude::*;
 use ron::{error::Span, extensions::Extensions, ser::PrettyConfig};
@@ -145,13 +145,13 @@ impl SceneDescription {
     }
 
     /// Writes the scene as RON that [`SceneDescription::parse`] reads back.
-    #[must_use]
-    pub fn to_ron(&self) -> String {
+    ///
+    /// # Errors
+    ///
+    /// Those of the RON writer, which can express every scene.
+    pub fn to_ron(&self) -> ron::Result<String> {
         let pretty = PrettyConfig::new().struct_names(false).depth_limit(4);
-        // Writing to a string fails for types that RON cannot express, and these can all be.
-        ron_options()
-            .to_string_pretty(self, pretty)
-            .unwrap_or_default()
+        ron_options().to_string_pretty(self, pretty)
     }
 
     /// Writes the scene to a file.
@@ -161,10 +161,12 @@ impl SceneDescription {
     /// [`SceneError::Write`] if the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), SceneError> {
         let path = path.as_ref();
-        fs::write(path, self.to_ron()).map_err(|source| SceneError::Write {
-            path: path.to_owned(),
-            source,
-        })
+        let text = self.to_ron().map_err(io::Error::other);
+        text.and_then(|text| fs::write(path, text))
+            .map_err(|source| SceneError::Write {
+                path: path.to_owned(),
+                source,
+            })
     }
 
     /// Checks what the types alone do not: numbers in range, unique names, at least one object.

@@ -97,7 +97,7 @@ fn what_is_written_reads_back() {
         ],
     );
     for scene in [scene, TestSet::new(7).into()] {
-        let text = scene.to_ron();
+        let text = scene.to_ron().unwrap();
         assert_eq!(SceneDescription::parse(&text).unwrap(), scene, "{text}");
     }
 }
