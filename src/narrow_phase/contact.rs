@@ -8,7 +8,7 @@ use super::separation::{Separation, sign};
 use super::{NarrowPhase, Placed, Shape, Workspace, convex_contact};
 
 /// How often to go back and forth between two cuboids in search of a point of both: twice is the rule.
-const MOST_STEPS: usize = 32;
+const MOST_STEPS: usize = 8;
 
 /// The geometry of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,7 +85,7 @@ fn local_contact(pair: &Pair, workspace: &mut Workspace) -> LocalContact {
         (_, Shape::Sphere { .. }) => {
             sphere_other(&pair.swapped(), workspace).map(LocalContact::reversed)
         }
-        (Shape::Cuboid { .. }, Shape::Cuboid { .. }) => cuboids(pair),
+        (Shape::Cuboid { .. }, Shape::Cuboid { .. }) => cuboids(pair, workspace),
         (Shape::Cuboid { .. } | Shape::Convex(_), Shape::Cuboid { .. } | Shape::Convex(_)) => {
             convex_contact::contact(pair, workspace)
         }
@@ -149,25 +149,39 @@ fn sphere_cuboid(pair: &Pair) -> (Vec3A, Vec3A, bool) {
     (point, outwards, inside)
 }
 
-fn cuboids(pair: &Pair) -> Option<LocalContact> {
-    let (a, b) = (&pair.box_a, &pair.box_b);
-    let found = Separation::of(a, b, f32::INFINITY)?;
-    // Start near the smaller one, and go back and forth between the two: this ends in a point of both.
-    let share = a.radius / (a.radius + b.radius).max(f32::MIN_POSITIVE);
-    let mut on_a = a.center.lerp(b.center, share);
-    let mut on_b = on_a;
-    for _ in 0..MOST_STEPS {
-        on_b = b.closest_point(on_a);
-        on_a = a.closest_point(on_b);
-        if on_a.distance_squared(on_b) <= pair.tolerance * pair.tolerance {
-            break;
-        }
-    }
+fn cuboids(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> {
+    let found = Separation::of(&pair.box_a, &pair.box_b, f32::INFINITY)?;
+    let point = common_point(pair).or_else(|| mean_hit(pair, workspace));
     Some(LocalContact {
         normal: found.axis,
-        point: on_a.midpoint(on_b),
+        point: point?,
         depth: (-found.along).max(0.0),
     })
+}
+
+/// A point of two boxes, found by going back and forth between them; `None` if that takes too long.
+fn common_point(pair: &Pair) -> Option<Vec3A> {
+    let (a, b) = (&pair.box_a, &pair.box_b);
+    // From near the smaller one, the way is short.
+    let share = a.radius / (a.radius + b.radius).max(f32::MIN_POSITIVE);
+    let mut on_a = a.center.lerp(b.center, share);
+    (0..MOST_STEPS).find_map(|_| {
+        let on_b = b.closest_point(on_a);
+        on_a = a.closest_point(on_b);
+        let close = on_a.distance_squared(on_b) <= pair.tolerance * pair.tolerance;
+        close.then(|| on_a.midpoint(on_b))
+    })
+}
+
+/// The mean of the places where edges of one shape meet polygons of the other. It is in both shapes, to
+/// within the tolerance, if they are convex.
+pub(super) fn mean_hit(pair: &Pair, workspace: &mut Workspace) -> Option<Vec3A> {
+    let (mut count, mut points) = (0.0, Vec3A::ZERO);
+    edge_polygon::hits(pair, workspace, |Hit { point, .. }| {
+        count += 1.0;
+        points += point;
+    });
+    (count > 0.0).then(|| points / count)
 }
 
 /// Meshes of any form: the mean of all crossings.

@@ -2,8 +2,8 @@
 
 use bevy::math::Vec3A;
 
-use super::contact::LocalContact;
-use super::edge_polygon::{self, Hit};
+use super::contact::{LocalContact, mean_hit};
+use super::edge_polygon;
 use super::pair::Pair;
 use super::surface::{Face, Surface};
 use super::workspace::Workspace;
@@ -15,28 +15,17 @@ const BIAS: f32 = 1e-3;
 
 /// The contact of two convex shapes made of polygons, cuboids among them.
 pub(super) fn contact(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> {
-    let (mut count, mut points) = (0.0, Vec3A::ZERO);
-    edge_polygon::hits(pair, workspace, |Hit { point, .. }| {
-        count += 1.0;
-        points += point;
-    });
+    let meeting = mean_hit(pair, workspace);
     edge_polygon::fill_all(pair, workspace);
     let [a, b] = &workspace.surfaces;
     let bias = BIAS * (pair.box_a.radius + pair.box_b.radius);
     let (normal, gap) = least_overlap(a, b, bias)?;
-    let smaller = if pair.box_b.radius < pair.box_a.radius {
-        &pair.box_b
-    } else {
-        &pair.box_a
-    };
+    let (a, b) = (&pair.box_a, &pair.box_b);
+    let smaller = if b.radius < a.radius { b } else { a };
     Some(LocalContact {
         normal,
         // One inside the other: nothing crosses.
-        point: if count > 0.0 {
-            points / count
-        } else {
-            smaller.center
-        },
+        point: meeting.unwrap_or(smaller.center),
         depth: (-gap).max(0.0),
     })
 }

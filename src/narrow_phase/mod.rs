@@ -23,6 +23,8 @@ mod topology;
 mod triangulate;
 mod workspace;
 
+#[cfg(all(test, feature = "rapier"))]
+mod parry_tests;
 #[cfg(test)]
 mod tests;
 
