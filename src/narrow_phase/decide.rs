@@ -1,38 +1,12 @@
 //! The chain of decisions for a pair of shapes.
 
-use std::cmp::Ordering;
-
 use bevy::math::Vec3A;
 use bevy::math::bounding::Aabb3d;
 use bevy::transform::components::Transform;
 
-use super::oriented_box::OrientedBox;
+use super::pair::{Pair, ROUNDING, in_order};
 use super::separation::Separation;
-use super::{BoundsError, Shape, Stage, ToleranceError, Workspace};
-
-/// Rounding, as a share of the size of a pair: no tolerance can be less.
-const ROUNDING: f32 = 16.0 * f32::EPSILON;
-
-/// A shape and where it is.
-///
-/// Rotations are normalised before use. In a hierarchy of entities the transform is that in the
-/// world: `GlobalTransform::compute_transform()`, which drops shear.
-#[derive(Clone, Copy, Debug)]
-pub struct Placed<'a> {
-    /// What the object is made of.
-    pub shape: &'a Shape,
-    /// Scale, rotation and place in the world.
-    pub transform: &'a Transform,
-}
-
-impl<'a> Placed<'a> {
-    /// Puts a shape at a place.
-    #[inline]
-    #[must_use]
-    pub fn new(shape: &'a Shape, transform: &'a Transform) -> Self {
-        Self { shape, transform }
-    }
-}
+use super::{BoundsError, Placed, Shape, Stage, ToleranceError, Workspace, edge_polygon};
 
 /// Which way cuboids are decided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -47,7 +21,10 @@ pub enum Exactness {
 
 /// The exact tests: whether two placed shapes are in contact, and where.
 ///
-/// Two shapes are in contact when their distance is no more than the [tolerance](Self::tolerance).
+/// Two shapes are in contact when their distance is no more than the [tolerance](Self::tolerance), so
+/// that touching counts, whatever touches: faces in one plane, edges along edges, corners. The tolerance
+/// has to be above rounding, and is raised for pairs so large that it is not: to 16 units in the last
+/// place of the sum of their half extents (2·10⁻⁴ for a pair of 100 units).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NarrowPhase {
     tolerance: f32,
@@ -100,15 +77,18 @@ impl NarrowPhase {
         self.exactness
     }
 
-    /// The box to feed to a broad phase: that of [`Shape::world_aabb`], grown by half the tolerance and by
-    /// rounding. The boxes of two shapes that are in contact are never apart.
+    /// The box to feed to a broad phase: that of [`Shape::world_aabb`], grown by half the tolerance and
+    /// by rounding. The boxes of two shapes that are in contact are never apart.
     ///
     /// # Errors
     /// As for [`Shape::world_aabb`].
     pub fn world_aabb(&self, placed: Placed) -> Result<Aabb3d, BoundsError> {
         let Aabb3d { min, max } = placed.shape.world_aabb(placed.transform)?;
-        let size = ROUNDING * (max - min).max_element();
-        let grown = self.tolerance * 0.5 + size + f32::EPSILON * min.abs().max(max.abs());
+        // The box may be 1.8 times as wide as what the tolerance of a pair is measured by, or narrower
+        // by no more than that.
+        let size = (max - min).max_element();
+        let far = min.abs().max(max.abs()).max_element();
+        let grown = self.tolerance * 0.5 + ROUNDING * size + f32::EPSILON * far;
         let (min, max) = (min - grown, max + grown);
         if min.is_finite() && max.is_finite() {
             Ok(Aabb3d { min, max })
@@ -130,145 +110,134 @@ impl NarrowPhase {
         {
             let half_a = (Vec3A::from(*half_a) * Vec3A::from(a.transform.scale)).abs();
             let half_b = (Vec3A::from(*half_b) * Vec3A::from(b.transform.scale)).abs();
-            let verdict = self.aligned_cuboids(a.transform, half_a, b.transform, half_b);
+            let verdict = self.aligned(a.transform, half_a, b.transform, half_b);
             workspace.counters.count(Stage::Boxes, Some(verdict));
             return verdict;
         }
-        let (a, b) = if in_order(a, b) { (a, b) } else { (b, a) };
-        self.decide(a, b, workspace)
+        let (a, b, _) = in_order(a, b);
+        match Pair::new(a, b, self.tolerance) {
+            Ok(pair) => self.decide(&pair, workspace),
+            Err(BoundsError::Unbounded) => unbounded(a, b, self.tolerance, workspace),
+            Err(BoundsError::NonFinite) => false,
+        }
     }
 
-    /// Two cuboids turned alike: their distance is that of two boxes along the axes.
+    /// Two cuboids turned alike: in their common axes, the distance of two upright boxes.
     #[inline]
-    fn aligned_cuboids(&self, a: &Transform, half_a: Vec3A, b: &Transform, half_b: Vec3A) -> bool {
-        let offset = a.rotation.normalize().inverse() * (b.translation - a.translation);
+    fn aligned(&self, a: &Transform, half_a: Vec3A, b: &Transform, half_b: Vec3A) -> bool {
+        let turned_back = a.rotation.normalize().inverse();
+        let offset = Vec3A::from(turned_back * (b.translation - a.translation));
         let reach = half_a + half_b;
-        let gaps = Vec3A::from(offset).abs() - reach;
+        let gaps = (offset.abs() - reach).max(Vec3A::ZERO);
         let tolerance = self.tolerance.max(ROUNDING * reach.max_element());
-        // False if anything is NaN.
-        gaps.max(Vec3A::ZERO).length_squared() <= tolerance * tolerance && gaps.is_finite()
+        // The first is not enough: `max` drops a NaN, and infinity reaches everywhere.
+        gaps.length_squared() <= tolerance * tolerance && (offset.abs() + reach).is_finite()
     }
 
-    /// The tolerance for a pair: at least what rounding leaves uncertain at its size.
-    pub(super) fn pair_tolerance(&self, a: &OrientedBox, b: &OrientedBox) -> f32 {
-        let size = a.half.max_element() + b.half.max_element();
-        self.tolerance.max(ROUNDING * size)
-    }
-
-    fn decide(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> bool {
-        let origin = a.transform.translation;
-        let box_a = OrientedBox::of(a.shape, a.transform, origin);
-        let box_b = OrientedBox::of(b.shape, b.transform, origin);
-        let (box_a, box_b) = match (box_a, box_b) {
-            (Ok(box_a), Ok(box_b)) => (box_a, box_b),
-            (Err(BoundsError::NonFinite), _) | (_, Err(BoundsError::NonFinite)) => return false,
-            _ => return self.complete_unbounded(a, b, workspace),
-        };
-        let tolerance = self.pair_tolerance(&box_a, &box_b);
-        // Wider than the tolerance of the last stage, so that rounding rejects nothing too early.
-        let slack = 2.0 * tolerance;
-
-        let offset = box_b.center - box_a.center;
-        let gaps = offset.abs() - (box_a.reach() + box_b.reach());
-        let apart = gaps.max_element() > slack;
-        workspace
-            .counters
-            .count(Stage::Bounds, apart.then_some(false));
-        if apart {
-            return false;
+    fn decide(&self, pair: &Pair, workspace: &mut Workspace) -> bool {
+        let counters = &mut workspace.counters;
+        let mut verdict = counters
+            .count(Stage::Bounds, bounds(pair))
+            .or_else(|| counters.count(Stage::Spheres, spheres(pair)));
+        if self.exactness == Exactness::Cheapest || !are_cuboids(pair) {
+            verdict = verdict.or_else(|| counters.count(Stage::Boxes, boxes(pair)));
         }
-
-        let gap = offset.length() - (box_a.radius + box_b.radius);
-        let verdict = match (a.shape, b.shape) {
-            _ if gap > slack => Some(false),
-            (Shape::Sphere { .. }, Shape::Sphere { .. }) => Some(gap <= tolerance),
-            _ => None,
-        };
-        workspace.counters.count(Stage::Spheres, verdict);
-        if let Some(verdict) = verdict {
-            return verdict;
-        }
-
-        let cuboids = matches!(
-            (a.shape, b.shape),
-            (Shape::Cuboid { .. }, Shape::Cuboid { .. })
-        );
-        if !(cuboids && self.exactness == Exactness::EdgePolygon) {
-            let verdict = match (a.shape, b.shape) {
-                (Shape::Sphere { .. }, other) => sphere_box(&box_a, other, &box_b, tolerance),
-                (other, Shape::Sphere { .. }) => sphere_box(&box_b, other, &box_a, tolerance),
-                _ => match Separation::of(&box_a, &box_b, slack) {
-                    None => Some(false),
-                    Some(found) if cuboids && found.gap <= -found.doubt => Some(true),
-                    Some(_) => None,
-                },
-            };
-            workspace.counters.count(Stage::Boxes, verdict);
-            if let Some(verdict) = verdict {
-                return verdict;
-            }
-        }
-
-        let verdict = self.complete(a, b, workspace);
-        workspace.counters.count(Stage::Complete, Some(verdict));
-        verdict
-    }
-
-    fn complete_unbounded(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> bool {
-        let verdict = self.complete(a, b, workspace);
-        workspace.counters.count(Stage::Complete, Some(verdict));
-        verdict
-    }
-
-    fn complete(&self, _a: Placed, _b: Placed, _workspace: &mut Workspace) -> bool {
-        true
+        verdict.unwrap_or_else(|| {
+            let verdict = complete(pair, workspace);
+            workspace.counters.count(Stage::Complete, Some(verdict));
+            verdict
+        })
     }
 }
 
-/// A sphere against the box of another shape: a verdict if that is all the other shape is, or if they
-/// are apart.
+/// How wide a gap has to be for an early stage to reject: wider than the tolerance by more than
+/// rounding, so that no stage rejects what a later one would accept.
 #[inline]
-fn sphere_box(
-    sphere: &OrientedBox,
-    other: &Shape,
-    bounds: &OrientedBox,
-    tolerance: f32,
-) -> Option<bool> {
-    let gap = bounds.closest_point(sphere.center).distance(sphere.center) - sphere.radius;
-    if matches!(other, Shape::Cuboid { .. }) {
-        Some(gap <= tolerance)
-    } else {
-        (gap > 2.0 * tolerance).then_some(false)
+fn slack(pair: &Pair) -> f32 {
+    2.0 * pair.tolerance
+}
+
+#[inline]
+fn are_cuboids(pair: &Pair) -> bool {
+    matches!(
+        (pair.a.shape, pair.b.shape),
+        (Shape::Cuboid { .. }, Shape::Cuboid { .. })
+    )
+}
+
+#[inline]
+fn bounds(pair: &Pair) -> Option<bool> {
+    let offset = pair.box_b.center - pair.box_a.center;
+    let gaps = offset.abs() - (pair.box_a.reach() + pair.box_b.reach());
+    (gaps.max_element() > slack(pair)).then_some(false)
+}
+
+#[inline]
+fn spheres(pair: &Pair) -> Option<bool> {
+    let distance = pair.box_a.center.distance(pair.box_b.center);
+    let gap = distance - (pair.box_a.radius + pair.box_b.radius);
+    match (pair.a.shape, pair.b.shape) {
+        (Shape::Sphere { .. }, Shape::Sphere { .. }) => Some(gap <= pair.tolerance),
+        _ => (gap > slack(pair)).then_some(false),
     }
 }
 
-/// Whether the two are in the order in which a pair is computed, so that swapping them changes nothing.
-pub(super) fn in_order(a: Placed, b: Placed) -> bool {
-    fn key(placed: Placed) -> ([f32; 3], [f32; 4], [f32; 3], [f32; 4]) {
-        let t = placed.transform;
-        let shape = match placed.shape {
-            Shape::Cuboid { half_size } => [0.0, half_size.x, half_size.y, half_size.z],
-            Shape::Sphere { radius } => [1.0, *radius, 0.0, 0.0],
-            Shape::Convex(_) => [2.0; 4],
-            Shape::Mesh(_) => [3.0; 4],
-            #[cfg(feature = "rapier")]
-            Shape::Rapier(_) => [4.0; 4],
-        };
-        (
-            t.translation.into(),
-            t.rotation.into(),
-            t.scale.into(),
-            shape,
-        )
+#[inline]
+fn boxes(pair: &Pair) -> Option<bool> {
+    match (pair.a.shape, pair.b.shape) {
+        (Shape::Sphere { .. }, _) => sphere_box(pair),
+        (_, Shape::Sphere { .. }) => sphere_box(&pair.swapped()),
+        _ => match Separation::of(&pair.box_a, &pair.box_b, slack(pair)) {
+            None => Some(false),
+            // Boxes that overlap along every axis overlap; those within the tolerance may still be
+            // further apart from corner to corner.
+            Some(found) => (are_cuboids(pair) && found.gap <= -found.doubt).then_some(true),
+        },
     }
-    let ordering = a
-        .transform
-        .translation
-        .x
-        .partial_cmp(&b.transform.translation.x);
-    match ordering {
-        Some(Ordering::Less) => true,
-        Some(Ordering::Greater) => false,
-        _ => key(a) <= key(b),
+}
+
+/// A sphere against the box of another shape.
+#[inline]
+fn sphere_box(pair: &Pair) -> Option<bool> {
+    let center = pair.box_a.center;
+    let gap = pair.box_b.closest_point(center).distance(center) - pair.box_a.radius;
+    match pair.b.shape {
+        Shape::Cuboid { .. } => Some(gap <= pair.tolerance),
+        _ => (gap > slack(pair)).then_some(false),
     }
+}
+
+fn complete(pair: &Pair, workspace: &mut Workspace) -> bool {
+    match (pair.a.shape, pair.b.shape) {
+        #[cfg(feature = "rapier")]
+        (Shape::Rapier(_), _) | (_, Shape::Rapier(_)) => {
+            super::parry::intersects(pair.a, pair.b, pair.tolerance)
+                || super::parry::encloses(pair, workspace)
+        }
+        (Shape::Sphere { .. }, _) => edge_polygon::sphere_intersects(pair, workspace),
+        (_, Shape::Sphere { .. }) => edge_polygon::sphere_intersects(&pair.swapped(), workspace),
+        _ => edge_polygon::intersects(pair, workspace),
+    }
+}
+
+/// What each stage by itself says about a pair.
+#[cfg(test)]
+pub(super) fn stages(pair: &Pair, workspace: &mut Workspace) -> ([Option<bool>; 3], bool) {
+    let early = [bounds(pair), spheres(pair), boxes(pair)];
+    (early, complete(pair, workspace))
+}
+
+/// A pair of which one has no bounds goes straight to the last stage.
+#[cfg_attr(
+    not(feature = "rapier"),
+    expect(unused_variables, reason = "only Rapier shapes can be unbounded")
+)]
+fn unbounded(a: Placed, b: Placed, tolerance: f32, workspace: &mut Workspace) -> bool {
+    #[cfg(feature = "rapier")]
+    if a.transform.is_finite() && b.transform.is_finite() {
+        let verdict = super::parry::intersects(a, b, tolerance);
+        workspace.counters.count(Stage::Complete, Some(verdict));
+        return verdict;
+    }
+    false
 }

@@ -47,6 +47,12 @@ impl OrientedBox {
         self.axes.abs() * self.half
     }
 
+    /// How far the box reaches from its centre along a unit vector.
+    #[inline]
+    pub fn extent(&self, direction: Vec3A) -> f32 {
+        (self.axes.transpose() * direction).abs().dot(self.half)
+    }
+
     /// The point of the box closest to `point`; `point` itself if inside.
     #[inline]
     pub fn closest_point(&self, point: Vec3A) -> Vec3A {

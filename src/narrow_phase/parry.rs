@@ -1,19 +1,40 @@
 //! Shapes of `bevy_rapier3d`, decided by parry.
 
-use std::sync::OnceLock;
+use std::sync::{Once, OnceLock};
 
-use bevy::math::Vec3A;
+use bevy::math::{Vec3, Vec3A};
+use bevy::transform::components::Transform;
 use bevy_rapier3d::geometry::Collider;
-use bevy_rapier3d::parry::shape::SharedShape;
+use bevy_rapier3d::parry::math::Pose;
+use bevy_rapier3d::parry::query::{self, Unsupported};
+use bevy_rapier3d::parry::shape::{self, SharedShape, TriMesh};
 
-use super::{BoundsError, Shape};
-
-/// A mesh as parry knows it, made when it first meets a Rapier shape.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Cache(OnceLock<Option<SharedShape>>);
+use super::contact::LocalContact;
+use super::edge_polygon;
+use super::oriented_box::effective_scale;
+use super::pair::Pair;
+use super::triangulate::triangulate;
+use super::{BoundsError, Placed, PolygonMesh, Shape, Workspace};
 
 /// Half extents beyond this stand for infinity: parry gives endless shapes boxes of this order.
 const ENDLESS: f32 = f32::MAX / 8.0;
+
+/// A mesh as parry knows it, made when it first meets a Rapier shape; `None` if parry refuses it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Cache(OnceLock<Option<SharedShape>>);
+
+impl From<SharedShape> for Shape {
+    fn from(shape: SharedShape) -> Self {
+        Self::Rapier(shape)
+    }
+}
+
+impl From<&Collider> for Shape {
+    /// The collider as `bevy_rapier3d` has it now, its scale baked in.
+    fn from(collider: &Collider) -> Self {
+        Self::Rapier(collider.raw.clone())
+    }
+}
 
 /// Centre, half extents and bounding radius of the unplaced shape.
 pub(super) fn local_bounds(shape: &SharedShape) -> Result<(Vec3A, Vec3A, f32), BoundsError> {
@@ -29,15 +50,108 @@ pub(super) fn local_bounds(shape: &SharedShape) -> Result<(Vec3A, Vec3A, f32), B
     Ok((min * 0.5 + max * 0.5, half, half.length()))
 }
 
-impl From<SharedShape> for Shape {
-    fn from(shape: SharedShape) -> Self {
-        Self::Rapier(shape)
+/// Whether parry finds the two to overlap, or no further apart than the tolerance.
+pub(super) fn intersects(a: Placed, b: Placed, tolerance: f32) -> bool {
+    let decide = |a: &dyn shape::Shape, at_a: &Pose, b: &dyn shape::Shape, at_b: &Pose| {
+        Ok(query::intersection_test(at_a, a, at_b, b)?
+            || query::distance(at_a, a, at_b, b)? <= tolerance)
+    };
+    ask(a, b, decide).unwrap_or(false)
+}
+
+/// The contact that parry finds.
+pub(super) fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalContact> {
+    let contact = ask(a, b, |a, at_a, b, at_b| {
+        query::contact(at_a, a, at_b, b, tolerance)
+    })??;
+    Some(LocalContact {
+        normal: Vec3A::from(contact.normal1).try_normalize()?,
+        point: contact.point1.midpoint(contact.point2).into(),
+        depth: (-contact.dist).max(0.0),
+    })
+}
+
+/// Whether a closed mesh is around a Rapier shape: parry knows meshes as surfaces without an inside.
+///
+/// One point of the Rapier shape decides, given that the surfaces do not meet.
+pub(super) fn encloses(pair: &Pair, workspace: &mut Workspace) -> bool {
+    let (mesh, inner) = match (pair.a.shape, pair.b.shape) {
+        (Shape::Rapier(inner), _) => (pair.swapped(), inner),
+        (_, Shape::Rapier(inner)) => (*pair, inner),
+        _ => return false,
+    };
+    let beside = Vec3::from(mesh.box_b.half) * 2.0 + Vec3::ONE;
+    let on_surface = inner.project_local_point(beside, false).point;
+    let transform = mesh.b.transform;
+    let origin = pair.a.transform.translation;
+    let point = transform.rotation.normalize() * on_surface + (transform.translation - origin);
+    edge_polygon::encloses(&mesh, point.into(), workspace)
+}
+
+/// Puts a question about two shapes to parry. `None` without an answer, of which a warning tells once.
+fn ask<T>(
+    a: Placed,
+    b: Placed,
+    question: impl FnOnce(&dyn shape::Shape, &Pose, &dyn shape::Shape, &Pose) -> Result<T, Unsupported>,
+) -> Option<T> {
+    let origin = a.transform.translation;
+    let pose = |at: &Transform| Pose::from_parts(at.translation - origin, at.rotation.normalize());
+    let (at_a, at_b) = (pose(a.transform), pose(b.transform));
+    let answer = with_shape(a, |a| with_shape(b, |b| question(a, &at_a, b, &at_b).ok()));
+    let answer = answer.flatten().flatten();
+    if answer.is_none() {
+        static WARNED: Once = Once::new();
+        WARNED.call_once(|| {
+            tracing::warn!(
+                "parry cannot decide whether {:?} and {:?} are in contact; such pairs count as apart",
+                a.shape,
+                b.shape
+            );
+        });
+    }
+    answer
+}
+
+/// Calls `f` with the shape as parry knows it, if it can.
+fn with_shape<T>(placed: Placed, f: impl FnOnce(&dyn shape::Shape) -> T) -> Option<T> {
+    let scale = Vec3::from(effective_scale(placed.shape, placed.transform));
+    match placed.shape {
+        Shape::Cuboid { half_size } => Some(f(&shape::Cuboid::new((half_size * scale).abs()))),
+        Shape::Sphere { radius } => Some(f(&shape::Ball::new(radius.abs() * scale.x))),
+        Shape::Convex(mesh) => with_mesh(mesh, scale, f),
+        Shape::Mesh(mesh) => with_mesh(mesh, scale, f),
+        Shape::Rapier(shape) => Some(f(&**shape)),
     }
 }
 
-impl From<&Collider> for Shape {
-    /// The collider as `bevy_rapier3d` has it now, its scale baked in.
-    fn from(collider: &Collider) -> Self {
-        Self::Rapier(collider.raw.clone())
+/// A mesh at its own size is converted once; at another, each time.
+fn with_mesh<T>(
+    mesh: &PolygonMesh,
+    scale: Vec3,
+    f: impl FnOnce(&dyn shape::Shape) -> T,
+) -> Option<T> {
+    if scale == Vec3::ONE {
+        let shared = mesh
+            .parry
+            .0
+            .get_or_init(|| convert(mesh, scale).map(SharedShape::new));
+        shared.as_deref().map(f)
+    } else {
+        convert(mesh, scale).map(|mesh| f(&mesh))
     }
+}
+
+fn convert(mesh: &PolygonMesh, scale: Vec3) -> Option<TriMesh> {
+    let vertices = mesh
+        .vertices()
+        .iter()
+        .map(|vertex| vertex * scale)
+        .collect();
+    let mut triangles = Vec::new();
+    for (corners, normal) in mesh.polygons().zip(mesh.normals()) {
+        triangulate(mesh.vertices(), corners, *normal, |triangle| {
+            triangles.push(triangle)
+        });
+    }
+    TriMesh::new(vertices, triangles).ok()
 }

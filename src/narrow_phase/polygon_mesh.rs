@@ -145,6 +145,14 @@ impl PolygonMesh {
         self.open_edge
     }
 
+    /// Whether a triangle would be accepted as a polygon.
+    #[cfg(feature = "mesh")]
+    pub(super) fn has_area(vertices: &[Vec3], triangle: [u32; 3]) -> bool {
+        use ShapeError::{RepeatedVertex, ZeroArea};
+        let checked = checked_normal(vertices, 0, &triangle);
+        !matches!(checked, Err(RepeatedVertex { .. } | ZeroArea { .. }))
+    }
+
     pub(super) fn polygon(&self, polygon: usize) -> &[u32] {
         let start = polygon.checked_sub(1).map_or(0, |last| self.ends[last]);
         &self.corners[start as usize..self.ends[polygon] as usize]
@@ -229,7 +237,7 @@ fn checked_normal(vertices: &[Vec3], polygon: usize, indices: &[u32]) -> Result<
     let relative = |index: &u32| vertices[*index as usize] - origin;
     let size = indices
         .iter()
-        .map(|i| relative(i).length())
+        .map(|index| relative(index).abs().max_element())
         .fold(0.0, f32::max);
     let area: Vec3 = indices
         .windows(2)

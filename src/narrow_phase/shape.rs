@@ -147,15 +147,6 @@ impl Shape {
             Self::Rapier(shape) => super::parry::local_bounds(shape),
         }
     }
-
-    /// The polygons, if the shape is a mesh.
-    pub(super) fn polygons(&self) -> Option<&PolygonMesh> {
-        match self {
-            Self::Convex(mesh) => Some(mesh),
-            Self::Mesh(mesh) => Some(mesh),
-            _ => None,
-        }
-    }
 }
 
 impl From<primitives::Cuboid> for Shape {

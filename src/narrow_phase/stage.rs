@@ -70,13 +70,14 @@ impl AddAssign for StageCount {
 pub struct StageCounters([StageCount; 4]);
 
 impl StageCounters {
-    /// Counts a pair that came to a stage, and its verdict there: `None` if it passes on.
+    /// Counts a pair that came to a stage. Returns the verdict there: `None` if the pair passes on.
     #[inline]
-    pub(super) fn count(&mut self, stage: Stage, verdict: Option<bool>) {
+    pub(super) fn count(&mut self, stage: Stage, verdict: Option<bool>) -> Option<bool> {
         let count = &mut self[stage];
         count.reached += 1;
         count.rejected += u64::from(verdict == Some(false));
         count.accepted += u64::from(verdict == Some(true));
+        verdict
     }
 
     /// Pairs found to be in contact, whatever the stage.

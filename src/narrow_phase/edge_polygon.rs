@@ -1,0 +1,163 @@
+//! The last stage: every edge of one mesh against every polygon of the other, both ways, then the
+//! question whether one is inside the other.
+
+use std::ops::ControlFlow;
+
+use bevy::math::Vec3A;
+
+use super::PolygonMesh;
+use super::oriented_box::OrientedBox;
+use super::pair::Pair;
+use super::surface::{ClosestPoint, Region, Surface, polygons_of};
+use super::workspace::Workspace;
+
+/// Where an edge of one mesh comes as close to a polygon of the other as the tolerance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hit {
+    pub point: Vec3A,
+    /// The normal of the polygon, turned to point from the first mesh to the second.
+    pub normal: Vec3A,
+}
+
+/// Whether two shapes made of polygons are in contact. False if one is not.
+pub(super) fn intersects(pair: &Pair, workspace: &mut Workspace) -> bool {
+    let Some(meshes) = fill(pair, workspace) else {
+        return false;
+    };
+    let stop = |_| ControlFlow::Break(());
+    for_each_hit(meshes, workspace, pair.tolerance, stop).is_break()
+        || nested(pair, meshes, workspace)
+}
+
+/// Calls `visit` with all places where the surfaces of two shapes made of polygons meet.
+pub(super) fn hits(pair: &Pair, workspace: &mut Workspace, mut visit: impl FnMut(Hit)) {
+    if let Some(meshes) = fill(pair, workspace) {
+        let go_on = |hit| {
+            visit(hit);
+            ControlFlow::<()>::Continue(())
+        };
+        let _ = for_each_hit(meshes, workspace, pair.tolerance, go_on);
+    }
+}
+
+/// Whether a sphere, the first of the pair, is in contact with a shape made of polygons.
+pub(super) fn sphere_intersects(pair: &Pair, workspace: &mut Workspace) -> bool {
+    let reach = (pair.box_a.center, pair.box_a.half);
+    let region = Region::shared(reach, reach, 2.0 * pair.tolerance);
+    let limit = pair.box_a.radius + pair.tolerance;
+    sphere(pair, &region, workspace).is_some_and(|(closest, inside)| {
+        inside || closest.is_some_and(|closest| closest.distance <= limit)
+    })
+}
+
+/// The point on a mesh, the second of the pair, that is closest to the centre of a sphere, the first;
+/// and whether the centre is inside the mesh.
+pub(super) fn sphere_closest(
+    pair: &Pair,
+    workspace: &mut Workspace,
+) -> Option<(ClosestPoint, bool)> {
+    let (closest, inside) = sphere(pair, &Region::EVERYWHERE, workspace)?;
+    Some((closest?, inside))
+}
+
+/// Whether a point is inside a closed mesh, the first of the pair.
+#[cfg(feature = "rapier")]
+pub(super) fn encloses(pair: &Pair, point: Vec3A, workspace: &mut Workspace) -> bool {
+    polygons_of(pair.a.shape).is_some_and(|polygons| {
+        let (mesh, _) = polygons;
+        let surface = &mut workspace.surfaces[0];
+        surface.fill(polygons, pair.a, &pair.box_a, &Region::NOWHERE, 0.0);
+        surface.encloses(mesh, point)
+    })
+}
+
+fn sphere(
+    pair: &Pair,
+    region: &Region,
+    workspace: &mut Workspace,
+) -> Option<(Option<ClosestPoint>, bool)> {
+    let polygons = polygons_of(pair.b.shape)?;
+    let (mesh, _) = polygons;
+    let surface = &mut workspace.surfaces[0];
+    surface.fill(polygons, pair.b, &pair.box_b, region, pair.tolerance);
+    let center = pair.box_a.center;
+    Some((
+        surface.closest_point(mesh, center),
+        surface.encloses(mesh, center),
+    ))
+}
+
+/// Puts both meshes in place, with the edges and faces where their boxes overlap.
+fn fill<'a>(pair: &Pair<'a>, workspace: &mut Workspace) -> Option<[&'a PolygonMesh; 2]> {
+    let reach = |bounds: &OrientedBox| (bounds.center, bounds.reach());
+    let margin = 2.0 * pair.tolerance;
+    let region = Region::shared(reach(&pair.box_a), reach(&pair.box_b), margin);
+    fill_region(pair, region, workspace)
+}
+
+/// Puts both meshes in place, with all edges and faces.
+pub(super) fn fill_all(pair: &Pair, workspace: &mut Workspace) {
+    let _ = fill_region(pair, Region::EVERYWHERE, workspace);
+}
+
+fn fill_region<'a>(
+    pair: &Pair<'a>,
+    region: Region,
+    workspace: &mut Workspace,
+) -> Option<[&'a PolygonMesh; 2]> {
+    let (a, b) = (polygons_of(pair.a.shape)?, polygons_of(pair.b.shape)?);
+    let [on_a, on_b] = &mut workspace.surfaces;
+    on_a.fill(a, pair.a, &pair.box_a, &region, pair.tolerance);
+    on_b.fill(b, pair.b, &pair.box_b, &region, pair.tolerance);
+    Some([a.0, b.0])
+}
+
+fn for_each_hit(
+    meshes: [&PolygonMesh; 2],
+    workspace: &Workspace,
+    tolerance: f32,
+    mut visit: impl FnMut(Hit) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let [a, b] = &workspace.surfaces;
+    one_way(a, meshes[1], b, tolerance, -1.0, &mut visit)?;
+    one_way(b, meshes[0], a, tolerance, 1.0, &mut visit)
+}
+
+fn one_way(
+    edges: &Surface,
+    mesh: &PolygonMesh,
+    faces: &Surface,
+    tolerance: f32,
+    towards_second: f32,
+    visit: &mut impl FnMut(Hit) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    for edge in &edges.edges {
+        for face in &faces.faces {
+            if let Some(point) = faces.touch(mesh, face, edge, tolerance) {
+                let normal = face.normal * towards_second;
+                visit(Hit { point, normal })?;
+            }
+        }
+    }
+    ControlFlow::Continue(())
+}
+
+/// Whether a part of one mesh is inside the other, given that their surfaces do not meet: then a part
+/// is inside with all of its vertices or with none.
+fn nested(pair: &Pair, meshes: [&PolygonMesh; 2], workspace: &Workspace) -> bool {
+    let [a, b] = &workspace.surfaces;
+    let within =
+        |part: &PolygonMesh, placed: &Surface, mesh, around: &Surface, bounds: &OrientedBox| {
+            let vertices = part
+                .shells()
+                .iter()
+                .map(|&vertex| placed.vertices()[vertex as usize]);
+            let mut close = vertices.filter(|&vertex| {
+                let offset = (vertex - bounds.center).abs();
+                offset.cmple(bounds.reach()).all()
+            });
+            close.any(|vertex| around.encloses(mesh, vertex))
+        };
+    within(meshes[0], a, meshes[1], b, &pair.box_b)
+        || within(meshes[1], b, meshes[0], a, &pair.box_a)
+}

@@ -1,0 +1,205 @@
+//! Verdicts and contacts against those of parry, and Rapier shapes.
+
+use bevy::math::{Quat, Vec3};
+use bevy::transform::components::Transform;
+use bevy_rapier3d::geometry::Collider;
+use bevy_rapier3d::parry::math::Pose;
+use bevy_rapier3d::parry::query;
+use bevy_rapier3d::parry::shape::{self, SharedShape};
+use proptest::prelude::*;
+
+use super::tests::{at, box_of, boxes, meets, mesh_of};
+use super::*;
+
+/// The distance that parry finds, zero if the two overlap.
+fn distance(a: (&dyn shape::Shape, Transform), b: (&dyn shape::Shape, Transform)) -> f32 {
+    let pose = |at: Transform| Pose::from_parts(at.translation, at.rotation);
+    let (at_a, at_b) = (pose(a.1), pose(b.1));
+    if query::intersection_test(&at_a, a.0, &at_b, b.0).unwrap() {
+        0.0
+    } else {
+        query::distance(&at_a, a.0, &at_b, b.0).unwrap()
+    }
+}
+
+fn cuboid_of(shape: &Shape, transform: Transform) -> shape::Cuboid {
+    let &Shape::Cuboid { half_size } = shape else {
+        unreachable!("only boxes come here");
+    };
+    shape::Cuboid::new((half_size * transform.scale).abs())
+}
+
+/// A convex hull, as parry has it and as a mesh.
+fn hulls() -> impl Strategy<Value = (SharedShape, Shape)> {
+    let point = prop::array::uniform3(-1f32..1.0).prop_map(Vec3::from);
+    prop::collection::vec(point, 6..16).prop_filter_map("flat", |points| {
+        let hull = SharedShape::convex_hull(&points)?;
+        let (vertices, triangles) = hull.as_convex_polyhedron()?.to_trimesh();
+        // Parry's hulls may hold slivers, which are no polygons.
+        Some((hull.clone(), Shape::convex(vertices, triangles).ok()?))
+    })
+}
+
+fn placed() -> impl Strategy<Value = Transform> {
+    let three = |range: f32| prop::array::uniform3(-range..range).prop_map(Vec3::from);
+    (three(1.2), three(3.0)).prop_map(|(translation, turn)| {
+        Transform::from_translation(translation).with_rotation(Quat::from_scaled_axis(turn))
+    })
+}
+
+/// Too close to the tolerance to be told from it by two different computations.
+fn doubtful(distance: f32) -> bool {
+    (distance - NarrowPhase::DEFAULT_TOLERANCE).abs() < 0.5 * NarrowPhase::DEFAULT_TOLERANCE
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 1000,
+        max_global_rejects: 20_000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn cuboids_agree_with_parry(a in boxes(), b in boxes()) {
+        let (one, two) = (cuboid_of(&a.0, a.1), cuboid_of(&b.0, b.1));
+        let distance = distance((&one, a.1), (&two, b.1));
+        prop_assume!(!doubtful(distance));
+        let expected = distance <= NarrowPhase::DEFAULT_TOLERANCE;
+        prop_assert_eq!(meets((&a.0, a.1), (&b.0, b.1)), expected, "{}", distance);
+    }
+
+    #[test]
+    fn hulls_agree_with_parry(a in hulls(), at_a in placed(), b in hulls(), at_b in placed()) {
+        let distance = distance((&*a.0, at_a), (&*b.0, at_b));
+        prop_assume!(!doubtful(distance));
+        let expected = distance <= NarrowPhase::DEFAULT_TOLERANCE;
+        prop_assert_eq!(meets((&a.1, at_a), (&b.1, at_b)), expected, "{}", distance);
+        // A smaller one, often inside.
+        let small = at_b.with_scale(Vec3::splat(0.1));
+        let scaled = SharedShape(b.0.scale_dyn(small.scale, 1).unwrap().into());
+        let distance = self::distance((&*a.0, at_a), (&*scaled, small));
+        prop_assume!(!doubtful(distance));
+        let expected = distance <= NarrowPhase::DEFAULT_TOLERANCE;
+        prop_assert_eq!(meets((&a.1, at_a), (&b.1, small)), expected, "{}", distance);
+    }
+
+    #[test]
+    fn rapier_shapes_agree_with_ours(a in boxes(), b in boxes(), hull in hulls()) {
+        // Rapier shapes have no scale.
+        let (at_a, at_b) = (a.1.with_scale(Vec3::ONE), b.1.with_scale(Vec3::ONE));
+        let rapier: Shape = SharedShape::new(cuboid_of(&b.0, at_b)).into();
+        let apart = distance((&cuboid_of(&a.0, at_a), at_a), (&cuboid_of(&b.0, at_b), at_b));
+        prop_assume!(!doubtful(apart));
+        let expected = meets((&a.0, at_a), (&b.0, at_b));
+        prop_assert_eq!(meets((&a.0, at_a), (&rapier, at_b)), expected, "{}", apart);
+        let Shape::Cuboid { half_size } = a.0 else { unreachable!() };
+        prop_assert_eq!(meets((&mesh_of(half_size), at_a), (&rapier, at_b)), expected, "{}", apart);
+
+        let apart = distance((&*hull.0, at_a), (&cuboid_of(&b.0, at_b), at_b));
+        prop_assume!(!doubtful(apart));
+        prop_assert_eq!(meets((&hull.1, at_a), (&rapier, at_b)), meets((&hull.1, at_a), (&b.0, at_b)));
+    }
+
+    #[test]
+    fn depths_are_those_of_parry(a in boxes(), at_hull in placed(), hull in hulls()) {
+        let mut workspace = Workspace::default();
+        let (one, two) = (Placed::new(&a.0, &a.1), Placed::new(&hull.1, &at_hull));
+        let found = NarrowPhase::default().contact(one, two, &mut workspace);
+        prop_assume!(found.is_some());
+        let found = found.unwrap();
+        let pose = |at: Transform| Pose::from_parts(at.translation, at.rotation);
+        let cuboid = cuboid_of(&a.0, a.1);
+        let theirs = query::contact(&pose(a.1), &cuboid, &pose(at_hull), &*hull.0, 1e-3).unwrap();
+        prop_assume!(theirs.is_some());
+        // Both find the least overlap, we within a share of the size of the pair.
+        let deep = -theirs.unwrap().dist;
+        prop_assert!((found.depth - deep.max(0.0)).abs() < 0.02, "{} {}", found.depth, deep);
+    }
+}
+
+#[test]
+fn touching_aligned_nested_and_coplanar_cuboids_agree_with_parry() {
+    let large = box_of(1.0, 1.0, 1.0);
+    let here = at(0.0, 0.0, 0.0);
+    for size in [1.0, 0.5, 0.25] {
+        let small = box_of(size, size, size);
+        for x in [0.0, 0.5, 1.0, 1.25, 1.5, 2.0, 2.5] {
+            for (y, z) in [
+                (0.0, 0.0),
+                (0.5, 0.0),
+                (0.75, 0.75),
+                (1.25, 0.0),
+                (2.0, 2.0),
+            ] {
+                let there = at(x, y, z);
+                let parry = distance(
+                    (&cuboid_of(&large, here), here),
+                    (&cuboid_of(&small, there), there),
+                );
+                let expected = parry < 1e-6;
+                assert_eq!(
+                    meets((&large, here), (&small, there)),
+                    expected,
+                    "{size} {there:?}"
+                );
+                let mesh = mesh_of(Vec3::splat(size));
+                assert_eq!(
+                    meets((&large, here), (&mesh, there)),
+                    expected,
+                    "{size} {there:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn half_space_has_no_bounds_but_contacts() {
+    let ground = Shape::from(&Collider::halfspace(Vec3::Y).unwrap());
+    let here = at(0.0, 0.0, 0.0);
+    assert_eq!(ground.world_aabb(&here), Err(BoundsError::Unbounded));
+    let cube = box_of(0.5, 0.5, 0.5);
+    for other in [
+        cube.clone(),
+        mesh_of(Vec3::splat(0.5)),
+        Shape::sphere(0.5).unwrap(),
+    ] {
+        assert!(meets((&ground, here), (&other, at(1e3, 0.4, 0.0))));
+        assert!(meets((&ground, here), (&other, at(0.0, 0.5, 0.0))));
+        assert!(!meets((&ground, here), (&other, at(0.0, 0.6, 0.0))));
+    }
+    assert!(!meets((&ground, here), (&cube, at(0.0, f32::NAN, 0.0))));
+    assert!(!meets(
+        (&ground, at(f32::INFINITY, 0.0, 0.0)),
+        (&cube, here)
+    ));
+
+    let sunk = at(3.0, 0.4, 0.0);
+    let (ground, cube) = (Placed::new(&ground, &here), Placed::new(&cube, &sunk));
+    let contact = NarrowPhase::default().contact(ground, cube, &mut Workspace::default());
+    let contact = contact.unwrap();
+    assert!((contact.normal - Vec3::Y).length() < 1e-5 && (contact.depth - 0.1).abs() < 1e-5);
+}
+
+#[test]
+fn unsupported_pairs_are_apart() {
+    let ground = Shape::from(SharedShape::halfspace(Vec3::Y));
+    let here = at(0.0, 0.0, 0.0);
+    assert!(!meets((&ground, here), (&ground, here)));
+}
+
+#[test]
+fn capsule_inside_a_mesh_is_found() {
+    let capsule = Shape::from(&Collider::capsule_y(0.2, 0.1));
+    let around = mesh_of(Vec3::ONE);
+    let here = at(0.0, 0.0, 0.0);
+    assert!(meets((&around, here), (&capsule, at(0.3, 0.3, 0.3))));
+    assert!(meets((&around, here), (&capsule, at(1.05, 0.0, 0.0))));
+    assert!(!meets((&around, here), (&capsule, at(1.15, 0.0, 0.0))));
+    let doubled = here.with_scale(Vec3::new(-2.0, 2.0, 2.0));
+    assert!(meets((&around, doubled), (&capsule, at(1.7, 0.0, 0.0))));
+    let flat = here.with_scale(Vec3::new(1.0, 1.0, 0.0));
+    assert!(meets((&around, flat), (&capsule, here)));
+    assert!(!meets((&around, flat), (&capsule, at(0.0, 0.0, 0.2))));
+}

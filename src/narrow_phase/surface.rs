@@ -1,0 +1,309 @@
+//! A polygon mesh put in place: what the last stage computes with.
+
+use std::sync::LazyLock;
+
+use bevy::math::{Vec3, Vec3A};
+
+use super::closest;
+use super::oriented_box::{OrientedBox, effective_scale};
+use super::{Placed, PolygonMesh, Shape};
+
+/// The cube from −1 to 1: every cuboid is this, scaled.
+static CUBE: LazyLock<PolygonMesh> = LazyLock::new(|| {
+    let bits = |i: u8| [i & 1, i >> 1 & 1, i >> 2 & 1];
+    let corner = |i| Vec3::from(bits(i).map(|bit| f32::from(bit) * 2.0 - 1.0));
+    let polygons = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    PolygonMesh::new((0..8).map(corner).collect::<Vec<_>>(), polygons)
+        .expect("the faces of a cube are squares")
+});
+
+/// The polygons that bound a shape, and their scale; `None` for shapes that have none.
+pub(super) fn polygons_of(shape: &Shape) -> Option<(&PolygonMesh, Vec3A)> {
+    match shape {
+        Shape::Cuboid { half_size } => Some((&CUBE, (*half_size).into())),
+        Shape::Convex(mesh) => Some((mesh, Vec3A::ONE)),
+        Shape::Mesh(mesh) => Some((mesh, Vec3A::ONE)),
+        _ => None,
+    }
+}
+
+/// A region of space, by its corners.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Region {
+    pub min: Vec3A,
+    pub max: Vec3A,
+}
+
+impl Region {
+    pub const EVERYWHERE: Self = Self {
+        min: Vec3A::NEG_INFINITY,
+        max: Vec3A::INFINITY,
+    };
+    #[cfg(feature = "rapier")]
+    pub const NOWHERE: Self = Self {
+        min: Vec3A::INFINITY,
+        max: Vec3A::NEG_INFINITY,
+    };
+
+    /// What two boxes share, given by centre and half extents, grown by `margin`. May be empty.
+    pub fn shared(a: (Vec3A, Vec3A), b: (Vec3A, Vec3A), margin: f32) -> Self {
+        Self {
+            min: (a.0 - a.1).max(b.0 - b.1) - margin,
+            max: (a.0 + a.1).min(b.0 + b.1) + margin,
+        }
+    }
+
+    /// The smallest region around points, grown by `margin`.
+    fn around(points: impl Iterator<Item = Vec3A>, margin: f32) -> Self {
+        let (mut min, mut max) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
+        for point in points {
+            min = min.min(point);
+            max = max.max(point);
+        }
+        let (min, max) = (min - margin, max + margin);
+        Self { min, max }
+    }
+
+    #[inline]
+    fn overlaps(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+}
+
+/// An edge in place, grown by the tolerance in `region`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Edge {
+    pub ends: [Vec3A; 2],
+    region: Region,
+}
+
+/// A polygon in place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Face {
+    polygon: u32,
+    /// A unit vector facing out of a closed mesh; zero for a polygon that a scale of zero flattened to a segment or point, which its
+    /// border is enough to describe.
+    pub normal: Vec3A,
+    /// The corners lie between `plane - thickness` and `plane + thickness` along the normal.
+    plane: f32,
+    thickness: f32,
+    region: Region,
+}
+
+/// The point of a surface that is closest to another point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ClosestPoint {
+    pub point: Vec3A,
+    pub distance: f32,
+    /// That of the face, or of one of the faces, that it is on.
+    pub normal: Vec3A,
+}
+
+/// A mesh in place: all of its vertices, and the edges and polygons within a region.
+///
+/// Filled anew for each pair; the buffers stay.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Surface {
+    vertices: Vec<Vec3A>,
+    pub edges: Vec<Edge>,
+    pub faces: Vec<Face>,
+}
+
+impl Surface {
+    /// Puts the polygons of a shape in the place of its box, and selects what is in `region`.
+    pub fn fill(
+        &mut self,
+        (mesh, size): (&PolygonMesh, Vec3A),
+        placed: Placed,
+        bounds: &OrientedBox,
+        region: &Region,
+        tolerance: f32,
+    ) {
+        let scale = effective_scale(placed.shape, placed.transform) * size;
+        let axes = bounds.axes;
+        let (center, ..) = mesh.local_bounds();
+        let place =
+            |vertex: &Vec3| bounds.center + axes * ((Vec3A::from(*vertex) - center) * scale);
+        self.vertices.clear();
+        self.vertices.extend(mesh.vertices().iter().map(place));
+
+        self.edges.clear();
+        for edge in mesh.edges() {
+            let ends = edge.map(|vertex| self.vertices[vertex as usize]);
+            let edge = Edge {
+                ends,
+                region: Region::around(ends.into_iter(), tolerance),
+            };
+            if edge.region.overlaps(region) {
+                self.edges.push(edge);
+            }
+        }
+
+        // Normals scale with the cofactors, that is inversely, but without dividing by zero. A mirror
+        // would turn them inside out.
+        let cofactors = Vec3A::new(scale.y * scale.z, scale.z * scale.x, scale.x * scale.y);
+        let mirror = 1f32.copysign(scale.x * scale.y * scale.z);
+        self.faces.clear();
+        for (polygon, (corners, normal)) in mesh.polygons().zip(mesh.normals()).enumerate() {
+            let at = |vertex: &u32| self.vertices[*vertex as usize];
+            let bounds = Region::around(corners.iter().map(at), 0.0);
+            if bounds.overlaps(region) {
+                let normal = axes * unit_or_zero(Vec3A::from(*normal) * cofactors * mirror);
+                let heights = corners.iter().map(|corner| at(corner).dot(normal));
+                let (low, high) = heights
+                    .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| {
+                        (low.min(h), high.max(h))
+                    });
+                self.faces.push(Face {
+                    polygon: polygon as u32,
+                    normal,
+                    plane: (low + high) * 0.5,
+                    thickness: (high - low) * 0.5,
+                    region: bounds,
+                });
+            }
+        }
+    }
+
+    /// All vertices, by the indices of the mesh.
+    pub fn vertices(&self) -> &[Vec3A] {
+        &self.vertices
+    }
+
+    /// A point at which an edge comes as close to a face as the tolerance, if it does: where it crosses
+    /// the polygon, where it ends on it, or where it meets the border.
+    #[inline]
+    pub fn touch(
+        &self,
+        mesh: &PolygonMesh,
+        face: &Face,
+        edge: &Edge,
+        tolerance: f32,
+    ) -> Option<Vec3A> {
+        if !edge.region.overlaps(&face.region) {
+            return None;
+        }
+        let corners = mesh.polygon(face.polygon as usize);
+        let [start, end] = edge.ends;
+        if face.normal != Vec3A::ZERO {
+            let reach = tolerance + face.thickness;
+            let heights = edge.ends.map(|point| point.dot(face.normal) - face.plane);
+            let [low, high] = [heights[0].min(heights[1]), heights[0].max(heights[1])];
+            if low > reach || high < -reach {
+                return None;
+            }
+            if low < 0.0 && high > 0.0 {
+                let crossing = start.lerp(end, heights[0] / (heights[0] - heights[1]));
+                if self.covers(corners, face.normal, crossing) {
+                    return Some(crossing);
+                }
+            }
+            for (point, height) in [(start, heights[0]), (end, heights[1])] {
+                if height.abs() <= reach && self.covers(corners, face.normal, point) {
+                    return Some(point);
+                }
+            }
+        }
+        // Rounding may put a point beside a polygon that it is on, but then the border is this close.
+        self.border(corners).find_map(|border| {
+            let (on_edge, on_border) = closest::segments(edge.ends, border);
+            let close = on_edge.distance_squared(on_border) <= tolerance * tolerance;
+            close.then(|| on_edge.midpoint(on_border))
+        })
+    }
+
+    /// How far the edges of another surface are beyond those of this one along a unit vector; negative if
+    /// they overlap.
+    pub fn gap(&self, other: &Self, axis: Vec3A) -> f32 {
+        let along = |surface: &'_ Self, axis: Vec3A| {
+            let ends = surface.edges.iter().flat_map(|edge| edge.ends);
+            ends.fold(f32::NEG_INFINITY, |reach, end| reach.max(end.dot(axis)))
+        };
+        -along(other, -axis) - along(self, axis)
+    }
+
+    /// The point closest to `point` on the faces selected; `None` if there are none.
+    pub fn closest_point(&self, mesh: &PolygonMesh, point: Vec3A) -> Option<ClosestPoint> {
+        let candidates = self.faces.iter().flat_map(|face| {
+            let corners = mesh.polygon(face.polygon as usize);
+            let projected = point - face.normal * (point.dot(face.normal) - face.plane);
+            let within = face.normal != Vec3A::ZERO && self.covers(corners, face.normal, projected);
+            let border = self.border(corners);
+            let on_border = border.map(move |[a, b]| closest::point_segment(point, a, b));
+            let on_face = on_border.chain(within.then_some(projected));
+            on_face.map(move |closest| ClosestPoint {
+                point: closest,
+                distance: closest.distance(point),
+                normal: face.normal,
+            })
+        });
+        candidates.min_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+
+    /// Whether the mesh winds around a point that is not on its surface (closer than rounding).
+    ///
+    /// Sums the solid angles under which the polygons are seen from the point, by the formula of Van
+    /// Oosterom and Strackee (1983). No direction is special, and so no ray can graze an edge.
+    pub fn encloses(&self, mesh: &PolygonMesh, point: Vec3A) -> bool {
+        if !mesh.is_closed() {
+            return false;
+        }
+        // The angles of a fan of triangles are signed, and add up for polygons that are not convex too.
+        let mut half_angles = 0.0;
+        for corners in mesh.polygons() {
+            let seen = |vertex: u32| self.vertices[vertex as usize] - point;
+            let a = seen(corners[0]);
+            for pair in corners[1..].windows(2) {
+                let (b, c) = (seen(pair[0]), seen(pair[1]));
+                let (la, lb, lc) = (a.length(), b.length(), c.length());
+                let volume = a.dot(b.cross(c));
+                let scale = la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la;
+                half_angles += volume.atan2(scale);
+            }
+        }
+        // Once around is 4π, or 2π in half angles.
+        f32::abs(half_angles) > std::f32::consts::PI
+    }
+
+    fn border(&self, corners: &[u32]) -> impl Iterator<Item = [Vec3A; 2]> {
+        let next = corners.iter().cycle().skip(1);
+        let at = |vertex: &u32| self.vertices[*vertex as usize];
+        corners.iter().zip(next).map(move |(a, b)| [at(a), at(b)])
+    }
+
+    /// Whether a point in the plane of a polygon is inside its border, by the even-odd rule.
+    #[inline]
+    fn covers(&self, corners: &[u32], normal: Vec3A, point: Vec3A) -> bool {
+        // Seen along the axis that shows most of it.
+        let (x, y) = match normal.abs().max_position() {
+            0 => (1, 2),
+            1 => (2, 0),
+            _ => (0, 1),
+        };
+        let mut inside = false;
+        for [a, b] in self.border(corners) {
+            if (a[y] > point[y]) != (b[y] > point[y]) {
+                let crossing = a[x] + (b[x] - a[x]) * ((point[y] - a[y]) / (b[y] - a[y]));
+                inside ^= crossing > point[x];
+            }
+        }
+        inside
+    }
+}
+
+/// The direction of a vector whose length may underflow; zero for zero.
+fn unit_or_zero(v: Vec3A) -> Vec3A {
+    let largest = v.abs().max_element();
+    if largest > f32::MIN_POSITIVE {
+        (v / largest).normalize()
+    } else {
+        Vec3A::ZERO
+    }
+}
