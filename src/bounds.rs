@@ -25,8 +25,7 @@ impl Plugin for BoundsPlugin {
     }
 }
 
-type Bounded<'a> =
-    (Entity, &'a CollisionShape, &'a Transform, &'a mut WorldAabb, &'a mut BroadPhaseProxy);
+type Bounded<'a> = (Entity, &'a CollisionShape, &'a Transform, &'a mut WorldAabb, &'a mut BroadPhaseProxy);
 type ChangedRoot = (Without<ChildOf>, Or<(Changed<Transform>, Changed<CollisionShape>, Changed<BroadPhaseProxy>)>);
 
 fn update_roots(mut roots: Query<Bounded, ChangedRoot>, settings: Res<NarrowPhaseSettings>) {

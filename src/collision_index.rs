@@ -118,18 +118,14 @@ impl Plugin for BroadPhasePlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(
             self.0,
-            (
-                maintain.in_set(CollisionSystems::Maintenance),
-                find_candidates.in_set(CollisionSystems::BroadPhase),
-            ),
+            (maintain.in_set(CollisionSystems::Maintenance), find_candidates.in_set(CollisionSystems::BroadPhase)),
         )
         .add_observer(on_disabled)
         .add_observer(on_enabled);
     }
 }
 
-type ChangedBoxes<'a> =
-    (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy);
+type ChangedBoxes<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy);
 
 fn maintain(
     mut index: ResMut<CollisionIndex>,

@@ -26,7 +26,7 @@ pub mod prelude {
         components::{CollisionShape, Cube, WorldAabb},
         contacts::{CollisionEnded, CollisionStarted, Contacts},
         counters::CollisionCounters,
-        motion::{CollisionClock, MotionSettings, Step, Velocity},
+        motion::{CollisionClock, MotionSettings, PositionTrack, Step, Velocity},
         narrow_phase::Shape,
         plugin::{CollisionSystems, NarrowPhaseSettings, OctreePlugins},
         response::{Bounce, BouncePlugin},

@@ -15,6 +15,7 @@ use crate::{
     motion::{CollisionClock, MotionPlugin, MotionSettings, Velocity},
     narrow_phase::NarrowPhase,
     response::{Bounce, BouncePlugin},
+    scene::{SceneDescription, TestSet},
 };
 
 /// Everything: motion, octree maintenance, broad phase, narrow phase, bounce response and messages.
@@ -58,14 +59,17 @@ impl Default for OctreePlugins {
 
 impl PluginGroup for OctreePlugins {
     fn build(self) -> PluginGroupBuilder {
-        PluginGroupBuilder::start::<Self>()
+        let group = PluginGroupBuilder::start::<Self>()
             .add(CollisionCorePlugin(self.schedule))
             .add(MotionPlugin(self.schedule))
             .add(BoundsPlugin(self.schedule))
             .add(BroadPhasePlugin(self.schedule))
             .add(NarrowPhasePlugin(self.schedule))
             .add(BouncePlugin(self.schedule))
-            .add(ReportPlugin(self.schedule))
+            .add(ReportPlugin(self.schedule));
+        #[cfg(feature = "asset")]
+        let group = group.add(crate::scene::SceneAssetPlugin);
+        group
     }
 }
 
@@ -151,6 +155,8 @@ impl Plugin for CollisionCorePlugin {
             .register_type::<NarrowPhaseSettings>()
             .register_type::<MotionSettings>()
             .register_type::<CollisionClock>()
+            .register_type::<SceneDescription>()
+            .register_type::<TestSet>()
             .register_type::<CollisionStarted>()
             .register_type::<CollisionEnded>();
     }

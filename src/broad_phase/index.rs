@@ -30,7 +30,14 @@ impl SpatialIndex {
     /// An empty index around an implementation of [`BroadPhase`], which must be empty too.
     #[must_use]
     pub fn with_engine(engine: Box<dyn BroadPhase>) -> Self {
-        Self { proxies: Proxies::default(), engine, pairs: PairSet::default(), pairs_tested: 0, searched: true, stale: false }
+        Self {
+            proxies: Proxies::default(),
+            engine,
+            pairs: PairSet::default(),
+            pairs_tested: 0,
+            searched: true,
+            stale: false,
+        }
     }
 
     /// Searches by another method from now on. All objects stay, and take part in the next update as if they had

@@ -139,11 +139,7 @@ impl CollisionReport {
         let pairs = self.pairs();
         let mut starts: Vec<_> = pairs
             .iter()
-            .flat_map(|pair| {
-                pair.intervals
-                    .iter()
-                    .map(|&(first, last)| (first, last, pair.a, pair.b))
-            })
+            .flat_map(|pair| pair.intervals.iter().map(|&(first, last)| (first, last, pair.a, pair.b)))
             .collect();
         starts.sort_unstable();
         let mut starts = starts.into_iter().peekable();
@@ -171,24 +167,10 @@ impl CollisionReport {
     /// Those of the writer.
     pub fn write_csv(&self, writer: impl io::Write) -> io::Result<()> {
         let mut csv = csv::Writer::from_writer(writer);
-        csv.write_record([
-            "a",
-            "b",
-            "first_contact",
-            "last_contact",
-            "ticks",
-            "contacts",
-        ])?;
+        csv.write_record(["a", "b", "first_contact", "last_contact", "ticks", "contacts"])?;
         for pair in self.pairs() {
             let (first, last) = (pair.first_contact, pair.last_contact);
-            csv.serialize((
-                pair.a,
-                pair.b,
-                first,
-                last,
-                pair.ticks,
-                pair.intervals.len(),
-            ))?;
+            csv.serialize((pair.a, pair.b, first, last, pair.ticks, pair.intervals.len()))?;
         }
         csv.flush()
     }

@@ -113,10 +113,7 @@ impl PositionTrack {
         if keyframes.is_empty() {
             return Err(TrackError::Empty);
         }
-        if let Some(index) = keyframes
-            .iter()
-            .position(|(_, position)| !position.is_finite())
-        {
+        if let Some(index) = keyframes.iter().position(|(_, position)| !position.is_finite()) {
             let position = keyframes[index].1;
             return Err(TrackError::NotFinite { index, position });
         }
@@ -127,20 +124,13 @@ impl PositionTrack {
                 previous: keyframes[before].0,
             });
         }
-        Ok(Self {
-            keyframes,
-            interpolation: Interpolation::default(),
-            outside: Outside::default(),
-        })
+        Ok(Self { keyframes, interpolation: Interpolation::default(), outside: Outside::default() })
     }
 
     /// The same track with another interpolation.
     #[must_use]
     pub fn with_interpolation(self, interpolation: Interpolation) -> Self {
-        Self {
-            interpolation,
-            ..self
-        }
+        Self { interpolation, ..self }
     }
 
     /// The same track with another rule for the ticks outside the keyframes.
@@ -164,10 +154,7 @@ impl PositionTrack {
         };
         let next = self.keyframes.partition_point(|&(at, _)| at <= tick);
         let previous = next.checked_sub(1);
-        match (
-            previous.and_then(|index| self.keyframes.get(index)),
-            self.keyframes.get(next),
-        ) {
+        match (previous.and_then(|index| self.keyframes.get(index)), self.keyframes.get(next)) {
             (Some(&(at, position)), Some(_)) if at == tick => position,
             (Some(&(start, _)), Some(&(end, _))) => {
                 let t = (tick - start) as f32 / (end - start) as f32;
@@ -181,8 +168,7 @@ impl PositionTrack {
 
     /// The tick between the first keyframe and, exclusively, the last one, that stands for `tick` in a loop.
     fn wrap(&self, tick: u64) -> u64 {
-        let (Some(&(first, _)), Some(&(last, _))) = (self.keyframes.first(), self.keyframes.last())
-        else {
+        let (Some(&(first, _)), Some(&(last, _))) = (self.keyframes.first(), self.keyframes.last()) else {
             return tick;
         };
         let period = last.saturating_sub(first);
@@ -237,19 +223,13 @@ impl TryFrom<UncheckedTrack> for PositionTrack {
     type Error = TrackError;
 
     fn try_from(track: UncheckedTrack) -> Result<Self, TrackError> {
-        Ok(Self::new(track.keyframes)?
-            .with_interpolation(track.interpolation)
-            .with_outside(track.outside))
+        Ok(Self::new(track.keyframes)?.with_interpolation(track.interpolation).with_outside(track.outside))
     }
 }
 
 impl From<PositionTrack> for UncheckedTrack {
     fn from(track: PositionTrack) -> Self {
-        Self {
-            keyframes: track.keyframes,
-            interpolation: track.interpolation,
-            outside: track.outside,
-        }
+        Self { keyframes: track.keyframes, interpolation: track.interpolation, outside: track.outside }
     }
 }
 
@@ -258,12 +238,7 @@ mod tests {
     use super::*;
 
     fn corner() -> PositionTrack {
-        PositionTrack::new([
-            (10, Vec3::ZERO),
-            (14, Vec3::new(4.0, 0.0, 0.0)),
-            (22, Vec3::new(4.0, 16.0, 0.0)),
-        ])
-        .unwrap()
+        PositionTrack::new([(10, Vec3::ZERO), (14, Vec3::new(4.0, 0.0, 0.0)), (22, Vec3::new(4.0, 16.0, 0.0))]).unwrap()
     }
 
     #[test]
@@ -329,15 +304,8 @@ mod tests {
     /// Dense ticks make differences of successive positions approximate velocities.
     #[test]
     fn smooth_has_no_sudden_turns_and_linear_does() {
-        let keyframes = [
-            (0, Vec3::ZERO),
-            (1000, Vec3::X),
-            (3000, Vec3::Y),
-            (4000, Vec3::ZERO),
-        ];
-        let track = PositionTrack::new(keyframes)
-            .unwrap()
-            .with_outside(Outside::Loop);
+        let keyframes = [(0, Vec3::ZERO), (1000, Vec3::X), (3000, Vec3::Y), (4000, Vec3::ZERO)];
+        let track = PositionTrack::new(keyframes).unwrap().with_outside(Outside::Loop);
         let turn = |track: &PositionTrack, tick: u64| {
             let at = |tick| track.position(tick);
             ((at(tick + 1) - at(tick)) - (at(tick) - at(tick - 1))).length() * 1000.0
@@ -352,9 +320,7 @@ mod tests {
     #[test]
     fn a_single_key_is_a_place() {
         for outside in [Outside::Hold, Outside::Loop] {
-            let track = PositionTrack::new([(7, Vec3::ONE)])
-                .unwrap()
-                .with_outside(outside);
+            let track = PositionTrack::new([(7, Vec3::ONE)]).unwrap().with_outside(outside);
             assert_eq!([0, 7, 8].map(|tick| track.position(tick)), [Vec3::ONE; 3]);
         }
     }
@@ -379,10 +345,7 @@ mod tests {
     #[test]
     fn an_emptied_track_does_not_panic() {
         for outside in [Outside::Hold, Outside::Loop] {
-            let track = PositionTrack {
-                keyframes: Vec::new(),
-                ..corner().with_outside(outside)
-            };
+            let track = PositionTrack { keyframes: Vec::new(), ..corner().with_outside(outside) };
             assert_eq!(track.position(3), Vec3::ZERO);
         }
     }

@@ -25,9 +25,7 @@ use thiserror::Error;
 
 /// The text is not the name of a direction of the kind that was asked for.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error(
-    "unknown {expected} `{text}`; a name is one of L, R, then D, U, then B, F, such as R, RU or RUF"
-)]
+#[error("unknown {expected} `{text}`; a name is one of L, R, then D, U, then B, F, such as R, RU or RUF")]
 pub struct ParseDirectionError {
     /// The text that was refused.
     pub text: String,
@@ -362,11 +360,7 @@ impl Direction {
     #[must_use]
     pub fn from_offset(offset: IVec3) -> Option<Self> {
         let is_step = offset.min_element() >= -1 && offset.max_element() <= 1;
-        if is_step {
-            Self::from_signs(offset.to_array().map(|component| component as i8))
-        } else {
-            None
-        }
+        if is_step { Self::from_signs(offset.to_array().map(|component| component as i8)) } else { None }
     }
 
     /// The direction whose [`signs`](Self::signs) these are, each −1, 0 or 1; [`None`] if all are
@@ -408,10 +402,7 @@ impl FromStr for Direction {
         Self::ALL
             .into_iter()
             .find(|direction| direction.name().eq_ignore_ascii_case(text))
-            .ok_or_else(|| ParseDirectionError {
-                text: text.to_owned(),
-                expected: "direction",
-            })
+            .ok_or_else(|| ParseDirectionError { text: text.to_owned(), expected: "direction" })
     }
 }
 
@@ -461,10 +452,7 @@ mod tests {
     #[test]
     fn offset_is_the_sum_of_the_letters() {
         for direction in Direction::ALL {
-            let letters = direction
-                .name()
-                .chars()
-                .map(|c| c.to_string().parse::<Face>().unwrap().offset());
+            let letters = direction.name().chars().map(|c| c.to_string().parse::<Face>().unwrap().offset());
             assert_eq!(letters.sum::<IVec3>(), direction.offset());
         }
     }
@@ -488,13 +476,7 @@ mod tests {
     fn all_is_complete_ordered_and_indexed() {
         for (i, direction) in Direction::ALL.into_iter().enumerate() {
             assert_eq!(direction.index(), i);
-            assert_eq!(
-                Direction::ALL
-                    .iter()
-                    .filter(|d| d.offset() == direction.offset())
-                    .count(),
-                1
-            );
+            assert_eq!(Direction::ALL.iter().filter(|d| d.offset() == direction.offset()).count(), 1);
         }
         assert!(Direction::ALL.is_sorted());
     }
@@ -512,10 +494,7 @@ mod tests {
             let positive = vertex.offset().cmpgt(IVec3::ZERO);
             assert_eq!(vertex.bits(), positive.bitmask());
             assert_eq!(Vertex::from_bits(vertex.bits()), vertex);
-            assert_eq!(
-                Vertex::from_sides(positive.test(0), positive.test(1), positive.test(2)),
-                vertex
-            );
+            assert_eq!(Vertex::from_sides(positive.test(0), positive.test(1), positive.test(2)), vertex);
         }
     }
 }

@@ -22,10 +22,7 @@ impl Children {
     pub(super) fn new(first: Option<NodeId>) -> Self {
         match first {
             Some(first) => Self { first, slots: 0..8 },
-            None => Self {
-                first: NodeId::ROOT,
-                slots: 0..0,
-            },
+            None => Self { first: NodeId::ROOT, slots: 0..0 },
         }
     }
 }
@@ -66,11 +63,7 @@ pub struct Subtree<'a, T> {
 impl<'a, T> Subtree<'a, T> {
     #[inline]
     pub(super) fn new(tree: &'a Octree<T>, top: NodeId) -> Self {
-        Self {
-            tree,
-            top,
-            next: Some(top),
-        }
+        Self { tree, top, next: Some(top) }
     }
 }
 

@@ -51,21 +51,13 @@ impl NodeId {
     #[inline]
     pub(super) fn next_sibling(self) -> Option<Self> {
         let is_last = self.0.get() & 7 == 7;
-        if is_last {
-            None
-        } else {
-            self.0.checked_add(1).map(Self)
-        }
+        if is_last { None } else { self.0.checked_add(1).map(Self) }
     }
 
     /// The first node of `block`, unless it is block 0 or past the last handle.
     #[inline]
     fn first_of(block: usize) -> Option<Self> {
-        u32::try_from(block)
-            .ok()?
-            .checked_mul(8)
-            .and_then(NonZeroU32::new)
-            .map(Self)
+        u32::try_from(block).ok()?.checked_mul(8).and_then(NonZeroU32::new).map(Self)
     }
 }
 
@@ -142,9 +134,7 @@ impl<T> Octree<T> {
     #[inline]
     #[must_use]
     pub fn child(&self, node: NodeId, octant: Vertex) -> Option<NodeId> {
-        self.node(node)
-            .first_child
-            .map(|first| first.sibling(octant.bits()))
+        self.node(node).first_child.map(|first| first.sibling(octant.bits()))
     }
 
     /// The children in the order of [`Vertex::ALL`]; none of a leaf.
@@ -207,10 +197,7 @@ impl<T> Octree<T> {
     #[inline]
     #[must_use]
     pub fn data_pair_mut(&mut self, a: NodeId, b: NodeId) -> Option<(&mut T, &mut T)> {
-        debug_assert!(
-            self.contains(a) && self.contains(b),
-            "{a:?} or {b:?} was removed"
-        );
+        debug_assert!(self.contains(a) && self.contains(b), "{a:?} or {b:?} was removed");
         let [a, b] = self.nodes.get_disjoint_mut([a.index(), b.index()]).ok()?;
         Some((&mut a.data, &mut b.data))
     }
@@ -247,8 +234,7 @@ impl<T> Octree<T> {
     #[inline]
     #[must_use]
     pub const fn memory_bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<Node<T>>()
-            + self.parents.capacity() * size_of::<Option<NodeId>>()
+        self.nodes.capacity() * size_of::<Node<T>>() + self.parents.capacity() * size_of::<Option<NodeId>>()
     }
 
     #[inline]
@@ -311,10 +297,7 @@ impl<T: Default> Octree<T> {
     #[inline]
     pub fn split(&mut self, node: NodeId) -> Children {
         debug_assert!(self.is_leaf(node), "{node:?} is split already");
-        let first = self
-            .node(node)
-            .first_child
-            .unwrap_or_else(|| self.attach_block(node));
+        let first = self.node(node).first_child.unwrap_or_else(|| self.attach_block(node));
         Children::new(Some(first))
     }
 
@@ -422,13 +405,8 @@ impl<T: Default> Octree<T> {
     /// parent.
     #[inline]
     fn detach_block(&mut self, child: NodeId) -> NodeId {
-        let parent = self.parents[child.block()]
-            .take()
-            .expect("a child has a parent");
-        let first = self.nodes[parent.index()]
-            .first_child
-            .take()
-            .expect("a parent has children");
+        let parent = self.parents[child.block()].take().expect("a child has a parent");
+        let first = self.nodes[parent.index()].first_child.take().expect("a parent has children");
         self.nodes[first.index()].first_child = self.free.replace(first);
         self.splits -= 1;
         parent

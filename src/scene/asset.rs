@@ -28,8 +28,7 @@ pub struct SceneAssetPlugin;
 impl Plugin for SceneAssetPlugin {
     fn build(&self, app: &mut App) {
         if app.world().contains_resource::<AssetServer>() {
-            app.init_asset::<SceneDescription>()
-                .register_asset_loader(SceneLoader);
+            app.init_asset::<SceneDescription>().register_asset_loader(SceneLoader);
         } else {
             tracing::debug!("no AssetServer: scenes do not load through the asset system");
         }
@@ -52,14 +51,11 @@ impl AssetLoader for SceneLoader {
         context: &mut LoadContext<'_>,
     ) -> Result<SceneDescription, SceneError> {
         let path = context.path().path();
-        let unreadable = |source| SceneError::Read {
-            path: path.to_owned(),
-            source,
-        };
+        let unreadable = |source| SceneError::Read { path: path.to_owned(), source };
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await.map_err(unreadable)?;
-        let text = str::from_utf8(&bytes)
-            .map_err(|error| unreadable(io::Error::new(io::ErrorKind::InvalidData, error)))?;
+        let text =
+            str::from_utf8(&bytes).map_err(|error| unreadable(io::Error::new(io::ErrorKind::InvalidData, error)))?;
         SceneDescription::parse_from(text, &path.display().to_string())
     }
 
@@ -79,10 +75,7 @@ mod tests {
     /// Runs a headless app until an asset is loaded or has failed.
     fn load(folder: &str, file: &str) -> (App, Handle<SceneDescription>, LoadState) {
         let mut app = App::new();
-        let assets = AssetPlugin {
-            file_path: folder.to_owned(),
-            ..default()
-        };
+        let assets = AssetPlugin { file_path: folder.to_owned(), ..default() };
         app.add_plugins((MinimalPlugins, assets, SceneAssetPlugin));
         let server = app.world().resource::<AssetServer>().clone();
         let handle = server.load(file.to_owned());
@@ -93,10 +86,7 @@ mod tests {
             if matches!(state, LoadState::Loaded | LoadState::Failed(_)) {
                 return (app, handle, state);
             }
-            assert!(
-                start.elapsed() < Duration::from_secs(30),
-                "{file} never loads"
-            );
+            assert!(start.elapsed() < Duration::from_secs(30), "{file} never loads");
             std::thread::sleep(Duration::from_millis(1));
         }
     }
@@ -121,10 +111,7 @@ mod tests {
             panic!("{state:?}");
         };
         let message = error.to_string();
-        assert!(
-            message.contains("bad.scene.ron:2:9: Expected string"),
-            "{message}"
-        );
+        assert!(message.contains("bad.scene.ron:2:9: Expected string"), "{message}");
     }
 
     #[test]

@@ -92,10 +92,7 @@ impl SceneDescription {
 
     /// A scene of objects.
     #[must_use]
-    pub fn new(
-        name: impl Into<String>,
-        objects: impl IntoIterator<Item = ObjectDescription>,
-    ) -> Self {
+    pub fn new(name: impl Into<String>, objects: impl IntoIterator<Item = ObjectDescription>) -> Self {
         Self {
             name: name.into(),
             ticks_per_second: Self::TICKS_PER_SECOND,
@@ -119,10 +116,7 @@ impl SceneDescription {
     /// As [`SceneDescription::parse`], naming the file; [`SceneError::Read`] if the file is missing or not UTF-8.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         let path = path.as_ref();
-        let text = fs::read_to_string(path).map_err(|source| SceneError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
+        let text = fs::read_to_string(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
         Self::parse_from(&text, &path.display().to_string())
     }
 
@@ -130,17 +124,9 @@ impl SceneDescription {
     pub(super) fn parse_from(text: &str, origin: &str) -> Result<Self, SceneError> {
         let scene: Self = ron_options().from_str(text).map_err(|error| {
             let (line, column) = place(text, error.span);
-            SceneError::Parse {
-                origin: origin.to_owned(),
-                line,
-                column,
-                message: error.code.to_string(),
-            }
+            SceneError::Parse { origin: origin.to_owned(), line, column, message: error.code.to_string() }
         })?;
-        scene.validate().map_err(|problem| SceneError::Invalid {
-            origin: origin.to_owned(),
-            problem,
-        })?;
+        scene.validate().map_err(|problem| SceneError::Invalid { origin: origin.to_owned(), problem })?;
         Ok(scene)
     }
 
@@ -163,10 +149,7 @@ impl SceneDescription {
         let path = path.as_ref();
         let text = self.to_ron().map_err(io::Error::other);
         text.and_then(|text| fs::write(path, text))
-            .map_err(|source| SceneError::Write {
-                path: path.to_owned(),
-                source,
-            })
+            .map_err(|source| SceneError::Write { path: path.to_owned(), source })
     }
 
     /// Checks what the types alone do not: numbers in range, unique names, at least one object.
@@ -188,18 +171,10 @@ impl SceneDescription {
             let name = object.name_at(index);
             if let Err(problem) = object.check() {
                 let name = name.into_owned();
-                return Err(SceneProblem::Object {
-                    index,
-                    name,
-                    problem,
-                });
+                return Err(SceneProblem::Object { index, name, problem });
             }
             if let Some(first) = indices.insert(name.clone(), index) {
-                return Err(SceneProblem::SameName {
-                    first,
-                    second: index,
-                    name: name.into_owned(),
-                });
+                return Err(SceneProblem::SameName { first, second: index, name: name.into_owned() });
             }
         }
         Ok(())
@@ -250,11 +225,7 @@ impl SceneDescription {
 impl From<TestSet> for SceneDescription {
     /// The scene of a test set, under the report's name for it.
     fn from(set: TestSet) -> Self {
-        Self {
-            name: set.name(),
-            ticks_per_second: Self::TICKS_PER_SECOND,
-            content: Content::TestSet(set),
-        }
+        Self { name: set.name(), ticks_per_second: Self::TICKS_PER_SECOND, content: Content::TestSet(set) }
     }
 }
 
@@ -262,14 +233,7 @@ impl ObjectDescription {
     /// A static, unnamed object at the origin.
     #[must_use]
     pub fn new(shape: ShapeDescription) -> Self {
-        Self {
-            name: None,
-            shape,
-            position: Vec3::ZERO,
-            rotation: Vec3::ZERO,
-            scale: Vec3::ONE,
-            motion: Motion::Static,
-        }
+        Self { name: None, shape, position: Vec3::ZERO, rotation: Vec3::ZERO, scale: Vec3::ONE, motion: Motion::Static }
     }
 
     /// Its name, given that it is the scene's object number `index`, from 0.
@@ -301,17 +265,14 @@ impl ObjectDescription {
     ///
     /// The first problem found.
     pub fn check(&self) -> Result<(), ObjectProblem> {
-        self.shape.check()?;
+        self.shape.build()?;
         let velocity = match self.motion {
             Motion::Velocity(velocity) => velocity,
             Motion::Static | Motion::Track(_) => Vec3::ZERO,
         };
-        for (field, value) in [
-            ("position", self.position),
-            ("rotation", self.rotation),
-            ("scale", self.scale),
-            ("velocity", velocity),
-        ] {
+        for (field, value) in
+            [("position", self.position), ("rotation", self.rotation), ("scale", self.scale), ("velocity", velocity)]
+        {
             if !value.is_finite() {
                 return Err(ObjectProblem::NotFinite { field, value });
             }
@@ -345,22 +306,14 @@ impl<'de> Deserialize<'de> for ObjectDescription {
 
 /// How scene files are read and written.
 fn ron_options() -> ron::Options {
-    ron::Options::default()
-        .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME)
+    ron::Options::default().with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME)
 }
 
 /// The line and column of the offending token: RON's span begins at the blanks and comments before it.
 fn place(text: &str, span: Span) -> (usize, usize) {
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .skip(span.start.line.saturating_sub(1));
+    let mut lines = text.lines().enumerate().skip(span.start.line.saturating_sub(1));
     let token = lines.find_map(|(index, line)| {
-        let first = if index + 1 == span.start.line {
-            span.start.col.saturating_sub(1)
-        } else {
-            0
-        };
+        let first = if index + 1 == span.start.line { span.start.col.saturating_sub(1) } else { 0 };
         let code = line.split("//").next()?;
         let blanks = code.chars().skip(first).position(|c| !c.is_whitespace())?;
         Some((index + 1, first + blanks + 1))

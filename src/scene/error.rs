@@ -5,7 +5,8 @@ use std::{io, path::PathBuf};
 use bevy::math::Vec3;
 use thiserror::Error;
 
-use super::{shape::ShapeProblem, test_set::TestSetError};
+use super::test_set::TestSetError;
+use crate::narrow_phase::ShapeError;
 
 /// Why a scene could not be loaded, saved or spawned.
 #[derive(Debug, Error)]
@@ -87,7 +88,7 @@ pub enum SceneProblem {
 }
 
 /// What makes an object invalid.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ObjectProblem {
     /// NaN or infinity.
@@ -106,5 +107,5 @@ pub enum ObjectProblem {
     PositionBesideTrack(Vec3),
     /// The shape is invalid.
     #[error("shape: {0}")]
-    Shape(#[from] ShapeProblem),
+    Shape(#[from] ShapeError),
 }

@@ -66,7 +66,7 @@ mod test_set;
 pub use asset::{SceneAssetPlugin, SceneLoader};
 pub use description::{Content, Motion, ObjectDescription, SceneDescription};
 pub use error::{ObjectProblem, SceneError, SceneProblem};
-pub use shape::{ShapeDescription, ShapeProblem};
+pub use shape::ShapeDescription;
 pub use test_set::{Plane, TestCube, TestSet, TestSetError};
 
 #[cfg(test)]

@@ -21,10 +21,9 @@ impl SceneDescription {
     ///
     /// [`SceneError::Invalid`] if the scene is invalid or one of its shapes cannot be built. Nothing is spawned then.
     pub fn spawn(&self, commands: &mut Commands) -> Result<Vec<Entity>, SceneError> {
-        let objects = self.build().map_err(|problem| SceneError::Invalid {
-            origin: format!("scene \"{}\"", self.name),
-            problem,
-        })?;
+        let objects = self
+            .build()
+            .map_err(|problem| SceneError::Invalid { origin: format!("scene \"{}\"", self.name), problem })?;
         let entities = objects.into_iter().map(|(body, motion)| match motion {
             Motion::Static => commands.spawn(body).id(),
             Motion::Velocity(velocity) => commands.spawn((body, Velocity(velocity), Bounce::default())).id(),
@@ -36,9 +35,7 @@ impl SceneDescription {
     fn build(&self) -> Result<Vec<(Body, Motion)>, SceneProblem> {
         self.validate()?;
         let objects = self.objects().enumerate();
-        objects
-            .map(|(index, object)| object.into_owned().build(index))
-            .collect()
+        objects.map(|(index, object)| object.into_owned().build(index)).collect()
     }
 }
 
@@ -50,11 +47,7 @@ impl ObjectDescription {
                 let body = (Name::new(name), self.transform(), shape.into());
                 Ok((body, self.motion))
             }
-            Err(problem) => Err(SceneProblem::Object {
-                index,
-                name,
-                problem: problem.into(),
-            }),
+            Err(problem) => Err(SceneProblem::Object { index, name, problem: problem.into() }),
         }
     }
 }
@@ -83,15 +76,8 @@ mod tests {
         let shape = ShapeDescription::Sphere { radius: 2.0 };
         let ball = ObjectDescription::new(shape);
         let track = PositionTrack::new([(0, Vec3::ONE), (9, Vec3::ZERO)]).unwrap();
-        let motions = [
-            Motion::Static,
-            Motion::Velocity(Vec3::X),
-            Motion::Track(track.clone()),
-        ];
-        let objects = motions.map(|motion| ObjectDescription {
-            motion,
-            ..ball.clone()
-        });
+        let motions = [Motion::Static, Motion::Velocity(Vec3::X), Motion::Track(track.clone())];
+        let objects = motions.map(|motion| ObjectDescription { motion, ..ball.clone() });
         let (world, entities) = spawn(&SceneDescription::new("motions", objects));
         let [still, mover, tracked] = entities.unwrap()[..] else {
             panic!("three objects make three entities");
@@ -134,12 +120,9 @@ mod tests {
         let (world, result) = spawn(&SceneDescription::new("bad", [good, bad]));
         assert_eq!(
             result.unwrap_err().to_string(),
-            "scene \"bad\": object 1 (\"object_1\"): shape: radius is -1, expected a positive number"
+            "scene \"bad\": object 1 (\"object_1\"): shape: the radius of a sphere must be finite and not negative, got -1"
         );
-        assert_eq!(
-            world.iter_entities().count(),
-            World::new().iter_entities().count()
-        );
+        assert_eq!(world.iter_entities().count(), World::new().iter_entities().count());
     }
 
     #[test]

@@ -48,14 +48,7 @@ pub struct TestSet {
 impl Default for TestSet {
     /// The test set of Figure 8, t3.
     fn default() -> Self {
-        Self {
-            rings: 3,
-            side: 1.0,
-            spacing: 1.5,
-            gap: 2.0625,
-            setback: 0.25,
-            speed: 0.0625,
-        }
+        Self { rings: 3, side: 1.0, spacing: 1.5, gap: 2.0625, setback: 0.25, speed: 0.0625 }
     }
 }
 
@@ -127,10 +120,7 @@ impl TestSet {
     /// The test set with `rings` rings, all else at its default.
     #[must_use]
     pub fn new(rings: u32) -> Self {
-        Self {
-            rings,
-            ..Self::default()
-        }
+        Self { rings, ..Self::default() }
     }
 
     /// The report's name for the set: `t` and the number of rings.
@@ -158,18 +148,11 @@ impl TestSet {
             return Err(TestSetError::TooManyRings(self.rings));
         }
         let ensure = |holds: bool, parameter, value, expected| {
-            holds.then_some(()).ok_or(TestSetError::OutOfRange {
-                parameter,
-                value,
-                expected,
-            })
+            holds.then_some(()).ok_or(TestSetError::OutOfRange { parameter, value, expected })
         };
-        for (parameter, value) in [
-            ("side", self.side),
-            ("spacing", self.spacing),
-            ("gap", self.gap),
-            ("speed", self.speed),
-        ] {
+        for (parameter, value) in
+            [("side", self.side), ("spacing", self.spacing), ("gap", self.gap), ("speed", self.speed)]
+        {
             let holds = value.is_finite() && value > 0.0;
             ensure(holds, parameter, value, "a positive number")?;
         }
@@ -179,27 +162,15 @@ impl TestSet {
         ensure(holds, "spacing", self.spacing, "more than side")?;
         // The outermost corner bounds every other coordinate.
         let outermost = self.center_x(self.rings) + self.side;
-        ensure(
-            outermost.is_finite(),
-            "setback",
-            self.setback,
-            "rings at a finite distance",
-        )?;
+        ensure(outermost.is_finite(), "setback", self.setback, "rings at a finite distance")?;
         let outermost = self.rings as f32 * self.spacing + self.side;
-        ensure(
-            outermost.is_finite(),
-            "spacing",
-            self.spacing,
-            "cubes at a finite distance",
-        )
+        ensure(outermost.is_finite(), "spacing", self.spacing, "cubes at a finite distance")
     }
 
     /// The cubes: the left plane from the centre outward, then the right plane in the same order.
     pub fn cubes(&self) -> impl Iterator<Item = TestCube> + use<> {
         let set = *self;
-        [Plane::Left, Plane::Right]
-            .into_iter()
-            .flat_map(move |plane| set.plane(plane))
+        [Plane::Left, Plane::Right].into_iter().flat_map(move |plane| set.plane(plane))
     }
 
     /// The first tick at whose end ring `ring` of one plane touches that of the other, if nothing turns it away before.
@@ -213,18 +184,9 @@ impl TestSet {
         let velocity = Vec3::X * (-plane.sign() * self.speed);
         let cubes = (0..=self.rings).flat_map(move |ring| {
             let x = plane.sign() * self.center_x(ring);
-            ring_places(ring)
-                .map(move |place| (ring, (place.as_vec2() * self.spacing).extend(x).zxy()))
+            ring_places(ring).map(move |place| (ring, (place.as_vec2() * self.spacing).extend(x).zxy()))
         });
-        cubes
-            .enumerate()
-            .map(move |(index, (ring, position))| TestCube {
-                plane,
-                index,
-                ring,
-                position,
-                velocity,
-            })
+        cubes.enumerate().map(move |(index, (ring, position))| TestCube { plane, index, ring, position, velocity })
     }
 
     /// How far the centres of a ring start from the plane x = 0.
@@ -239,9 +201,7 @@ fn ring_places(ring: u32) -> impl Iterator<Item = IVec2> {
     (-ring..=ring).flat_map(move |y| {
         // Rows at the rim are full; the others have their two ends only.
         let step = if y.abs() == ring { 1 } else { 2 * ring };
-        (-ring..=ring)
-            .step_by(step as usize)
-            .map(move |z| IVec2::new(y, z))
+        (-ring..=ring).step_by(step as usize).map(move |z| IVec2::new(y, z))
     })
 }
 
@@ -267,21 +227,14 @@ mod tests {
         for ring in 1..20 {
             let places: std::collections::HashSet<_> = ring_places(ring).collect();
             assert_eq!(places.len(), 8 * ring as usize);
-            assert!(
-                places
-                    .iter()
-                    .all(|place| place.abs().max_element() == ring as i32)
-            );
+            assert!(places.iter().all(|place| place.abs().max_element() == ring as i32));
         }
     }
 
     #[test]
     fn cubes_of_a_plane_never_touch() {
         let set = TestSet::new(4);
-        let left: Vec<_> = set
-            .cubes()
-            .filter(|cube| cube.plane == Plane::Left)
-            .collect();
+        let left: Vec<_> = set.cubes().filter(|cube| cube.plane == Plane::Left).collect();
         for (i, a) in left.iter().enumerate() {
             for b in &left[..i] {
                 let distance = (a.position - b.position).abs();
@@ -310,10 +263,7 @@ mod tests {
     fn each_ring_is_set_back_from_the_one_inside() {
         let set = TestSet::new(6);
         for cube in set.cubes() {
-            assert_eq!(
-                cube.position.x.abs(),
-                (set.gap + set.side) / 2.0 + set.setback * cube.ring as f32
-            );
+            assert_eq!(cube.position.x.abs(), (set.gap + set.side) / 2.0 + set.setback * cube.ring as f32);
             let place = cube.position.yz().abs() / set.spacing;
             assert_eq!(place.max_element(), cube.ring as f32);
         }
@@ -347,49 +297,13 @@ mod tests {
         assert_eq!(TestSet::new(0).check(), Ok(()));
         let bad = [
             (TestSet::new(1001), "rings is 1001, expected at most 1000"),
-            (
-                TestSet { side: 0.0, ..good },
-                "side is 0, expected a positive number",
-            ),
-            (
-                TestSet { gap: -1.0, ..good },
-                "gap is -1, expected a positive number",
-            ),
-            (
-                TestSet {
-                    speed: f32::NAN,
-                    ..good
-                },
-                "speed is NaN, expected a positive number",
-            ),
-            (
-                TestSet {
-                    setback: -0.5,
-                    ..good
-                },
-                "setback is -0.5, expected 0 or a positive number",
-            ),
-            (
-                TestSet {
-                    spacing: 1.0,
-                    ..good
-                },
-                "spacing is 1, expected more than side",
-            ),
-            (
-                TestSet {
-                    setback: 3e38,
-                    ..good
-                },
-                "expected rings at a finite distance",
-            ),
-            (
-                TestSet {
-                    spacing: 3e38,
-                    ..good
-                },
-                "expected cubes at a finite distance",
-            ),
+            (TestSet { side: 0.0, ..good }, "side is 0, expected a positive number"),
+            (TestSet { gap: -1.0, ..good }, "gap is -1, expected a positive number"),
+            (TestSet { speed: f32::NAN, ..good }, "speed is NaN, expected a positive number"),
+            (TestSet { setback: -0.5, ..good }, "setback is -0.5, expected 0 or a positive number"),
+            (TestSet { spacing: 1.0, ..good }, "spacing is 1, expected more than side"),
+            (TestSet { setback: 3e38, ..good }, "expected rings at a finite distance"),
+            (TestSet { spacing: 3e38, ..good }, "expected cubes at a finite distance"),
         ];
         for (set, message) in bad {
             let error = set.check().unwrap_err().to_string();

@@ -47,8 +47,7 @@ impl ObjectOctree {
     fn mergeable(&mut self, node: NodeId) -> Option<(Vec<u32>, u32)> {
         let children = self.tree.children(node);
         let limit = self.settings.max_objects - self.settings.merge_slack;
-        let merges =
-            |child| !self.tree.is_split(child) && self.tree.data(child).counted() <= limit;
+        let merges = |child| !self.tree.is_split(child) && self.tree.data(child).counted() <= limit;
         if children.len() == 0 || !children.clone().all(merges) {
             return None;
         }
@@ -134,11 +133,8 @@ impl ObjectOctree {
             let entry = &mut self.entries[object as usize];
             entry.unsettled = false;
             let cells = entry.leaves.iter().map(|leaf| self.tree.data(*leaf));
-            entry.stay = if entry.leaves.is_empty() {
-                StayRegion::NOWHERE
-            } else {
-                StayRegion::new(&entry.aabb, cells)
-            };
+            entry.stay =
+                if entry.leaves.is_empty() { StayRegion::NOWHERE } else { StayRegion::new(&entry.aabb, cells) };
         }
     }
 

@@ -131,7 +131,9 @@ pub enum SettingsError {
     #[error("the root's scale is {0}: expected a finite number, at least 1")]
     RootScale(f32),
     /// The root is no cube.
-    #[error("the root cube has the centre {center} and half size {half_size}: expected finite numbers, half size above 0")]
+    #[error(
+        "the root cube has the centre {center} and half size {half_size}: expected finite numbers, half size above 0"
+    )]
     RootCube {
         /// The centre given.
         center: Vec3,

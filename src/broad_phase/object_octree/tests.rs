@@ -201,7 +201,9 @@ fn run(settings: ObjectOctreeSettings, steps: &[Step]) {
                 let id = checked.proxies.insert(Aabb3d::new(center, Vec3::splat(half))).unwrap();
                 objects.push((id, center, half));
             }
-            Step::Shift { which, by } => change(which, &mut |center, _| *center += Vec3::from(by.map(f32::from)) * UNIT),
+            Step::Shift { which, by } => {
+                change(which, &mut |center, _| *center += Vec3::from(by.map(f32::from)) * UNIT)
+            }
             Step::Teleport { which, to } => change(which, &mut |center, _| *center = place(*to)),
             Step::Resize { which, size } => change(which, &mut |_, half| *half = f32::from(*size) * UNIT),
             Step::Touch { which } => {
