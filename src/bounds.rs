@@ -1,6 +1,9 @@
 //! World boxes from transforms and shapes.
 
-use bevy::{ecs::schedule::InternedScheduleLabel, prelude::*};
+use bevy::{
+    ecs::{entity_disabling::Disabled, schedule::InternedScheduleLabel},
+    prelude::*,
+};
 
 use crate::{
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
@@ -40,7 +43,7 @@ type Ancestor<'a> = (Ref<'a, Transform>, Option<Ref<'a, ChildOf>>);
 
 fn update_children(
     mut children: Query<Child, With<ChildOf>>,
-    ancestors: Query<Ancestor>,
+    ancestors: Query<Ancestor, Allow<Disabled>>,
     settings: Res<NarrowPhaseSettings>,
 ) {
     for (entity, shape, mut aabb, mut proxy) in &mut children {
@@ -71,7 +74,11 @@ fn world_aabb(tests: &NarrowPhase, entity: Entity, shape: &CollisionShape, trans
 }
 
 /// An entity that loses its parent is elsewhere from then on, and so are its descendants.
-fn on_unparented(event: On<Remove, ChildOf>, children: Query<&Children>, mut proxies: Query<&mut BroadPhaseProxy>) {
+fn on_unparented(
+    event: On<Remove, ChildOf>,
+    children: Query<&Children, Allow<Disabled>>,
+    mut proxies: Query<&mut BroadPhaseProxy, Allow<Disabled>>,
+) {
     for entity in std::iter::once(event.entity).chain(children.iter_descendants(event.entity)) {
         if let Ok(mut proxy) = proxies.get_mut(entity) {
             proxy.set_changed();

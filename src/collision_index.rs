@@ -107,7 +107,8 @@ pub struct BroadPhaseSettings {
 ///
 /// A system after [`BroadPhase`](CollisionSystems::BroadPhase) and before
 /// [`NarrowPhase`](CollisionSystems::NarrowPhase) may take pairs out: they are then not in contact.
-#[derive(Resource, Clone, Debug, Default, Deref, DerefMut)]
+#[derive(Resource, Clone, Debug, Default, Deref, DerefMut, Reflect)]
+#[reflect(Resource, Debug, Default)]
 pub struct CandidatePairs(pub Vec<Pair>);
 
 /// Octree maintenance and the search for candidate pairs.

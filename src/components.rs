@@ -95,9 +95,11 @@ impl Default for WorldAabb {
     }
 }
 
-/// An entity's entry in the [`CollisionIndex`].
+/// An entity's entry in the [`CollisionIndex`]. Comes and goes with the [`CollisionShape`]; a cloned entity gets one of
+/// its own.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[component(on_remove = leave_index, clone_behavior = Ignore)]
 pub struct BroadPhaseProxy {
     #[reflect(ignore)]
     pub(crate) id: Option<ProxyId>,

@@ -13,7 +13,7 @@ use crate::{
 };
 
 /// Two entities in contact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 pub struct ContactPair {
     /// Their handles in the [`CollisionIndex`].
     pub pair: Pair,
@@ -26,7 +26,8 @@ pub struct ContactPair {
 /// All pairs of entities in contact, in the order of their handles.
 ///
 /// After [`NarrowPhase`](CollisionSystems::NarrowPhase), those of this tick.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[reflect(Resource, Debug, Default)]
 pub struct Contacts {
     pairs: Vec<ContactPair>,
     /// Those of the last tick, for comparison.

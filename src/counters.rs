@@ -7,7 +7,8 @@ use bevy::prelude::*;
 use crate::narrow_phase::StageCounters;
 
 /// Counters of the last tick, and their sums since the start.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[reflect(Resource, Debug, Default)]
 pub struct CollisionCounters {
     /// The last tick, or the current one as far as it has come.
     pub tick: TickCounters,
@@ -16,7 +17,8 @@ pub struct CollisionCounters {
 }
 
 /// Counters of one tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Debug, Default, PartialEq)]
 pub struct TickCounters {
     /// Entities in the index.
     pub objects: u64,

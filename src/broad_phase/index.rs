@@ -1,6 +1,6 @@
 //! The boxes, the broad phase and the pairs, together.
 
-use std::fmt;
+use std::{any::Any, fmt};
 
 use bevy::math::bounding::Aabb3d;
 
@@ -56,6 +56,14 @@ impl SpatialIndex {
     #[must_use]
     pub fn engine(&self) -> &dyn BroadPhase {
         &*self.engine
+    }
+
+    /// The broad phase at work, if it is of this type: to look into an
+    /// [`ObjectOctree`](super::ObjectOctree), say.
+    #[must_use]
+    pub fn engine_as<E: BroadPhase>(&self) -> Option<&E> {
+        let engine: &dyn Any = &*self.engine;
+        engine.downcast_ref()
     }
 
     /// The boxes, as of now: changes that await an update included.

@@ -96,6 +96,8 @@ mod pairs;
 mod proxy;
 mod query;
 
+use std::any::Any;
+
 use bevy::math::{Vec3A, bounding::Aabb3d};
 
 pub use exhaustive::Exhaustive;
@@ -114,7 +116,7 @@ pub use query::RayHit;
 ///
 /// What every implementation owes: the pairs are exact (each once, none missing, touching counts), their order
 /// depends on the history of calls alone, memory is linear in the objects, and no input makes it panic.
-pub trait BroadPhase: Send + Sync + 'static {
+pub trait BroadPhase: Any + Send + Sync {
     /// The name by which users know this way of searching.
     fn name(&self) -> &'static str;
 

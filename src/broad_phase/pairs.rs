@@ -1,9 +1,11 @@
 //! Candidate pairs, and how they live on from tick to tick.
 
+use bevy::prelude::Reflect;
+
 use super::{Proxies, ProxyId};
 
 /// Two objects whose boxes overlap; the lower handle first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
 pub struct Pair {
     /// The lower handle.
     pub a: ProxyId,

@@ -1,6 +1,6 @@
 //! Proxies: the boxes of the objects, behind stable handles.
 
-use bevy::math::bounding::Aabb3d;
+use bevy::{math::bounding::Aabb3d, prelude::Reflect};
 use thiserror::Error;
 
 /// The handle of one object's box in a [`SpatialIndex`](super::SpatialIndex).
@@ -8,7 +8,7 @@ use thiserror::Error;
 /// Handles are dense, from 0 up. A handle stays the same until its object is removed; after that it is not handed
 /// out again before two more updates have passed, so that whoever compares one tick with the next never takes one
 /// object for another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
 pub struct ProxyId(u32);
 
 impl ProxyId {

@@ -1,0 +1,119 @@
+//! Which objects of an animation touch, and when: the report over position tracks.
+//!
+//! `cargo run --release --example animation_report -- assets/scenes/clip.scene.ron`
+
+use std::{
+    fs::{self, File},
+    io::BufWriter,
+    path::{Path, PathBuf},
+};
+
+use bevy::prelude::*;
+use bevy_octree::{
+    motion::CollisionReport,
+    prelude::*,
+    scene::{Motion, SceneDescription},
+};
+use clap::Parser;
+use progress::Progress;
+
+#[path = "common/progress.rs"]
+mod progress;
+
+type Error = Box<dyn std::error::Error>;
+
+/// Plays a clip, in which objects follow position tracks, and reports which of them touch: first and last contact of
+/// each pair, and tick by tick.
+///
+/// Writes contacts.csv and contacts.jsonl (a row for each pair), ticks.csv and ticks.jsonl (a row for each tick with
+/// contacts).
+#[derive(Parser)]
+struct Arguments {
+    /// The scene file to play.
+    file: PathBuf,
+    /// How many ticks to play; to the last keyframe if not given.
+    #[arg(long)]
+    ticks: Option<u64>,
+    /// The folder to write to.
+    #[arg(long, default_value = "target/animation_report")]
+    out: PathBuf,
+    /// How overlapping boxes are searched for: `octree` or `exhaustive`.
+    #[arg(long, default_value_t = Method::default())]
+    method: Method,
+}
+
+fn main() -> Result<(), Error> {
+    let arguments = Arguments::parse();
+    let scene = SceneDescription::load(&arguments.file)?;
+    let ticks = arguments.ticks.unwrap_or_else(|| last_keyframe(&scene) + 1);
+    let report = play(&scene, ticks, arguments.method)?;
+
+    println!("{:<12} {:<12} {:>6} {:>6} {:>6}  intervals", "a", "b", "first", "last", "ticks");
+    for pair in report.pairs() {
+        let intervals: Vec<_> = pair.intervals.iter().map(|(from, to)| format!("{from}–{to}")).collect();
+        println!(
+            "{:<12} {:<12} {:>6} {:>6} {:>6}  {}",
+            pair.a,
+            pair.b,
+            pair.first_contact,
+            pair.last_contact,
+            pair.ticks,
+            intervals.join(", ")
+        );
+    }
+    write(&report, &arguments.out)?;
+    println!(
+        "scene={} objects={} ticks={ticks} pairs={} ticks_with_contact={} out={}",
+        scene.name,
+        scene.object_count(),
+        report.pairs().len(),
+        report.ticks().count(),
+        arguments.out.display()
+    );
+    Ok(())
+}
+
+/// The tick of the last keyframe of all tracks; 0 if there is none.
+fn last_keyframe(scene: &SceneDescription) -> u64 {
+    let last = |object: &bevy_octree::scene::ObjectDescription| match &object.motion {
+        Motion::Track(track) => track.keyframes().last().map_or(0, |(tick, _)| *tick),
+        _ => 0,
+    };
+    scene.objects().map(|object| last(&object)).max().unwrap_or(0)
+}
+
+/// Plays the clip in a headless app, and notes the contacts of each tick.
+fn play(scene: &SceneDescription, ticks: u64, method: Method) -> Result<CollisionReport, Error> {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
+        .insert_resource(BroadPhaseSettings { method })
+        .insert_resource(MotionSettings { step: Step::Seconds(scene.tick_length()?.as_secs_f32()) });
+    scene.spawn(&mut app.world_mut().commands())?;
+    app.world_mut().flush();
+
+    let mut report = CollisionReport::default();
+    let mut progress = Progress::new(ticks);
+    for tick in 0..ticks {
+        progress.begin(format!("tick {tick}"));
+        app.update();
+        let world = app.world();
+        let name = |entity| world.get::<Name>(entity).map_or_else(|| entity.to_string(), ToString::to_string);
+        let contacts = world.resource::<Contacts>().iter().map(|contact| (name(contact.a), name(contact.b)));
+        report.record(tick, contacts)?;
+    }
+    Ok(report)
+}
+
+fn write(report: &CollisionReport, folder: &Path) -> Result<(), Error> {
+    let create = |name: &str| {
+        let path = folder.join(name);
+        let file = File::create(&path).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+        Ok::<_, Error>(BufWriter::new(file))
+    };
+    fs::create_dir_all(folder).map_err(|error| format!("cannot make the folder {}: {error}", folder.display()))?;
+    report.write_csv(create("contacts.csv")?)?;
+    report.write_jsonl(create("contacts.jsonl")?)?;
+    report.write_ticks_csv(create("ticks.csv")?)?;
+    report.write_ticks_jsonl(create("ticks.jsonl")?)?;
+    Ok(())
+}
