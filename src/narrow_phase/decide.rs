@@ -22,9 +22,9 @@ pub enum Exactness {
 /// The exact tests: whether two placed shapes are in contact, and where.
 ///
 /// Two shapes are in contact when their distance is no more than the [tolerance](Self::tolerance), so
-/// that touching counts, whatever touches: faces in one plane, edges along edges, corners. The tolerance
-/// has to be above rounding, and is raised for pairs so large that it is not: to 16 units in the last
-/// place of the sum of their half extents (2·10⁻⁴ for a pair of 100 units).
+/// that touching counts, whatever touches: faces in one plane, edges along edges, corners. For pairs so
+/// large that rounding exceeds the tolerance it is raised: to 16 times `f32::EPSILON` times the sum of
+/// their greatest half extents, or 2·10⁻⁴ where these add up to 100.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NarrowPhase {
     tolerance: f32,
@@ -84,8 +84,8 @@ impl NarrowPhase {
     /// As for [`Shape::world_aabb`].
     pub fn world_aabb(&self, placed: Placed) -> Result<Aabb3d, BoundsError> {
         let Aabb3d { min, max } = placed.shape.world_aabb(placed.transform)?;
-        // The box may be 1.8 times as wide as what the tolerance of a pair is measured by, or narrower
-        // by no more than that.
+        // However it is turned, a box is wider than its greatest half extent, from which the tolerance of a
+        // pair may come.
         let size = (max - min).max_element();
         let far = min.abs().max(max.abs()).max_element();
         let grown = self.tolerance * 0.5 + ROUNDING * size + f32::EPSILON * far;

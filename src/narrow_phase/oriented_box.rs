@@ -25,7 +25,12 @@ impl OrientedBox {
     pub fn of(shape: &Shape, transform: &Transform, origin: Vec3) -> Result<Self, BoundsError> {
         let (local_center, local_half, local_radius) = shape.local_bounds()?;
         let scale = effective_scale(shape, transform);
-        let axes = Mat3A::from_quat(transform.rotation.normalize());
+        let rotation = transform.rotation.normalize();
+        let axes = match shape {
+            // The box around a ball need not turn with it.
+            Shape::Sphere { .. } if rotation.is_finite() => Mat3A::IDENTITY,
+            _ => Mat3A::from_quat(rotation),
+        };
         let half = local_half * scale.abs();
         let placed = Self {
             center: Vec3A::from(transform.translation - origin) + axes * (local_center * scale),

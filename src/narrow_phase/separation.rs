@@ -1,5 +1,5 @@
-//! How far two oriented boxes are apart, by separating axes (Gottschalk, Lin and Manocha, *OBBTree*,
-//! 1996), three axes at a time.
+//! How far two oriented boxes are apart, by the 15 separating axes of Gottschalk, Lin and Manocha (1996),
+//! three at a time.
 
 use bevy::math::{Vec3A, Vec3Swizzles};
 

@@ -99,8 +99,9 @@ impl Shape {
         Ok(PolygonMesh::new(vertices, polygons)?.into())
     }
 
-    /// The smallest axis-aligned box around the shape in the world, up to rounding. For meshes it is
-    /// the smallest box around their own box, turned: constant time, and no smaller than it must be.
+    /// An axis-aligned box around the shape in the world, in constant time. It is the smallest one for
+    /// cuboids and spheres, up to rounding; for meshes and Rapier shapes, it is the smallest around their
+    /// own box, turned and scaled with them.
     ///
     /// A broad phase should be fed the slightly larger [`NarrowPhase::world_aabb`], so that it misses
     /// no pair which is in contact by tolerance.

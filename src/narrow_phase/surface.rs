@@ -88,8 +88,8 @@ pub(super) struct Edge {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Face {
     polygon: u32,
-    /// A unit vector facing out of a closed mesh; zero for a polygon that a scale of zero flattened to a segment or point, which its
-    /// border is enough to describe.
+    /// A unit vector; zero for a polygon that a scale of zero flattened to a segment or point, which
+    /// its border is enough to describe.
     pub normal: Vec3A,
     /// The corners lie between `plane - thickness` and `plane + thickness` along the normal.
     plane: f32,
