@@ -7,7 +7,8 @@ use super::pair::{Pair, in_order};
 use super::separation::{Separation, sign};
 use super::{NarrowPhase, Placed, Shape, Workspace, convex_contact};
 
-/// How often to go back and forth between two cuboids in search of a point of both: twice is the rule.
+/// How often to go back and forth between two cuboids in search of a point of both: twice is the
+/// rule.
 const MOST_STEPS: usize = 8;
 
 /// The geometry of a contact.
@@ -17,8 +18,8 @@ pub struct Contact {
     pub normal: Vec3,
     /// A point where the two meet, in the world.
     pub point: Vec3,
-    /// How far the shapes overlap along the normal, in world units. Zero if they touch, or are apart by
-    /// no more than the tolerance.
+    /// How far the shapes overlap along the normal, in world units. Zero if they touch, or are
+    /// apart by no more than the tolerance.
     pub depth: f32,
 }
 
@@ -39,21 +40,23 @@ impl LocalContact {
 }
 
 impl NarrowPhase {
-    /// The contact of two shapes: some if and only if they [intersect](Self::intersects), which counts
-    /// the stages once.
+    /// The contact of two shapes: some if and only if they [intersect](Self::intersects), which
+    /// counts the stages once.
     ///
-    /// Swapping the two turns the normal around exactly and changes nothing else, unless they are equal
-    /// in all things, place included. The normal is
+    /// Swapping the two turns the normal around exactly and changes nothing else, unless they are
+    /// equal in all things, place included. The normal is
     ///
-    /// * for two cuboids or convex meshes, the axis along which they overlap least; normals of faces are
-    ///   preferred to products of edges that are hardly better (and only they are tried if the two
-    ///   meshes have more than 1 024 pairs of edges), those of one shape to those of the other;
+    /// * for two cuboids or convex meshes, the axis along which they overlap least; normals of
+    ///   faces are preferred to products of edges that are hardly better (and only they are tried
+    ///   if the two meshes have more than 1 024 pairs of edges), those of one shape to those of the
+    ///   other;
     /// * for a sphere, the direction of the closest point of the other shape;
-    /// * for other meshes, an approximation: the mean normal of the polygons that are crossed. The depth
-    ///   is then how far the crossing reaches along it;
+    /// * for other meshes, an approximation: the mean normal of the polygons that are crossed. The
+    ///   depth is then how far the crossing reaches along it;
     /// * for Rapier shapes, what parry finds;
-    /// * where all that fails (a mesh inside another, without crossing), the direction from centre to
-    ///   centre, and +Y if these coincide. The depth is then the overlap of the two boxes that way.
+    /// * where all that fails (a mesh inside another, without crossing), the direction from centre
+    ///   to centre, and +Y if these coincide. The depth is then the overlap of the two boxes that
+    ///   way.
     #[must_use]
     pub fn contact(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Contact> {
         if !self.intersects(a, b, workspace) {
@@ -120,7 +123,8 @@ fn sphere_other(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> 
     };
     let offset = point - center;
     let distance = offset.length();
-    // From the sphere to the other: the way to the surface, or back from it if the centre is inside.
+    // From the sphere to the other: the way to the surface, or back from it if the centre is
+    // inside.
     let towards = offset.try_normalize().filter(|_| distance > pair.tolerance);
     let (normal, depth) = match (towards, inside) {
         (Some(towards), false) => (towards, radius - distance),
@@ -134,7 +138,8 @@ fn sphere_other(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> 
     })
 }
 
-/// The point on a cuboid closest to the centre of a sphere, its normal, and whether the centre is inside.
+/// The point on a cuboid closest to the centre of a sphere, its normal, and whether the centre is
+/// inside.
 fn sphere_cuboid(pair: &Pair) -> (Vec3A, Vec3A, bool) {
     let (center, cuboid) = (pair.box_a.center, &pair.box_b);
     let local = cuboid.axes.transpose() * (center - cuboid.center);
@@ -174,8 +179,8 @@ fn common_point(pair: &Pair) -> Option<Vec3A> {
     })
 }
 
-/// The mean of the places where edges of one shape meet polygons of the other. It is in both shapes, to
-/// within the tolerance, if they are convex.
+/// The mean of the places where edges of one shape meet polygons of the other. It is in both
+/// shapes, to within the tolerance, if they are convex.
 pub(super) fn mean_hit(pair: &Pair, workspace: &mut Workspace) -> Option<Vec3A> {
     let (mut count, mut points) = (0.0, Vec3A::ZERO);
     edge_polygon::hits(pair, workspace, |Hit { point, .. }| {

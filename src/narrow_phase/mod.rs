@@ -34,38 +34,40 @@
 //!
 //! # What the last stage decides
 //!
-//! Two meshes are in contact where their surfaces come as close as the tolerance, or where one is inside
-//! the other.
+//! Two meshes are in contact where their surfaces come as close as the tolerance, or where one is
+//! inside the other.
 //!
-//! * Every edge of one against every polygon of the other, both ways, decides whether the *surfaces* meet:
-//!   an edge crosses a polygon, ends on it, or comes close to its border. Each of the closest pairs of
-//!   points of two surfaces has an edge on one side, so nothing is missed, and the borders are part of
-//!   the polygons, so edges that run along borders and polygons that share a plane are contact.
-//! * It does *not* see one mesh that is wholly inside the other, and so a point of each connected part of
-//!   one is tested against the volume of the other, by winding number. Only a
+//! * Every edge of one against every polygon of the other, both ways, decides whether the
+//!   *surfaces* meet: an edge crosses a polygon, ends on it, or comes close to its border. Each of
+//!   the closest pairs of points of two surfaces has an edge on one side, so nothing is missed, and
+//!   the borders are part of the polygons, so edges that run along borders and polygons that share
+//!   a plane are contact.
+//! * It does *not* see one mesh that is wholly inside the other, and so a point of each connected
+//!   part of one is tested against the volume of the other, by winding number. Only a
 //!   [closed](PolygonMesh::is_closed) mesh has a volume; inside an open one there is no contact.
-//! * Nothing is swept: as in the report, an object that moves further in a tick than objects are thick
-//!   can pass through them.
+//! * Nothing is swept: as in the report, an object that moves further in a tick than objects are
+//!   thick can pass through them.
 //!
 //! # Numbers
 //!
-//! Everything is computed relative to the place of one of the two, so that a pair far from the origin
-//! gets the verdict it would get close to it, for the places as 32-bit floats hold them. Verdicts do
-//! not depend on the order of the two. Early stages reject only at twice the tolerance, and
-//! [`Stage::Boxes`] accepts cuboids only if it is sure that they overlap, so that the last stage has
-//! the last word where it could differ: [`Exactness::EdgePolygon`] forces it, and agrees.
+//! Everything is computed relative to the place of one of the two, so that a pair far from the
+//! origin gets the verdict it would get close to it, for the places as 32-bit floats hold them.
+//! Verdicts do not depend on the order of the two. Early stages reject only at twice the tolerance,
+//! and [`Stage::Boxes`] accepts cuboids only if it is sure that they overlap, so that the last
+//! stage has the last word where it could differ: [`Exactness::EdgePolygon`] forces it, and agrees.
 //!
-//! Nothing is allocated per pair once the buffers of the [`Workspace`] have grown to the largest mesh
-//! (but for meshes at a scale of their own that meet Rapier shapes). Two cuboids take in the
+//! Nothing is allocated per pair once the buffers of the [`Workspace`] have grown to the largest
+//! mesh (but for meshes at a scale of their own that meet Rapier shapes). Two cuboids take in the
 //! order of 15 ns if turned alike, and 75 ns if not.
 //!
 //! # Rapier
 //!
-//! With the feature `rapier`, a `bevy_rapier3d` collider is a shape too, and parry decides all pairs in
-//! which there is one (with the tolerance as here). Scale is not applied to it: `bevy_rapier3d` has
-//! done so already. Meshes are converted when they first meet such a shape. A pair that parry does not
-//! support, such as two half-spaces, counts as apart, and the first such pair logs a warning. A shape
-//! without an end has [no bounds](BoundsError::Unbounded) for a broad phase, but can be tested.
+//! With the feature `rapier`, a `bevy_rapier3d` collider is a shape too, and parry decides all
+//! pairs in which there is one (with the tolerance as here). Scale is not applied to it:
+//! `bevy_rapier3d` has done so already. Meshes are converted when they first meet such a shape. A
+//! pair that parry does not support, such as two half-spaces, counts as apart, and the first such
+//! pair logs a warning. A shape without an end has [no bounds](BoundsError::Unbounded) for a broad
+//! phase, but can be tested.
 
 #[cfg(feature = "mesh")]
 mod bevy_mesh;

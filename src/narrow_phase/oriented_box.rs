@@ -7,8 +7,8 @@ use super::{BoundsError, Shape};
 
 /// The box around a placed shape, turned with it; the shape itself, if that is a cuboid.
 ///
-/// Positions are relative to an origin of the caller's choice: for a pair, the place of one of the two,
-/// so that 32-bit floats are as exact far from the world's origin as close to it.
+/// Positions are relative to an origin of the caller's choice: for a pair, the place of one of the
+/// two, so that 32-bit floats are as exact far from the world's origin as close to it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OrientedBox {
     pub center: Vec3A,

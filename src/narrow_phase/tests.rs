@@ -434,7 +434,8 @@ proptest! {
         prop_assert_eq!(meets((&mesh_of(half_size), a.1), (&b.0, b.1)), found);
     }
 
-    /// Moves the second cuboid along the axis of least overlap until it is some tolerances from touching.
+    /// Moves the second cuboid along the axis of least overlap until it is some tolerances from
+    /// touching.
     #[test]
     fn they_agree_where_they_touch(a in boxes(), b in boxes(), gap in -3f32..3.0) {
         let tests = NarrowPhase::default();
