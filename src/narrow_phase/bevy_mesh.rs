@@ -13,17 +13,18 @@ const WELD: f32 = 1e-5;
 impl PolygonMesh {
     /// The triangles of a Bevy mesh (feature `mesh`), listed or in a strip, indexed or not.
     ///
-    /// A mesh to render has several vertices in one place where normals or texture coordinates differ.
-    /// Those closer together than 10⁻⁵ of the largest coordinate are welded to one, so that the
-    /// surface closes, even where it was closed by sines of a full turn. Triangles which then have no area, as at the poles of a sphere or between strips, are dropped: nothing of them is
+    /// A mesh to render has several vertices in one place where normals or texture coordinates
+    /// differ. Those closer together than 10⁻⁵ of the largest coordinate are welded to one, so that
+    /// the surface closes, even where it was closed by sines of a full turn. Triangles which then
+    /// have no area, as at the poles of a sphere or between strips, are dropped: nothing of them is
     /// seen, either.
     ///
     /// # Errors
-    /// [`ShapeError::Topology`], [`ShapeError::NoPositions`] and [`ShapeError::NoAccess`] for a mesh
-    /// without triangles, positions, or data in main memory; [`ShapeError::IndexOutOfRange`] and
-    /// [`ShapeError::TooFewCorners`], for the last triangle, name triangles by their number in the mesh;
-    /// [`ShapeError::NonFiniteVertex`] names the vertex after welding; [`ShapeError::Empty`] if no
-    /// triangle has an area.
+    /// [`ShapeError::Topology`], [`ShapeError::NoPositions`] and [`ShapeError::NoAccess`] for a
+    /// mesh without triangles, positions, or data in main memory; [`ShapeError::IndexOutOfRange`]
+    /// and [`ShapeError::TooFewCorners`], for the last triangle, name triangles by their number in
+    /// the mesh; [`ShapeError::NonFiniteVertex`] names the vertex after welding;
+    /// [`ShapeError::Empty`] if no triangle has an area.
     pub fn from_mesh(mesh: &Mesh) -> Result<Self, ShapeError> {
         let no_access =
             |error: bevy::mesh::MeshAccessError| ShapeError::NoAccess(error.to_string());
@@ -101,7 +102,8 @@ fn weld(positions: &[[f32; 3]]) -> Result<(Vec<Vec3>, Vec<u32>), ShapeError> {
         .iter()
         .fold(0f32, |size, x| size.max(x.abs()));
     let reach = (WELD * size).max(f32::MIN_POSITIVE);
-    // Cells twice as wide as the reach: what is in reach of a vertex is in the cells of eight corners.
+    // Cells twice as wide as the reach: what is in reach of a vertex is in the cells of eight
+    // corners.
     let cell = |place: Vec3| {
         (place.as_dvec3() / f64::from(2.0 * reach))
             .floor()

@@ -25,8 +25,8 @@ fn parameter(point: Vec3A, a: Vec3A, b: Vec3A) -> f32 {
 
 /// The points of two segments that are closest to each other.
 ///
-/// The crossing of the two lines comes from the cross product of their directions, which stays exact
-/// for lines that are nearly parallel where the common formula in dot products does not.
+/// The crossing of the two lines comes from the cross product of their directions, which stays
+/// exact for lines that are nearly parallel where the common formula in dot products does not.
 #[inline]
 pub(super) fn segments(a: [Vec3A; 2], b: [Vec3A; 2]) -> (Vec3A, Vec3A) {
     let (u, v, w) = (a[1] - a[0], b[1] - b[0], b[0] - a[0]);

@@ -7,7 +7,8 @@ use super::pair::{Pair, in_order};
 use super::separation::{Separation, sign};
 use super::{NarrowPhase, Placed, Shape, Workspace, convex_contact};
 
-/// How often to go back and forth between two cuboids in search of a point of both: twice is the rule.
+/// How often to go back and forth between two cuboids in search of a point of both: twice is the
+/// rule.
 const MOST_STEPS: usize = 8;
 
 /// The geometry of a contact.
@@ -17,8 +18,8 @@ pub struct Contact {
     pub normal: Vec3,
     /// A point where the two meet, in the world.
     pub point: Vec3,
-    /// How far the shapes overlap along the normal, in world units. Zero if they touch, or are apart by
-    /// no more than the tolerance.
+    /// How far the shapes overlap along the normal, in world units. Zero if they touch, or are
+    /// apart by no more than the tolerance.
     pub depth: f32,
 }
 
@@ -39,21 +40,23 @@ impl LocalContact {
 }
 
 impl NarrowPhase {
-    /// The contact of two shapes: some if and only if they [intersect](Self::intersects), which counts
-    /// the stages once.
+    /// The contact of two shapes: some if and only if they [intersect](Self::intersects), which
+    /// counts the stages once.
     ///
-    /// Swapping the two turns the normal around exactly and changes nothing else, unless they are equal
-    /// in all things, place included. The normal is
+    /// Swapping the two turns the normal around exactly and changes nothing else, unless they are
+    /// equal in all things, place included. The normal is
     ///
-    /// * for two cuboids or convex meshes, the axis along which they overlap least; normals of faces are
-    ///   preferred to products of edges that are hardly better (and only they are tried if the two
-    ///   meshes have more than 1 024 pairs of edges), those of one shape to those of the other;
+    /// * for two cuboids or convex meshes, the axis along which they overlap least; normals of
+    ///   faces are preferred to products of edges that are hardly better (and only they are tried
+    ///   if the two meshes have more than 1 024 pairs of edges), those of one shape to those of the
+    ///   other;
     /// * for a sphere, the direction of the closest point of the other shape;
-    /// * for other meshes, an approximation: the mean normal of the polygons that are crossed. The depth
-    ///   is then how far the crossing reaches along it;
+    /// * for other meshes, an approximation: the mean normal of the polygons that are crossed. The
+    ///   depth is then how far the crossing reaches along it;
     /// * for Rapier shapes, what parry finds;
-    /// * where all that fails (a mesh inside another, without crossing), the direction from centre to
-    ///   centre, and +Y if these coincide. The depth is then the overlap of the two boxes that way.
+    /// * where all that fails (a mesh inside another, without crossing), the direction from centre
+    ///   to centre, and +Y if these coincide. The depth is then the overlap of the two boxes that
+    ///   way.
     #[must_use]
     pub fn contact(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Contact> {
         if !self.intersects(a, b, workspace) {
@@ -120,7 +123,8 @@ fn sphere_other(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> 
     };
     let offset = point - center;
     let distance = offset.length();
-    // From the sphere to the other: the way to the surface, or back from it if the centre is inside.
+    // From the sphere to the other: the way to the surface, or back from it if the centre is
+    // inside.
     let towards = offset.try_normalize().filter(|_| distance > pair.tolerance);
     let (normal, depth) = match (towards, inside) {
         (Some(towards), false) => (towards, radius - distance),
@@ -134,7 +138,8 @@ fn sphere_other(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> 
     })
 }
 
-/// The point on a cuboid closest to the centre of a sphere, its normal, and whether the centre is inside.
+/// The point on a cuboid closest to the centre of a sphere, its normal, and whether the centre is
+/// inside.
 fn sphere_cuboid(pair: &Pair) -> (Vec3A, Vec3A, bool) {
     let (center, cuboid) = (pair.box_a.center, &pair.box_b);
     let local = cuboid.axes.transpose() * (center - cuboid.center);
@@ -163,7 +168,8 @@ fn cuboids(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> {
 fn common_point(pair: &Pair) -> Option<Vec3A> {
     let (a, b) = (&pair.box_a, &pair.box_b);
     // From near the smaller one, the way is short.
-    let share = a.radius / (a.radius + b.radius).max(f32::MIN_POSITIVE);
+    let ratio = b.radius / a.radius.max(f32::MIN_POSITIVE);
+    let share = 1.0 / (1.0 + ratio * ratio);
     let mut on_a = a.center.lerp(b.center, share);
     (0..MOST_STEPS).find_map(|_| {
         let on_b = b.closest_point(on_a);
@@ -173,8 +179,8 @@ fn common_point(pair: &Pair) -> Option<Vec3A> {
     })
 }
 
-/// The mean of the places where edges of one shape meet polygons of the other. It is in both shapes, to
-/// within the tolerance, if they are convex.
+/// The mean of the places where edges of one shape meet polygons of the other. It is in both
+/// shapes, to within the tolerance, if they are convex.
 pub(super) fn mean_hit(pair: &Pair, workspace: &mut Workspace) -> Option<Vec3A> {
     let (mut count, mut points) = (0.0, Vec3A::ZERO);
     edge_polygon::hits(pair, workspace, |Hit { point, .. }| {
@@ -244,5 +250,109 @@ fn straight(a: Placed, b: Placed) -> LocalContact {
         normal: offset.try_normalize().unwrap_or(Vec3A::Y),
         point: offset * 0.5,
         depth: 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{at, box_of, mesh_of};
+    use super::*;
+    use bevy::math::Quat;
+    use bevy::transform::components::Transform;
+
+    fn contact(a: (&Shape, Transform), b: (&Shape, Transform)) -> Contact {
+        let (one, two) = (Placed::new(a.0, &a.1), Placed::new(b.0, &b.1));
+        let mut workspace = Workspace::default();
+        let tests = NarrowPhase::default();
+        let found = tests.contact(one, two, &mut workspace).unwrap();
+        let back = tests.contact(two, one, &mut workspace).unwrap();
+        let normal = -back.normal;
+        assert_eq!(found, Contact { normal, ..back });
+        found
+    }
+
+    fn assert_close(found: Contact, normal: Vec3, depth: f32) {
+        let off = (found.normal - normal)
+            .length()
+            .max((found.depth - depth).abs());
+        assert!(off < 1e-4, "{found:?}, expected {normal} {depth}");
+    }
+
+    #[test]
+    fn every_kind_of_pair_pushes_the_second_away() {
+        let (cube, ball) = (box_of(1.0, 1.0, 1.0), Shape::sphere(1.0).unwrap());
+        let (mesh, here) = (mesh_of(Vec3::ONE), at(0.0, 0.0, 0.0));
+        let convex = Shape::convex(
+            mesh_vertices(&mesh).to_vec(),
+            [
+                [0, 2, 3, 1],
+                [4, 5, 7, 6],
+                [0, 1, 5, 4],
+                [2, 6, 7, 3],
+                [0, 4, 6, 2],
+                [1, 3, 7, 5],
+            ],
+        );
+        let convex = convex.unwrap();
+        for a in [&cube, &ball, &mesh, &convex] {
+            for b in [&cube, &ball, &mesh, &convex] {
+                let found = contact((a, here), (b, at(0.0, 1.75, 0.0)));
+                assert_close(found, Vec3::Y, 0.25);
+                assert!((found.point.y - 0.875).abs() < 0.126, "{found:?}");
+                let touching = contact((a, at(1.0, 0.0, 0.0)), (b, at(-1.0, 0.0, 0.0)));
+                assert_close(touching, Vec3::NEG_X, 0.0);
+                let off = touching.point.abs();
+                assert!(off.x < 1e-4 && off.y.max(off.z) < 0.2, "{touching:?}");
+            }
+        }
+    }
+
+    fn mesh_vertices(shape: &Shape) -> &[Vec3] {
+        match shape {
+            Shape::Mesh(mesh) => mesh.vertices(),
+            _ => unreachable!(),
+        }
+    }
+
+    #[test]
+    fn a_ball_inside_leaves_by_the_nearest_face() {
+        let small = Shape::sphere(0.1).unwrap();
+        let here = at(0.0, 0.0, 0.0);
+        for solid in [box_of(1.0, 1.0, 1.0), mesh_of(Vec3::ONE)] {
+            let found = contact((&solid, here), (&small, at(0.2, 0.0, -0.7)));
+            assert_close(found, Vec3::NEG_Z, 0.4);
+            // With its centre on the surface.
+            let found = contact((&solid, here), (&small, at(0.2, 0.0, -1.0)));
+            assert_close(found, Vec3::NEG_Z, 0.1);
+        }
+    }
+
+    #[test]
+    fn cuboids_at_an_edge_and_on_a_floor() {
+        let cube = box_of(1.0, 1.0, 1.0);
+        let turned = Quat::from_rotation_z(std::f32::consts::FRAC_PI_4);
+        let found = contact(
+            (&cube, at(0.0, 0.0, 0.0)),
+            (&cube, at(2.3, 0.0, 0.0).with_rotation(turned)),
+        );
+        assert_close(found, Vec3::X, 1.0 + 2f32.sqrt() - 2.3);
+        let floor = box_of(100.0, 1.0, 100.0);
+        let found = contact((&floor, at(0.0, 0.0, 0.0)), (&cube, at(40.0, 1.9, 7.0)));
+        assert_close(found, Vec3::Y, 0.1);
+        assert!(
+            found.point.distance(Vec3::new(40.0, 0.95, 7.0)) < 0.1,
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn one_mesh_inside_another_leaves_from_centre_to_centre() {
+        let (large, small) = (mesh_of(Vec3::splat(2.0)), mesh_of(Vec3::splat(0.1)));
+        let found = contact((&large, at(0.0, 0.0, 0.0)), (&small, at(0.0, 0.5, 0.0)));
+        assert_close(found, Vec3::Y, 1.6);
+        let here = at(1.0, 1.0, 1.0);
+        let (one, two) = (Placed::new(&large, &here), Placed::new(&small, &here));
+        let found = NarrowPhase::default().contact(one, two, &mut Workspace::default());
+        assert_eq!(found.unwrap().normal.length(), 1.0);
     }
 }

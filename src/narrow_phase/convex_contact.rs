@@ -10,7 +10,8 @@ use super::workspace::Workspace;
 
 /// Up to so many pairs of edges, their cross products are tried as axes.
 const MOST_EDGE_PAIRS: usize = 1024;
-/// How much less the overlap along a later axis has to be to be preferred, as a share of the pair's size.
+/// How much less the overlap along a later axis has to be to be preferred, as a share of the pair's
+/// size.
 const BIAS: f32 = 1e-3;
 
 /// The contact of two convex shapes made of polygons, cuboids among them.
@@ -30,7 +31,8 @@ pub(super) fn contact(pair: &Pair, workspace: &mut Workspace) -> Option<LocalCon
     })
 }
 
-/// The unit axis from the first to the second of the greatest gap (the least overlap), and that gap.
+/// The unit axis from the first to the second of the greatest gap (the least overlap), and that
+/// gap.
 fn least_overlap(a: &Surface, b: &Surface, bias: f32) -> Option<(Vec3A, f32)> {
     let mut best: Option<(Vec3A, f32)> = None;
     let mut consider = |axis: Vec3A| {

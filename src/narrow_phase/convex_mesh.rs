@@ -11,7 +11,8 @@ const FLATNESS: f32 = 1e-4;
 /// The smallest volume, as a share of the cube of the mesh's radius.
 const SMALLEST_VOLUME: f32 = 1e-6;
 
-/// A closed [`PolygonMesh`] in one piece that encloses a convex solid, its polygons facing outwards.
+/// A closed [`PolygonMesh`] in one piece that encloses a convex solid, its polygons facing
+/// outwards.
 ///
 /// Knowing that a solid is convex buys contacts with the normal of least penetration.
 #[derive(Clone, Debug)]
@@ -23,9 +24,9 @@ impl ConvexMesh {
     /// The time taken is the number of polygons times the number of vertices.
     ///
     /// # Errors
-    /// [`ShapeError::NotClosed`], [`ShapeError::NotConnected`], [`ShapeError::Flat`] without volume,
-    /// [`ShapeError::NotConvex`] if a vertex is outside the plane of a polygon by more than a
-    /// ten-thousandth of the mesh's radius.
+    /// [`ShapeError::NotClosed`], [`ShapeError::NotConnected`], [`ShapeError::Flat`] without
+    /// volume, [`ShapeError::NotConvex`] if a vertex is outside the plane of a polygon by more than
+    /// a ten-thousandth of the mesh's radius.
     pub fn new(mut mesh: PolygonMesh) -> Result<Self, ShapeError> {
         if let Some(edge) = mesh.open_edge() {
             return Err(ShapeError::NotClosed { edge });
@@ -81,7 +82,8 @@ impl TryFrom<PolygonMesh> for ConvexMesh {
     }
 }
 
-/// Six times the enclosed volume in units of the radius cubed, positive if the polygons face outwards.
+/// Six times the enclosed volume in units of the radius cubed, positive if the polygons face
+/// outwards.
 fn relative_volume(mesh: &PolygonMesh, center: Vec3, radius: f32) -> f32 {
     let at = |vertex: u32| (mesh.vertices()[vertex as usize] - center) / radius;
     let fan = |corners: &[u32]| -> f32 {

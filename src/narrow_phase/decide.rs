@@ -21,10 +21,10 @@ pub enum Exactness {
 
 /// The exact tests: whether two placed shapes are in contact, and where.
 ///
-/// Two shapes are in contact when their distance is no more than the [tolerance](Self::tolerance), so
-/// that touching counts, whatever touches: faces in one plane, edges along edges, corners. The tolerance
-/// has to be above rounding, and is raised for pairs so large that it is not: to 16 units in the last
-/// place of the sum of their half extents (2·10⁻⁴ for a pair of 100 units).
+/// Two shapes are in contact when their distance is no more than the [tolerance](Self::tolerance),
+/// so that touching counts, whatever touches: faces in one plane, edges along edges, corners. For
+/// pairs so large that rounding exceeds the tolerance it is raised: to 16 times `f32::EPSILON`
+/// times the sum of their greatest half extents, or 2·10⁻⁴ where these add up to 100.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NarrowPhase {
     tolerance: f32,
@@ -77,15 +77,15 @@ impl NarrowPhase {
         self.exactness
     }
 
-    /// The box to feed to a broad phase: that of [`Shape::world_aabb`], grown by half the tolerance and
-    /// by rounding. The boxes of two shapes that are in contact are never apart.
+    /// The box to feed to a broad phase: that of [`Shape::world_aabb`], grown by half the tolerance
+    /// and by rounding. The boxes of two shapes that are in contact are never apart.
     ///
     /// # Errors
     /// As for [`Shape::world_aabb`].
     pub fn world_aabb(&self, placed: Placed) -> Result<Aabb3d, BoundsError> {
         let Aabb3d { min, max } = placed.shape.world_aabb(placed.transform)?;
-        // The box may be 1.8 times as wide as what the tolerance of a pair is measured by, or narrower
-        // by no more than that.
+        // However it is turned, a box is wider than its greatest half extent, from which the
+        // tolerance of a pair may come.
         let size = (max - min).max_element();
         let far = min.abs().max(max.abs()).max_element();
         let grown = self.tolerance * 0.5 + ROUNDING * size + f32::EPSILON * far;
@@ -130,7 +130,7 @@ impl NarrowPhase {
         let reach = half_a + half_b;
         let gaps = (offset.abs() - reach).max(Vec3A::ZERO);
         let tolerance = self.tolerance.max(ROUNDING * reach.max_element());
-        // The first is not enough: `max` drops a NaN, and infinity reaches everywhere.
+        // The last is for what is not finite: `max` drops a NaN, and infinity reaches everything.
         gaps.length_squared() <= tolerance * tolerance && (offset.abs() + reach).is_finite()
     }
 

@@ -42,49 +42,46 @@ pub(super) fn hits(pair: &Pair, workspace: &mut Workspace, mut visit: impl FnMut
 
 /// Whether a sphere, the first of the pair, is in contact with a shape made of polygons.
 pub(super) fn sphere_intersects(pair: &Pair, workspace: &mut Workspace) -> bool {
-    let reach = (pair.box_a.center, pair.box_a.half);
+    let sphere = &pair.box_a;
+    let reach = (sphere.center, sphere.half);
     let region = Region::shared(reach, reach, 2.0 * pair.tolerance);
-    let limit = pair.box_a.radius + pair.tolerance;
-    sphere(pair, &region, workspace).is_some_and(|(closest, inside)| {
-        inside || closest.is_some_and(|closest| closest.distance <= limit)
+    let limit = sphere.radius + pair.tolerance;
+    fill_second(pair, &region, workspace).is_some_and(|(mesh, surface)| {
+        let closest = surface.closest_point(mesh, sphere.center);
+        closest.is_some_and(|closest| closest.distance <= limit)
+            || surface.encloses(mesh, sphere.center)
     })
 }
 
-/// The point on a mesh, the second of the pair, that is closest to the centre of a sphere, the first;
-/// and whether the centre is inside the mesh.
+/// The point on a mesh, the second of the pair, that is closest to the centre of a sphere, the
+/// first; and whether the centre is inside the mesh.
 pub(super) fn sphere_closest(
     pair: &Pair,
     workspace: &mut Workspace,
 ) -> Option<(ClosestPoint, bool)> {
-    let (closest, inside) = sphere(pair, &Region::EVERYWHERE, workspace)?;
-    Some((closest?, inside))
+    let (mesh, surface) = fill_second(pair, &Region::EVERYWHERE, workspace)?;
+    let center = pair.box_a.center;
+    let closest = surface.closest_point(mesh, center)?;
+    Some((closest, surface.encloses(mesh, center)))
 }
 
-/// Whether a point is inside a closed mesh, the first of the pair.
+/// Whether a point is inside a closed mesh, the second of the pair.
 #[cfg(feature = "rapier")]
 pub(super) fn encloses(pair: &Pair, point: Vec3A, workspace: &mut Workspace) -> bool {
-    polygons_of(pair.a.shape).is_some_and(|polygons| {
-        let (mesh, _) = polygons;
-        let surface = &mut workspace.surfaces[0];
-        surface.fill(polygons, pair.a, &pair.box_a, &Region::NOWHERE, 0.0);
-        surface.encloses(mesh, point)
-    })
+    fill_second(pair, &Region::NOWHERE, workspace)
+        .is_some_and(|(mesh, surface)| surface.encloses(mesh, point))
 }
 
-fn sphere(
-    pair: &Pair,
+/// Puts the second mesh in place, with the edges and faces in a region.
+fn fill_second<'a>(
+    pair: &Pair<'a>,
     region: &Region,
-    workspace: &mut Workspace,
-) -> Option<(Option<ClosestPoint>, bool)> {
+    workspace: &'a mut Workspace,
+) -> Option<(&'a PolygonMesh, &'a Surface)> {
     let polygons = polygons_of(pair.b.shape)?;
-    let (mesh, _) = polygons;
-    let surface = &mut workspace.surfaces[0];
+    let surface = &mut workspace.surfaces[1];
     surface.fill(polygons, pair.b, &pair.box_b, region, pair.tolerance);
-    let center = pair.box_a.center;
-    Some((
-        surface.closest_point(mesh, center),
-        surface.encloses(mesh, center),
-    ))
+    Some((polygons.0, surface))
 }
 
 /// Puts both meshes in place, with the edges and faces where their boxes overlap.
@@ -142,8 +139,8 @@ fn one_way(
     ControlFlow::Continue(())
 }
 
-/// Whether a part of one mesh is inside the other, given that their surfaces do not meet: then a part
-/// is inside with all of its vertices or with none.
+/// Whether a part of one mesh is inside the other, given that their surfaces do not meet: then a
+/// part is inside with all of its vertices or with none.
 fn nested(pair: &Pair, meshes: [&PolygonMesh; 2], workspace: &Workspace) -> bool {
     let [a, b] = &workspace.surfaces;
     let within =

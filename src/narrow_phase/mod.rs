@@ -1,4 +1,73 @@
-//! Exact tests.
+//! Exact tests: whether two objects whose boxes overlap are in contact, and where.
+//!
+//! The tests form a hierarchy, as in the report (Swan, *Fast Collision Detection with an N-Objects
+//! Octree*, 1994, sections 1.4 and 2.3): partial decisions, each dearer than the one before, and a
+//! complete one at the end. A pair leaves the chain at the first [`Stage`] that is sure.
+//!
+//! | stage | rejects | accepts |
+//! |---|---|---|
+//! | [`Bounds`](Stage::Bounds) | pairs whose axis-aligned boxes are apart | |
+//! | [`Spheres`](Stage::Spheres) | pairs whose bounding spheres are apart | two spheres |
+//! | [`Boxes`](Stage::Boxes) | pairs whose oriented boxes are apart along one of 15 axes | overlapping cuboids; a sphere and a cuboid |
+//! | [`Complete`](Stage::Complete) | all that is left | all that is left |
+//!
+//! [`StageCounters`] tell how many pairs reached and left each stage.
+//!
+//! ```
+//! use bevy::math::Vec3;
+//! use bevy::transform::components::Transform;
+//! use bevy_octree::narrow_phase::{NarrowPhase, Placed, Shape, Stage, Workspace};
+//!
+//! let tests = NarrowPhase::default();
+//! let mut workspace = Workspace::default();
+//! let cube = Shape::cuboid(Vec3::splat(0.5))?;
+//! let (here, beside) = (Transform::IDENTITY, Transform::from_xyz(1.0, 0.0, 0.0));
+//! let (a, b) = (Placed::new(&cube, &here), Placed::new(&cube, &beside));
+//!
+//! // Face to face counts as contact.
+//! assert!(tests.intersects(a, b, &mut workspace));
+//! assert_eq!(workspace.counters[Stage::Boxes].accepted, 1);
+//! let contact = tests.contact(a, b, &mut workspace).unwrap();
+//! assert_eq!((contact.normal, contact.depth), (Vec3::X, 0.0));
+//! # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
+//! ```
+//!
+//! # What the last stage decides
+//!
+//! Two meshes are in contact where their surfaces come as close as the tolerance, or where one is
+//! inside the other.
+//!
+//! * Every edge of one against every polygon of the other, both ways, decides whether the
+//!   *surfaces* meet: an edge crosses a polygon, ends on it, or comes close to its border. Each of
+//!   the closest pairs of points of two surfaces has an edge on one side, so nothing is missed, and
+//!   the borders are part of the polygons, so edges that run along borders and polygons that share
+//!   a plane are contact.
+//! * It does *not* see one mesh that is wholly inside the other, and so a point of each connected
+//!   part of one is tested against the volume of the other, by winding number. Only a
+//!   [closed](PolygonMesh::is_closed) mesh has a volume; inside an open one there is no contact.
+//! * Nothing is swept: as in the report, an object that moves further in a tick than objects are
+//!   thick can pass through them.
+//!
+//! # Numbers
+//!
+//! Everything is computed relative to the place of one of the two, so that a pair far from the
+//! origin gets the verdict it would get close to it, for the places as 32-bit floats hold them.
+//! Verdicts do not depend on the order of the two. Early stages reject only at twice the tolerance,
+//! and [`Stage::Boxes`] accepts cuboids only if it is sure that they overlap, so that the last
+//! stage has the last word where it could differ: [`Exactness::EdgePolygon`] forces it, and agrees.
+//!
+//! Nothing is allocated per pair once the buffers of the [`Workspace`] have grown to the largest
+//! mesh (but for meshes at a scale of their own that meet Rapier shapes). Two cuboids take in the
+//! order of 15 ns if turned alike, and 75 ns if not.
+//!
+//! # Rapier
+//!
+//! With the feature `rapier`, a `bevy_rapier3d` collider is a shape too, and parry decides all
+//! pairs in which there is one (with the tolerance as here). Scale is not applied to it:
+//! `bevy_rapier3d` has done so already. Meshes are converted when they first meet such a shape. A
+//! pair that parry does not support, such as two half-spaces, counts as apart, and the first such
+//! pair logs a warning. A shape without an end has [no bounds](BoundsError::Unbounded) for a broad
+//! phase, but can be tested.
 
 #[cfg(feature = "mesh")]
 mod bevy_mesh;

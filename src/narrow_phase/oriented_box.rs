@@ -7,8 +7,8 @@ use super::{BoundsError, Shape};
 
 /// The box around a placed shape, turned with it; the shape itself, if that is a cuboid.
 ///
-/// Positions are relative to an origin of the caller's choice: for a pair, the place of one of the two,
-/// so that 32-bit floats are as exact far from the world's origin as close to it.
+/// Positions are relative to an origin of the caller's choice: for a pair, the place of one of the
+/// two, so that 32-bit floats are as exact far from the world's origin as close to it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OrientedBox {
     pub center: Vec3A,
@@ -25,7 +25,12 @@ impl OrientedBox {
     pub fn of(shape: &Shape, transform: &Transform, origin: Vec3) -> Result<Self, BoundsError> {
         let (local_center, local_half, local_radius) = shape.local_bounds()?;
         let scale = effective_scale(shape, transform);
-        let axes = Mat3A::from_quat(transform.rotation.normalize());
+        let rotation = transform.rotation.normalize();
+        let axes = match shape {
+            // The box around a ball need not turn with it.
+            Shape::Sphere { .. } if rotation.is_finite() => Mat3A::IDENTITY,
+            _ => Mat3A::from_quat(rotation),
+        };
         let half = local_half * scale.abs();
         let placed = Self {
             center: Vec3A::from(transform.translation - origin) + axes * (local_center * scale),

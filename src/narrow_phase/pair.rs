@@ -31,9 +31,9 @@ impl<'a> Placed<'a> {
     }
 }
 
-/// The two and whether they had to be swapped, in the order in which pairs are computed: it does not
-/// depend on the order given, and so neither do verdicts. Only if all of place, turn, scale and size are
-/// equal does the order given remain.
+/// The two and whether they had to be swapped, in the order in which pairs are computed: it does
+/// not depend on the order given, and so neither do verdicts. Only if all of place, turn, scale and
+/// size are equal does the order given remain.
 #[inline]
 pub(super) fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> (Placed<'a>, Placed<'a>, bool) {
     let key = |placed: Placed| {
@@ -66,8 +66,8 @@ pub(super) fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> (Placed<'a>, Placed<
     }
 }
 
-/// Two placed shapes with their boxes, in a frame whose origin is the place of the first: 32-bit floats
-/// are then as exact far from the world's origin as close to it.
+/// Two placed shapes with their boxes, in a frame whose origin is the place of the first: 32-bit
+/// floats are then as exact far from the world's origin as close to it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair<'a> {
     pub a: Placed<'a>,

@@ -71,24 +71,27 @@ pub(super) fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalConta
     })
 }
 
-/// Whether a closed mesh is around a Rapier shape: parry knows meshes as surfaces without an inside.
+/// Whether a closed mesh is around a Rapier shape: parry knows meshes as surfaces without an
+/// inside.
 ///
 /// One point of the Rapier shape decides, given that the surfaces do not meet.
 pub(super) fn encloses(pair: &Pair, workspace: &mut Workspace) -> bool {
-    let (mesh, inner) = match (pair.a.shape, pair.b.shape) {
-        (Shape::Rapier(inner), _) => (pair.swapped(), inner),
-        (_, Shape::Rapier(inner)) => (*pair, inner),
+    // The Rapier shape first.
+    let (pair, inner) = match (pair.a.shape, pair.b.shape) {
+        (Shape::Rapier(inner), _) => (*pair, inner),
+        (_, Shape::Rapier(inner)) => (pair.swapped(), inner),
         _ => return false,
     };
-    let beside = Vec3::from(mesh.box_b.half) * 2.0 + Vec3::ONE;
+    let beside = Vec3::from(pair.box_a.half) * 2.0 + Vec3::ONE;
     let on_surface = inner.project_local_point(beside, false).point;
-    let transform = mesh.b.transform;
-    let origin = pair.a.transform.translation;
-    let point = transform.rotation.normalize() * on_surface + (transform.translation - origin);
-    edge_polygon::encloses(&mesh, point.into(), workspace)
+    // In the frame of the pair, by way of the centre of the box.
+    let from_center = Vec3A::from(on_surface - inner.compute_local_aabb().center());
+    let point = pair.box_a.center + pair.box_a.axes * from_center;
+    edge_polygon::encloses(&pair, point, workspace)
 }
 
-/// Puts a question about two shapes to parry. `None` without an answer, of which a warning tells once.
+/// Puts a question about two shapes to parry. `None` without an answer, of which a warning tells
+/// once.
 fn ask<T>(
     a: Placed,
     b: Placed,

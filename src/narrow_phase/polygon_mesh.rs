@@ -12,13 +12,13 @@ const SMALLEST_AREA: f32 = 1e-6;
 
 /// A surface of planar polygons: what the report's system tests edge by edge against polygon.
 ///
-/// * A polygon is a list of three or more vertex indices, convex or not, in one plane, without holes. One
-///   that crosses itself is not refused; its inside is then by the even-odd rule.
+/// * A polygon is a list of three or more vertex indices, convex or not, in one plane, without
+///   holes. One that crosses itself is not refused; its inside is then by the even-odd rule.
 /// * Neighbouring polygons are turned to the same orientation, where that can be done: the first
 ///   polygon of each shell decides. Polygons keep their order; vertices are never moved or merged.
-/// * If every edge joins exactly two polygons, the mesh [is closed](Self::is_closed) and has an inside:
-///   the points around which its surface winds. The wall of a cavity must face the other way than the
-///   outer wall, or the cavity counts as filled.
+/// * If every edge joins exactly two polygons, the mesh [is closed](Self::is_closed) and has an
+///   inside: the points around which its surface winds. The wall of a cavity must face the other
+///   way than the outer wall, or the cavity counts as filled.
 ///
 /// ```
 /// use bevy::math::Vec3;
@@ -58,8 +58,8 @@ impl PolygonMesh {
     ///
     /// # Errors
     /// [`ShapeError::Empty`] without polygons, [`ShapeError::NonFiniteVertex`], and for a polygon
-    /// that has fewer than three corners, names a vertex that does not exist or names one twice, has
-    /// no area (less than a millionth of its size squared) or is not planar (off by more than a
+    /// that has fewer than three corners, names a vertex that does not exist or names one twice,
+    /// has no area (less than a millionth of its size squared) or is not planar (off by more than a
     /// ten-thousandth of its size).
     pub fn new<P: AsRef<[u32]>>(
         vertices: impl Into<Vec<Vec3>>,
@@ -114,8 +114,8 @@ impl PolygonMesh {
         self.ends.len()
     }
 
-    /// The vertex indices of the polygons, in the order given; each polygon counter-clockwise around
-    /// its [normal](Self::normals).
+    /// The vertex indices of the polygons, in the order given; each polygon counter-clockwise
+    /// around its [normal](Self::normals).
     pub fn polygons(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         (0..self.ends.len()).map(|polygon| self.polygon(polygon))
     }
@@ -132,8 +132,8 @@ impl PolygonMesh {
         &self.edges
     }
 
-    /// Whether every edge joins exactly two polygons which can be oriented alike, so that the mesh has
-    /// an inside.
+    /// Whether every edge joins exactly two polygons which can be oriented alike, so that the mesh
+    /// has an inside.
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.open_edge.is_none()
@@ -231,8 +231,8 @@ fn checked_normal(vertices: &[Vec3], polygon: usize, indices: &[u32]) -> Result<
         return Err(ShapeError::RepeatedVertex { polygon, vertex });
     }
 
-    // Relative to a corner and to the polygon's size, so that neither cancellation nor underflow hide
-    // the area of a polygon that is small or far from the origin.
+    // Relative to a corner and to the polygon's size, so that neither cancellation nor underflow
+    // hide the area of a polygon that is small or far from the origin.
     let origin = vertices[indices[0] as usize];
     let relative = |index: &u32| vertices[*index as usize] - origin;
     let size = indices

@@ -1,11 +1,12 @@
-//! How far two oriented boxes are apart, by separating axes (Gottschalk, Lin and Manocha, *OBBTree*,
-//! 1996), three axes at a time.
+//! How far two oriented boxes are apart, by the 15 separating axes of Gottschalk, Lin and Manocha
+//! (1996), three at a time.
 
 use bevy::math::{Vec3A, Vec3Swizzles};
 
 use super::oriented_box::OrientedBox;
 
-/// The sine of the angle below which two edges count as parallel, and their cross product as no axis.
+/// The sine of the angle below which two edges count as parallel, and their cross product as no
+/// axis.
 const PARALLEL: f32 = 1e-2;
 /// How much deeper an axis across two edges must part the boxes to be preferred to that of a face.
 const FACE_BIAS: f32 = 1e-3;

@@ -14,12 +14,15 @@ use super::{BoundsError, ConvexMesh, PolygonMesh, ShapeError};
 /// A [`Transform`] places it: scale first, then rotation, then translation.
 ///
 /// * The scale of a cuboid or mesh works along its own axes; a negative one mirrors.
-/// * A sphere stays a sphere: of a scale that differs by axis, the largest absolute component counts.
-/// * A half extent, radius or scale of zero is allowed: the shape is then a rectangle, segment or point.
+/// * A sphere stays a sphere: of a scale that differs by axis, the largest absolute component
+///   counts.
+/// * A half extent, radius or scale of zero is allowed: the shape is then a rectangle, segment or
+///   point.
 /// * `Shape::Rapier` ignores the scale, since `bevy_rapier3d` bakes it into the collider itself.
 ///
 /// The constructors check their input. Variants built by hand are not checked: a negative extent or
-/// radius counts as its absolute value, and a shape that is not finite has no bounds and no contacts.
+/// radius counts as its absolute value, and a shape that is not finite has no bounds and no
+/// contacts.
 ///
 /// ```
 /// use bevy::math::Vec3;
@@ -99,11 +102,12 @@ impl Shape {
         Ok(PolygonMesh::new(vertices, polygons)?.into())
     }
 
-    /// The smallest axis-aligned box around the shape in the world, up to rounding. For meshes it is
-    /// the smallest box around their own box, turned: constant time, and no smaller than it must be.
+    /// An axis-aligned box around the shape in the world, in constant time. It is the smallest one
+    /// for cuboids and spheres, up to rounding; for meshes and Rapier shapes, it is the smallest
+    /// around their own box, turned and scaled with them.
     ///
-    /// A broad phase should be fed the slightly larger [`NarrowPhase::world_aabb`], so that it misses
-    /// no pair which is in contact by tolerance.
+    /// A broad phase should be fed the slightly larger [`NarrowPhase::world_aabb`], so that it
+    /// misses no pair which is in contact by tolerance.
     ///
     /// # Errors
     /// [`BoundsError::NonFinite`] if the transform holds NaN or infinity or overflows;

@@ -11,11 +11,12 @@ pub enum Stage {
     Bounds,
     /// Bounding spheres. Rejects; accepts two spheres, whose decision is complete here.
     Spheres,
-    /// Oriented boxes by separating axes, and the closest point of a box to a sphere. Rejects; accepts
-    /// cuboids and spheres that overlap.
+    /// Oriented boxes by separating axes, and the closest point of a box to a sphere. Rejects;
+    /// accepts cuboids and spheres that overlap.
     Boxes,
-    /// Every edge of one mesh against every polygon of the other, both ways, then the test whether one
-    /// is inside the other; or parry, if one of the two is a Rapier shape. Decides all that is left.
+    /// Every edge of one mesh against every polygon of the other, both ways, then the test whether
+    /// one is inside the other; or parry, if one of the two is a Rapier shape. Decides all that is
+    /// left.
     Complete,
 }
 
@@ -54,8 +55,8 @@ impl AddAssign for StageCount {
 /// A [`StageCount`] for each [`Stage`].
 ///
 /// A stage that cannot help is skipped and not counted: two cuboids turned alike go to
-/// [`Stage::Boxes`] at once, where they cost no more than bounds would; a pair with an unbounded shape
-/// goes to [`Stage::Complete`]; a pair with a transform that is not finite goes nowhere.
+/// [`Stage::Boxes`] at once, where they cost no more than bounds would; a pair with an unbounded
+/// shape goes to [`Stage::Complete`]; a pair that is not finite may go nowhere.
 ///
 /// ```
 /// use bevy_octree::narrow_phase::{Stage, StageCounters};

@@ -88,8 +88,8 @@ pub(super) struct Edge {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Face {
     polygon: u32,
-    /// A unit vector facing out of a closed mesh; zero for a polygon that a scale of zero flattened to a segment or point, which its
-    /// border is enough to describe.
+    /// A unit vector; zero for a polygon that a scale of zero flattened to a segment or point,
+    /// which its border is enough to describe.
     pub normal: Vec3A,
     /// The corners lie between `plane - thickness` and `plane + thickness` along the normal.
     plane: f32,
@@ -146,8 +146,8 @@ impl Surface {
             }
         }
 
-        // Normals scale with the cofactors, that is inversely, but without dividing by zero. A mirror
-        // would turn them inside out.
+        // Normals scale with the cofactors, that is inversely, but without dividing by zero. A
+        // mirror would turn them inside out.
         let cofactors = Vec3A::new(scale.y * scale.z, scale.z * scale.x, scale.x * scale.y);
         let mirror = 1f32.copysign(scale.x * scale.y * scale.z);
         self.faces.clear();
@@ -177,8 +177,8 @@ impl Surface {
         &self.vertices
     }
 
-    /// A point at which an edge comes as close to a face as the tolerance, if it does: where it crosses
-    /// the polygon, where it ends on it, or where it meets the border.
+    /// A point at which an edge comes as close to a face as the tolerance, if it does: where it
+    /// crosses the polygon, where it ends on it, or where it meets the border.
     #[inline]
     pub fn touch(
         &self,
@@ -211,7 +211,8 @@ impl Surface {
                 }
             }
         }
-        // Rounding may put a point beside a polygon that it is on, but then the border is this close.
+        // Rounding may put a point beside a polygon that it is on, but then the border is this
+        // close.
         self.border(corners).find_map(|border| {
             let (on_edge, on_border) = closest::segments(edge.ends, border);
             let close = on_edge.distance_squared(on_border) <= tolerance * tolerance;
@@ -219,14 +220,14 @@ impl Surface {
         })
     }
 
-    /// How far the edges of another surface are beyond those of this one along a unit vector; negative if
-    /// they overlap.
+    /// How far the edges of another surface are beyond those of this one along a unit vector;
+    /// negative if they overlap.
     pub fn gap(&self, other: &Self, axis: Vec3A) -> f32 {
-        let along = |surface: &'_ Self, axis: Vec3A| {
+        let furthest = |surface: &Self, axis: Vec3A| {
             let ends = surface.edges.iter().flat_map(|edge| edge.ends);
             ends.fold(f32::NEG_INFINITY, |reach, end| reach.max(end.dot(axis)))
         };
-        -along(other, -axis) - along(self, axis)
+        -furthest(other, -axis) - furthest(self, axis)
     }
 
     /// The point closest to `point` on the faces selected; `None` if there are none.
@@ -249,23 +250,22 @@ impl Surface {
 
     /// Whether the mesh winds around a point that is not on its surface (closer than rounding).
     ///
-    /// Sums the solid angles under which the polygons are seen from the point, by the formula of Van
-    /// Oosterom and Strackee (1983). No direction is special, and so no ray can graze an edge.
+    /// Sums the solid angles under which the polygons are seen from the point, by the formula of
+    /// Van Oosterom and Strackee (1983). No direction is special, and so no ray can graze an edge.
     pub fn encloses(&self, mesh: &PolygonMesh, point: Vec3A) -> bool {
         if !mesh.is_closed() {
             return false;
         }
-        // The angles of a fan of triangles are signed, and add up for polygons that are not convex too.
+        // The angles of a fan of triangles are signed, and add up for polygons that are not convex
+        // too.
         let mut half_angles = 0.0;
         for corners in mesh.polygons() {
-            let seen = |vertex: u32| self.vertices[vertex as usize] - point;
+            let seen = |vertex: u32| (self.vertices[vertex as usize] - point).normalize_or_zero();
             let a = seen(corners[0]);
             for pair in corners[1..].windows(2) {
                 let (b, c) = (seen(pair[0]), seen(pair[1]));
-                let (la, lb, lc) = (a.length(), b.length(), c.length());
-                let volume = a.dot(b.cross(c));
-                let scale = la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la;
-                half_angles += volume.atan2(scale);
+                let cosines = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
+                half_angles += a.dot(b.cross(c)).atan2(cosines);
             }
         }
         // Once around is 4π, or 2π in half angles.

@@ -307,7 +307,8 @@ fn bounds_are_tight() {
             Vec3::new(3.0, 3.0, 4.0).into()
         )
     );
-    let aabb = Shape::sphere(1.0).unwrap().world_aabb(&placed).unwrap();
+    let spun = placed.with_rotation(Quat::from_rotation_y(1.0));
+    let aabb = Shape::sphere(1.0).unwrap().world_aabb(&spun).unwrap();
     assert_eq!(
         (aabb.min, aabb.max),
         (
@@ -428,10 +429,13 @@ proptest! {
 
     #[test]
     fn axes_and_polygons_agree(a in boxes(), b in boxes()) {
-        let _ = meets((&a.0, a.1), (&b.0, b.1));
+        let found = meets((&a.0, a.1), (&b.0, b.1));
+        let Shape::Cuboid { half_size } = a.0 else { unreachable!() };
+        prop_assert_eq!(meets((&mesh_of(half_size), a.1), (&b.0, b.1)), found);
     }
 
-    /// Moves the second cuboid along the axis of least overlap until it is some tolerances from touching.
+    /// Moves the second cuboid along the axis of least overlap until it is some tolerances from
+    /// touching.
     #[test]
     fn they_agree_where_they_touch(a in boxes(), b in boxes(), gap in -3f32..3.0) {
         let tests = NarrowPhase::default();

@@ -2,9 +2,11 @@
 
 use bevy::math::Vec3;
 
-/// Cuts a simple polygon into triangles by clipping its ears; quadratic, at worst cubic, in its corners.
+/// Cuts a simple polygon into triangles by clipping its ears; quadratic, at worst cubic, in its
+/// corners.
 ///
-/// A polygon that crosses itself is cut into triangles all the same, which then do not match its inside.
+/// A polygon that crosses itself is cut into triangles all the same, which then do not match its
+/// inside.
 pub(super) fn triangulate(
     vertices: &[Vec3],
     corners: &[u32],
