@@ -2,6 +2,8 @@
 
 use std::ops::{AddAssign, Index, IndexMut};
 
+use bevy::prelude::Reflect;
+
 /// A step of the chain of decisions, from cheap to complete.
 ///
 /// Each rejects only pairs which every later stage would reject too.
@@ -26,7 +28,7 @@ impl Stage {
 }
 
 /// How many pairs came to a stage, and how many left the chain there.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 pub struct StageCount {
     /// Pairs that the stage has tested.
     pub reached: u64,
@@ -67,7 +69,7 @@ impl AddAssign for StageCount {
 /// total += task;
 /// assert_eq!(total[Stage::Spheres].passed(), 2);
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 pub struct StageCounters([StageCount; 4]);
 
 impl StageCounters {
