@@ -307,6 +307,20 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_mirror_does_not_turn_a_mesh_inside_out() {
+        let mesh = mesh_of(Vec3::ONE);
+        let mirrored = at(0.0, 0.0, 0.0).with_scale(Vec3::new(-1.0, 1.0, 1.0));
+        let found = contact((&mesh, mirrored), (&mesh, at(0.0, 1.75, 0.0)));
+        assert_close(found, Vec3::Y, 0.25);
+        let flattened = mirrored.with_scale(Vec3::new(-1.0, 0.0, 1.0));
+        let found = contact((&mesh, flattened), (&mesh, at(0.0, 1.0, 0.0)));
+        assert!(
+            found.normal.is_normalized() && found.depth < 1e-4,
+            "{found:?}"
+        );
+    }
+
     fn mesh_vertices(shape: &Shape) -> &[Vec3] {
         match shape {
             Shape::Mesh(mesh) => mesh.vertices(),

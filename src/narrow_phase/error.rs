@@ -60,9 +60,7 @@ pub enum ShapeError {
         polygon: usize,
     },
     /// The corners of a polygon do not lie in a plane.
-    #[error(
-        "polygon {polygon} is not planar: vertex {vertex} is {distance} off its plane; split it into triangles"
-    )]
+    #[error("polygon {polygon} is not planar: vertex {vertex} is {distance} off its plane")]
     NotPlanar {
         /// Which polygon.
         polygon: usize,
@@ -73,7 +71,7 @@ pub enum ShapeError {
     },
     /// A convex mesh has to be closed, and this edge is not shared by exactly two polygons (or they
     /// cannot be oriented alike).
-    #[error("the edge from vertex {} to {} does not join two polygons of a closed surface", edge[0], edge[1])]
+    #[error("not closed: the edge {edge:?} does not join two polygons oriented alike")]
     NotClosed {
         /// The vertices at the ends of the edge.
         edge: [u32; 2],

@@ -106,7 +106,7 @@ fn ask<T>(
         static WARNED: Once = Once::new();
         WARNED.call_once(|| {
             tracing::warn!(
-                "parry cannot decide whether {:?} and {:?} are in contact; such pairs count as apart",
+                "parry cannot decide whether {:?} and {:?} are in contact: they count as apart",
                 a.shape,
                 b.shape
             );

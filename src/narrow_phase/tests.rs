@@ -138,6 +138,22 @@ fn edges_that_cross_without_a_corner_inside() {
 }
 
 #[test]
+fn long_edges_that_are_nearly_parallel() {
+    // Only the product of two edges that are left out as parallel parts these.
+    let bar = box_of(0.5, 0.5, 50.0);
+    let on_edge = Quat::from_rotation_z(FRAC_PI_4);
+    // Turned as a whole, so that the boxes along the axes of the world do not part them.
+    let askew = Quat::from_rotation_y(0.5);
+    let here = Transform::from_rotation(askew * on_edge);
+    let tilted = askew * Quat::from_rotation_x(5e-3) * on_edge;
+    for (gap, expected) in [(1e-2, false), (1e-3, false), (-1e-3, true)] {
+        let offset = askew * Vec3::X * (2f32.sqrt() + gap);
+        let there = Transform::from_translation(offset).with_rotation(tilted);
+        assert_eq!(meets((&bar, here), (&bar, there)), expected, "{gap}");
+    }
+}
+
+#[test]
 fn one_inside_the_other() {
     let (large, small) = (box_of(2.0, 2.0, 2.0), box_of(0.1, 0.1, 0.1));
     let turned = at(0.3, -0.7, 0.9).with_rotation(Quat::from_rotation_y(0.7));
@@ -347,6 +363,10 @@ fn counters_tell_where_pairs_leave() {
     };
     let turned = |x: f32, y: f32| at(x, y, 0.0).with_rotation(Quat::from_rotation_z(FRAC_PI_4));
     let (skipped, passed, no, yes) = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (1, 0, 1));
+    // Edge across edge: parted by no face.
+    let across = Quat::from_rotation_z(FRAC_PI_4) * Quat::from_rotation_y(FRAC_PI_4);
+    let across = at(2.05, 2.05, 0.0).with_rotation(across);
+    assert_eq!(run(&cube, &cube, across), [passed, passed, no, skipped]);
     assert_eq!(
         run(&cube, &cube, at(1.0, 0.0, 0.0)),
         [skipped, skipped, yes, skipped]
@@ -440,7 +460,8 @@ proptest! {
     fn they_agree_where_they_touch(a in boxes(), b in boxes(), gap in -3f32..3.0) {
         let tests = NarrowPhase::default();
         let mut workspace = Workspace::default();
-        let contact = tests.contact(Placed::new(&a.0, &a.1), Placed::new(&b.0, &b.1), &mut workspace);
+        let (one, two) = (Placed::new(&a.0, &a.1), Placed::new(&b.0, &b.1));
+        let contact = tests.contact(one, two, &mut workspace);
         prop_assume!(contact.is_some());
         let contact = contact.unwrap();
         let mut moved = b.1;
@@ -451,7 +472,11 @@ proptest! {
     }
 
     #[test]
-    fn no_stage_rejects_what_a_later_one_accepts(a in boxes(), b in boxes(), far in prop_oneof![Just(0f32), Just(1e3), Just(1e6)]) {
+    fn no_stage_rejects_what_a_later_one_accepts(
+        a in boxes(),
+        b in boxes(),
+        far in prop_oneof![Just(0f32), Just(1e3), Just(1e6)],
+    ) {
         let far = Vec3::new(far, -far, far);
         let (mut a, mut b) = (a, b);
         a.1.translation += far;
