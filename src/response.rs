@@ -66,13 +66,13 @@ fn reflect(
     contacts: Res<Contacts>,
     index: Res<CollisionIndex>,
     settings: Res<NarrowPhaseSettings>,
-    mut moving: Query<(&mut Velocity, &Bounce)>,
+    mut moving: Query<(&mut Velocity, Option<&Bounce>)>,
     mut counters: ResMut<CollisionCounters>,
     mut workspace: Local<Workspace>,
 ) {
     for contact in contacts.iter() {
         let responses = [contact.a, contact.b].map(|entity| match moving.get(entity) {
-            Ok((_, Bounce::Reflect { restitution })) => Some(restitution.max(0.0).min(1.0)),
+            Ok((_, Some(Bounce::Reflect { restitution }))) => Some(restitution.max(0.0).min(1.0)),
             _ => None,
         });
         let Some(restitution) = responses.into_iter().flatten().reduce(f32::min) else { continue };
