@@ -78,7 +78,7 @@ fn reflect(
         let Some(restitution) = responses.into_iter().flatten().reduce(f32::min) else { continue };
         let velocity = |entity| moving.get(entity).map_or(Vec3::ZERO, |(velocity, _)| velocity.0);
         let approach = velocity(contact.a) - velocity(contact.b);
-        let [a, b] = [contact.pair.a, contact.pair.b].map(|id| index.body(id));
+        let [Some(a), Some(b)] = [contact.pair.a, contact.pair.b].map(|id| index.body(id)) else { continue };
         let placed = [Placed::new(&a.shape, &a.pose), Placed::new(&b.shape, &b.pose)];
         let Some(geometry) = settings.tests().contact(placed[0], placed[1], &mut workspace) else { continue };
         let speed = approach.dot(geometry.normal);
