@@ -23,9 +23,15 @@ pub struct BoundsPlugin(pub(crate) InternedScheduleLabel);
 
 impl Plugin for BoundsPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(self.0, (update_roots, update_children).chain().in_set(CollisionSystems::Bounds))
+        let outdate = outdate_all.run_if(resource_changed::<NarrowPhaseSettings>);
+        app.add_systems(self.0, (outdate, update_roots, update_children).chain().in_set(CollisionSystems::Bounds))
             .add_observer(on_unparented);
     }
+}
+
+/// Boxes are grown by the tolerance: when that changes, so do all of them.
+fn outdate_all(mut proxies: Query<&mut BroadPhaseProxy>) {
+    proxies.iter_mut().for_each(|mut proxy| proxy.set_changed());
 }
 
 type Bounded<'a> = (Entity, &'a CollisionShape, &'a Transform, &'a mut WorldAabb, &'a mut BroadPhaseProxy);
@@ -43,6 +49,7 @@ type Ancestor<'a> = (Ref<'a, Transform>, Option<Ref<'a, ChildOf>>);
 
 fn update_children(
     mut children: Query<Child, With<ChildOf>>,
+    // A disabled parent is still where it is.
     ancestors: Query<Ancestor, Allow<Disabled>>,
     settings: Res<NarrowPhaseSettings>,
 ) {

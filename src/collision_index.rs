@@ -51,8 +51,9 @@ impl CollisionIndex {
         [pair.a, pair.b].map(|id| self.bodies[id.index()].entity)
     }
 
-    pub(crate) fn body(&self, id: ProxyId) -> &Body {
-        &self.bodies[id.index()]
+    /// What is behind a handle, unless it was removed.
+    pub(crate) fn body(&self, id: ProxyId) -> Option<&Body> {
+        self.index.proxies().contains(id).then(|| &self.bodies[id.index()])
     }
 
     pub(crate) fn remove(&mut self, id: ProxyId) {

@@ -81,6 +81,7 @@ pub struct Cube;
 /// [`Maintenance`](crate::CollisionSystems::Maintenance) may enlarge it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect, Deref)]
 #[reflect(Component, Debug, Default, PartialEq)]
+#[component(on_remove = leave_index)]
 pub struct WorldAabb(pub Aabb3d);
 
 impl WorldAabb {
@@ -99,7 +100,7 @@ impl Default for WorldAabb {
 /// its own.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default)]
-#[component(on_remove = leave_index, clone_behavior = Ignore)]
+#[component(on_discard = leave_index, clone_behavior = Ignore)]
 pub struct BroadPhaseProxy {
     #[reflect(ignore)]
     pub(crate) id: Option<ProxyId>,
@@ -115,7 +116,7 @@ impl BroadPhaseProxy {
     }
 }
 
-/// Takes an entity out of the index at the moment in which it loses its shape or its life.
+/// Takes an entity out of the index at the moment in which it loses its shape, its box, its entry or its life.
 fn leave_index(mut world: DeferredWorld, context: HookContext) {
     let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(context.entity) else { return };
     let Some(id) = proxy.id.take() else { return };

@@ -155,7 +155,8 @@ fn test_candidates(
     let tests = settings.tests();
     contacts.found.clear();
     contacts.found.extend(candidates.iter().filter(|pair| {
-        let [a, b] = [pair.a, pair.b].map(|id| index.body(id));
+        // Entities may have gone since the pairs were found.
+        let [Some(a), Some(b)] = [pair.a, pair.b].map(|id| index.body(id)) else { return false };
         tests.intersects(Placed::new(&a.shape, &a.pose), Placed::new(&b.shape, &b.pose), &mut workspace)
     }));
     contacts.take_up(&index);

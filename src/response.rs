@@ -66,19 +66,19 @@ fn reflect(
     contacts: Res<Contacts>,
     index: Res<CollisionIndex>,
     settings: Res<NarrowPhaseSettings>,
-    mut moving: Query<(&mut Velocity, &Bounce)>,
+    mut moving: Query<(&mut Velocity, Option<&Bounce>)>,
     mut counters: ResMut<CollisionCounters>,
     mut workspace: Local<Workspace>,
 ) {
     for contact in contacts.iter() {
         let responses = [contact.a, contact.b].map(|entity| match moving.get(entity) {
-            Ok((_, Bounce::Reflect { restitution })) => Some(restitution.max(0.0).min(1.0)),
+            Ok((_, Some(Bounce::Reflect { restitution }))) => Some(restitution.max(0.0).min(1.0)),
             _ => None,
         });
         let Some(restitution) = responses.into_iter().flatten().reduce(f32::min) else { continue };
         let velocity = |entity| moving.get(entity).map_or(Vec3::ZERO, |(velocity, _)| velocity.0);
         let approach = velocity(contact.a) - velocity(contact.b);
-        let [a, b] = [contact.pair.a, contact.pair.b].map(|id| index.body(id));
+        let [Some(a), Some(b)] = [contact.pair.a, contact.pair.b].map(|id| index.body(id)) else { continue };
         let placed = [Placed::new(&a.shape, &a.pose), Placed::new(&b.shape, &b.pose)];
         let Some(geometry) = settings.tests().contact(placed[0], placed[1], &mut workspace) else { continue };
         let speed = approach.dot(geometry.normal);
