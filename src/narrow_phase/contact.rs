@@ -81,7 +81,8 @@ fn local_contact(pair: &Pair, workspace: &mut Workspace) -> LocalContact {
     let found = match (pair.a.shape, pair.b.shape) {
         #[cfg(feature = "rapier")]
         (Shape::Rapier(_), _) | (_, Shape::Rapier(_)) => {
-            super::parry::contact(pair.a, pair.b, pair.tolerance)
+            let own = super::parry::cuboids(pair, |pair| cuboids(pair, workspace));
+            own.unwrap_or_else(|| super::parry::contact(pair.a, pair.b, pair.tolerance))
         }
         (Shape::Sphere { .. }, Shape::Sphere { .. }) => spheres(pair),
         (Shape::Sphere { .. }, _) => sphere_other(pair, workspace),

@@ -211,8 +211,13 @@ fn complete(pair: &Pair, workspace: &mut Workspace) -> bool {
     match (pair.a.shape, pair.b.shape) {
         #[cfg(feature = "rapier")]
         (Shape::Rapier(_), _) | (_, Shape::Rapier(_)) => {
-            super::parry::intersects(pair.a, pair.b, pair.tolerance)
-                || super::parry::encloses(pair, workspace)
+            let cuboids = super::parry::cuboids(pair, |pair| {
+                boxes(pair).unwrap_or_else(|| complete(pair, workspace))
+            });
+            cuboids.unwrap_or_else(|| {
+                super::parry::intersects(pair.a, pair.b, pair.tolerance)
+                    || super::parry::encloses(pair, workspace)
+            })
         }
         (Shape::Sphere { .. }, _) => edge_polygon::sphere_intersects(pair, workspace),
         (_, Shape::Sphere { .. }) => edge_polygon::sphere_intersects(&pair.swapped(), workspace),

@@ -63,7 +63,8 @@
 //! # Rapier
 //!
 //! With the feature `rapier`, a `bevy_rapier3d` collider is a shape too, and parry decides all
-//! pairs in which there is one (with the tolerance as here). Scale is not applied to it:
+//! pairs in which there is one, with the tolerance as here; but for two cuboids, which are
+//! decided as our own. Scale is not applied to it:
 //! `bevy_rapier3d` has done so already. Meshes are converted when they first meet such a shape. A
 //! pair that parry does not support, such as two half-spaces, counts as apart, and the first such
 //! pair logs a warning. A shape without an end has [no bounds](BoundsError::Unbounded) for a broad

@@ -50,6 +50,27 @@ pub(super) fn local_bounds(shape: &SharedShape) -> Result<(Vec3A, Vec3A, f32), B
     Ok((min * 0.5 + max * 0.5, half, half.length()))
 }
 
+/// Two cuboids, of which one or both are Rapier's, as cuboids of our own: parry's test for them asserts
+/// in debug builds that rounding is kind, which it is not where they touch.
+pub(super) fn cuboids<T>(pair: &Pair, f: impl FnOnce(&Pair) -> T) -> Option<T> {
+    let own = |placed: Placed| match placed.shape {
+        Shape::Cuboid { .. } => Some((placed.shape.clone(), *placed.transform)),
+        Shape::Rapier(shape) => {
+            let half_size = shape.as_cuboid()?.half_extents;
+            let transform = placed.transform.with_scale(Vec3::ONE);
+            Some((Shape::Cuboid { half_size }, transform))
+        }
+        _ => None,
+    };
+    let ((a, at_a), (b, at_b)) = (own(pair.a)?, own(pair.b)?);
+    // Boxes and tolerance are the same.
+    Some(f(&Pair {
+        a: Placed::new(&a, &at_a),
+        b: Placed::new(&b, &at_b),
+        ..*pair
+    }))
+}
+
 /// Whether parry finds the two to overlap, or no further apart than the tolerance.
 pub(super) fn intersects(a: Placed, b: Placed, tolerance: f32) -> bool {
     let decide = |a: &dyn shape::Shape, at_a: &Pose, b: &dyn shape::Shape, at_b: &Pose| {
