@@ -14,10 +14,13 @@ use crate::{
 };
 
 /// The [`SpatialIndex`] of all entities with a [`CollisionShape`].
-#[derive(Resource, Debug, Default)]
+#[derive(Resource, Debug, Default, Reflect)]
+#[reflect(Debug, Default, from_reflect = false)]
 pub struct CollisionIndex {
+    #[reflect(ignore)]
     index: SpatialIndex,
     /// By proxy index. Entries of removed proxies stay until the proxy is handed out again.
+    #[reflect(ignore)]
     bodies: Vec<Body>,
 }
 

@@ -155,6 +155,7 @@ impl Plugin for CollisionCorePlugin {
             .register_type::<NarrowPhaseSettings>()
             .register_type::<MotionSettings>()
             .register_type::<CollisionClock>()
+            .register_type::<CollisionIndex>()
             .register_type::<CandidatePairs>()
             .register_type::<Contacts>()
             .register_type::<CollisionCounters>()

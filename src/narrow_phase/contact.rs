@@ -69,11 +69,7 @@ impl NarrowPhase {
             Err(_) => unbounded_contact(first, second, self.tolerance()),
         };
         let found = if swapped { found.reversed() } else { found };
-        Some(Contact {
-            normal: found.normal.into(),
-            point: (origin + found.point).into(),
-            depth: found.depth,
-        })
+        Some(Contact { normal: found.normal.into(), point: (origin + found.point).into(), depth: found.depth })
     }
 }
 
@@ -86,9 +82,7 @@ fn local_contact(pair: &Pair, workspace: &mut Workspace) -> LocalContact {
         }
         (Shape::Sphere { .. }, Shape::Sphere { .. }) => spheres(pair),
         (Shape::Sphere { .. }, _) => sphere_other(pair, workspace),
-        (_, Shape::Sphere { .. }) => {
-            sphere_other(&pair.swapped(), workspace).map(LocalContact::reversed)
-        }
+        (_, Shape::Sphere { .. }) => sphere_other(&pair.swapped(), workspace).map(LocalContact::reversed),
         (Shape::Cuboid { .. }, Shape::Cuboid { .. }) => cuboids(pair, workspace),
         (Shape::Cuboid { .. } | Shape::Convex(_), Shape::Cuboid { .. } | Shape::Convex(_)) => {
             convex_contact::contact(pair, workspace)
@@ -132,11 +126,7 @@ fn sphere_other(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> 
         (Some(towards), true) => (-towards, radius + distance),
         (None, _) => (-outwards, radius),
     };
-    Some(LocalContact {
-        normal: normal.try_normalize()?,
-        point,
-        depth: depth.max(0.0),
-    })
+    Some(LocalContact { normal: normal.try_normalize()?, point, depth: depth.max(0.0) })
 }
 
 /// The point on a cuboid closest to the centre of a sphere, its normal, and whether the centre is
@@ -147,22 +137,15 @@ fn sphere_cuboid(pair: &Pair) -> (Vec3A, Vec3A, bool) {
     let axis = (local.abs() - cuboid.half).max_position();
     let outwards = cuboid.axes.col(axis) * sign(local[axis]);
     let inside = local.abs().cmple(cuboid.half).all();
-    let point = if inside {
-        center + outwards * (cuboid.half[axis] - local[axis].abs())
-    } else {
-        cuboid.closest_point(center)
-    };
+    let point =
+        if inside { center + outwards * (cuboid.half[axis] - local[axis].abs()) } else { cuboid.closest_point(center) };
     (point, outwards, inside)
 }
 
 fn cuboids(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> {
     let found = Separation::of(&pair.box_a, &pair.box_b, f32::INFINITY)?;
     let point = common_point(pair).or_else(|| mean_hit(pair, workspace));
-    Some(LocalContact {
-        normal: found.axis,
-        point: point?,
-        depth: (-found.along).max(0.0),
-    })
+    Some(LocalContact { normal: found.axis, point: point?, depth: (-found.along).max(0.0) })
 }
 
 /// A point of two boxes, found by going back and forth between them; `None` if that takes too long.
@@ -200,20 +183,14 @@ fn meshes(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> {
         normals += normal;
     });
     // Normals that cancel out leave rounding behind, and no direction.
-    let normal = normals
-        .try_normalize()
-        .filter(|_| normals.length() > 1e-3 * count);
+    let normal = normals.try_normalize().filter(|_| normals.length() > 1e-3 * count);
     let normal = normal.unwrap_or_else(|| center_direction(pair));
     let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
     edge_polygon::hits(pair, workspace, |hit| {
         low = low.min(hit.point.dot(normal));
         high = high.max(hit.point.dot(normal));
     });
-    (count > 0.0).then(|| LocalContact {
-        normal,
-        point: points / count,
-        depth: high - low,
-    })
+    (count > 0.0).then(|| LocalContact { normal, point: points / count, depth: high - low })
 }
 
 fn center_direction(pair: &Pair) -> Vec3A {
@@ -227,11 +204,7 @@ fn from_centers(pair: &Pair) -> LocalContact {
     let normal = center_direction(pair);
     let extents = a.extent(normal) + b.extent(normal);
     let smaller = if b.radius < a.radius { b } else { a };
-    LocalContact {
-        normal,
-        point: smaller.center,
-        depth: (extents - (b.center - a.center).dot(normal)).max(0.0),
-    }
+    LocalContact { normal, point: smaller.center, depth: (extents - (b.center - a.center).dot(normal)).max(0.0) }
 }
 
 #[cfg(feature = "rapier")]
@@ -247,11 +220,7 @@ fn unbounded_contact(a: Placed, b: Placed, _tolerance: f32) -> LocalContact {
 /// From place to place, for want of bounds.
 fn straight(a: Placed, b: Placed) -> LocalContact {
     let offset = Vec3A::from(b.transform.translation - a.transform.translation);
-    LocalContact {
-        normal: offset.try_normalize().unwrap_or(Vec3A::Y),
-        point: offset * 0.5,
-        depth: 0.0,
-    }
+    LocalContact { normal: offset.try_normalize().unwrap_or(Vec3A::Y), point: offset * 0.5, depth: 0.0 }
 }
 
 #[cfg(test)]
@@ -273,9 +242,7 @@ mod tests {
     }
 
     fn assert_close(found: Contact, normal: Vec3, depth: f32) {
-        let off = (found.normal - normal)
-            .length()
-            .max((found.depth - depth).abs());
+        let off = (found.normal - normal).length().max((found.depth - depth).abs());
         assert!(off < 1e-4, "{found:?}, expected {normal} {depth}");
     }
 
@@ -285,14 +252,7 @@ mod tests {
         let (mesh, here) = (mesh_of(Vec3::ONE), at(0.0, 0.0, 0.0));
         let convex = Shape::convex(
             mesh_vertices(&mesh).to_vec(),
-            [
-                [0, 2, 3, 1],
-                [4, 5, 7, 6],
-                [0, 1, 5, 4],
-                [2, 6, 7, 3],
-                [0, 4, 6, 2],
-                [1, 3, 7, 5],
-            ],
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]],
         );
         let convex = convex.unwrap();
         for a in [&cube, &ball, &mesh, &convex] {
@@ -316,10 +276,7 @@ mod tests {
         assert_close(found, Vec3::Y, 0.25);
         let flattened = mirrored.with_scale(Vec3::new(-1.0, 0.0, 1.0));
         let found = contact((&mesh, flattened), (&mesh, at(0.0, 1.0, 0.0)));
-        assert!(
-            found.normal.is_normalized() && found.depth < 1e-4,
-            "{found:?}"
-        );
+        assert!(found.normal.is_normalized() && found.depth < 1e-4, "{found:?}");
     }
 
     fn mesh_vertices(shape: &Shape) -> &[Vec3] {
@@ -346,18 +303,12 @@ mod tests {
     fn cuboids_at_an_edge_and_on_a_floor() {
         let cube = box_of(1.0, 1.0, 1.0);
         let turned = Quat::from_rotation_z(std::f32::consts::FRAC_PI_4);
-        let found = contact(
-            (&cube, at(0.0, 0.0, 0.0)),
-            (&cube, at(2.3, 0.0, 0.0).with_rotation(turned)),
-        );
+        let found = contact((&cube, at(0.0, 0.0, 0.0)), (&cube, at(2.3, 0.0, 0.0).with_rotation(turned)));
         assert_close(found, Vec3::X, 1.0 + 2f32.sqrt() - 2.3);
         let floor = box_of(100.0, 1.0, 100.0);
         let found = contact((&floor, at(0.0, 0.0, 0.0)), (&cube, at(40.0, 1.9, 7.0)));
         assert_close(found, Vec3::Y, 0.1);
-        assert!(
-            found.point.distance(Vec3::new(40.0, 0.95, 7.0)) < 0.1,
-            "{found:?}"
-        );
+        assert!(found.point.distance(Vec3::new(40.0, 0.95, 7.0)) < 0.1, "{found:?}");
     }
 
     #[test]

@@ -33,10 +33,7 @@ pub struct NarrowPhase {
 
 impl Default for NarrowPhase {
     fn default() -> Self {
-        Self {
-            tolerance: Self::DEFAULT_TOLERANCE,
-            exactness: Exactness::default(),
-        }
+        Self { tolerance: Self::DEFAULT_TOLERANCE, exactness: Exactness::default() }
     }
 }
 
@@ -50,10 +47,7 @@ impl NarrowPhase {
     /// [`ToleranceError`] unless it is finite and greater than zero.
     pub fn new(tolerance: f32) -> Result<Self, ToleranceError> {
         if tolerance.is_finite() && tolerance > 0.0 {
-            Ok(Self {
-                tolerance,
-                ..Self::default()
-            })
+            Ok(Self { tolerance, ..Self::default() })
         } else {
             Err(ToleranceError(tolerance))
         }
@@ -90,11 +84,7 @@ impl NarrowPhase {
         let far = min.abs().max(max.abs()).max_element();
         let grown = self.tolerance * 0.5 + ROUNDING * size + f32::EPSILON * far;
         let (min, max) = (min - grown, max + grown);
-        if min.is_finite() && max.is_finite() {
-            Ok(Aabb3d { min, max })
-        } else {
-            Err(BoundsError::NonFinite)
-        }
+        if min.is_finite() && max.is_finite() { Ok(Aabb3d { min, max }) } else { Err(BoundsError::NonFinite) }
     }
 
     /// Whether two shapes are in contact. The order of the two makes no difference.
@@ -103,8 +93,7 @@ impl NarrowPhase {
     #[inline]
     #[must_use]
     pub fn intersects(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> bool {
-        if let (Shape::Cuboid { half_size: half_a }, Shape::Cuboid { half_size: half_b }) =
-            (a.shape, b.shape)
+        if let (Shape::Cuboid { half_size: half_a }, Shape::Cuboid { half_size: half_b }) = (a.shape, b.shape)
             && a.transform.rotation == b.transform.rotation
             && self.exactness == Exactness::Cheapest
         {
@@ -136,9 +125,8 @@ impl NarrowPhase {
 
     fn decide(&self, pair: &Pair, workspace: &mut Workspace) -> bool {
         let counters = &mut workspace.counters;
-        let mut verdict = counters
-            .count(Stage::Bounds, bounds(pair))
-            .or_else(|| counters.count(Stage::Spheres, spheres(pair)));
+        let mut verdict =
+            counters.count(Stage::Bounds, bounds(pair)).or_else(|| counters.count(Stage::Spheres, spheres(pair)));
         if self.exactness == Exactness::Cheapest || !are_cuboids(pair) {
             verdict = verdict.or_else(|| counters.count(Stage::Boxes, boxes(pair)));
         }
@@ -159,10 +147,7 @@ fn slack(pair: &Pair) -> f32 {
 
 #[inline]
 fn are_cuboids(pair: &Pair) -> bool {
-    matches!(
-        (pair.a.shape, pair.b.shape),
-        (Shape::Cuboid { .. }, Shape::Cuboid { .. })
-    )
+    matches!((pair.a.shape, pair.b.shape), (Shape::Cuboid { .. }, Shape::Cuboid { .. }))
 }
 
 #[inline]
@@ -211,12 +196,9 @@ fn complete(pair: &Pair, workspace: &mut Workspace) -> bool {
     match (pair.a.shape, pair.b.shape) {
         #[cfg(feature = "rapier")]
         (Shape::Rapier(_), _) | (_, Shape::Rapier(_)) => {
-            let cuboids = super::parry::cuboids(pair, |pair| {
-                boxes(pair).unwrap_or_else(|| complete(pair, workspace))
-            });
+            let cuboids = super::parry::cuboids(pair, |pair| boxes(pair).unwrap_or_else(|| complete(pair, workspace)));
             cuboids.unwrap_or_else(|| {
-                super::parry::intersects(pair.a, pair.b, pair.tolerance)
-                    || super::parry::encloses(pair, workspace)
+                super::parry::intersects(pair.a, pair.b, pair.tolerance) || super::parry::encloses(pair, workspace)
             })
         }
         (Shape::Sphere { .. }, _) => edge_polygon::sphere_intersects(pair, workspace),
@@ -233,10 +215,7 @@ pub(super) fn stages(pair: &Pair, workspace: &mut Workspace) -> ([Option<bool>; 
 }
 
 /// A pair of which one has no bounds goes straight to the last stage.
-#[cfg_attr(
-    not(feature = "rapier"),
-    expect(unused_variables, reason = "only Rapier shapes can be unbounded")
-)]
+#[cfg_attr(not(feature = "rapier"), expect(unused_variables, reason = "only Rapier shapes can be unbounded"))]
 fn unbounded(a: Placed, b: Placed, tolerance: f32, workspace: &mut Workspace) -> bool {
     #[cfg(feature = "rapier")]
     if a.transform.is_finite() && b.transform.is_finite() {

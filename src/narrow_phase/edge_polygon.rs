@@ -25,8 +25,7 @@ pub(super) fn intersects(pair: &Pair, workspace: &mut Workspace) -> bool {
         return false;
     };
     let stop = |_| ControlFlow::Break(());
-    for_each_hit(meshes, workspace, pair.tolerance, stop).is_break()
-        || nested(pair, meshes, workspace)
+    for_each_hit(meshes, workspace, pair.tolerance, stop).is_break() || nested(pair, meshes, workspace)
 }
 
 /// Calls `visit` with all places where the surfaces of two shapes made of polygons meet.
@@ -48,17 +47,13 @@ pub(super) fn sphere_intersects(pair: &Pair, workspace: &mut Workspace) -> bool 
     let limit = sphere.radius + pair.tolerance;
     fill_second(pair, &region, workspace).is_some_and(|(mesh, surface)| {
         let closest = surface.closest_point(mesh, sphere.center);
-        closest.is_some_and(|closest| closest.distance <= limit)
-            || surface.encloses(mesh, sphere.center)
+        closest.is_some_and(|closest| closest.distance <= limit) || surface.encloses(mesh, sphere.center)
     })
 }
 
 /// The point on a mesh, the second of the pair, that is closest to the centre of a sphere, the
 /// first; and whether the centre is inside the mesh.
-pub(super) fn sphere_closest(
-    pair: &Pair,
-    workspace: &mut Workspace,
-) -> Option<(ClosestPoint, bool)> {
+pub(super) fn sphere_closest(pair: &Pair, workspace: &mut Workspace) -> Option<(ClosestPoint, bool)> {
     let (mesh, surface) = fill_second(pair, &Region::EVERYWHERE, workspace)?;
     let center = pair.box_a.center;
     let closest = surface.closest_point(mesh, center)?;
@@ -68,8 +63,7 @@ pub(super) fn sphere_closest(
 /// Whether a point is inside a closed mesh, the second of the pair.
 #[cfg(feature = "rapier")]
 pub(super) fn encloses(pair: &Pair, point: Vec3A, workspace: &mut Workspace) -> bool {
-    fill_second(pair, &Region::NOWHERE, workspace)
-        .is_some_and(|(mesh, surface)| surface.encloses(mesh, point))
+    fill_second(pair, &Region::NOWHERE, workspace).is_some_and(|(mesh, surface)| surface.encloses(mesh, point))
 }
 
 /// Puts the second mesh in place, with the edges and faces in a region.
@@ -97,11 +91,7 @@ pub(super) fn fill_all(pair: &Pair, workspace: &mut Workspace) {
     let _ = fill_region(pair, Region::EVERYWHERE, workspace);
 }
 
-fn fill_region<'a>(
-    pair: &Pair<'a>,
-    region: Region,
-    workspace: &mut Workspace,
-) -> Option<[&'a PolygonMesh; 2]> {
+fn fill_region<'a>(pair: &Pair<'a>, region: Region, workspace: &mut Workspace) -> Option<[&'a PolygonMesh; 2]> {
     let (a, b) = (polygons_of(pair.a.shape)?, polygons_of(pair.b.shape)?);
     let [on_a, on_b] = &mut workspace.surfaces;
     on_a.fill(a, pair.a, &pair.box_a, &region, pair.tolerance);
@@ -143,18 +133,13 @@ fn one_way(
 /// part is inside with all of its vertices or with none.
 fn nested(pair: &Pair, meshes: [&PolygonMesh; 2], workspace: &Workspace) -> bool {
     let [a, b] = &workspace.surfaces;
-    let within =
-        |part: &PolygonMesh, placed: &Surface, mesh, around: &Surface, bounds: &OrientedBox| {
-            let vertices = part
-                .shells()
-                .iter()
-                .map(|&vertex| placed.vertices()[vertex as usize]);
-            let mut close = vertices.filter(|&vertex| {
-                let offset = (vertex - bounds.center).abs();
-                offset.cmple(bounds.reach()).all()
-            });
-            close.any(|vertex| around.encloses(mesh, vertex))
-        };
-    within(meshes[0], a, meshes[1], b, &pair.box_b)
-        || within(meshes[1], b, meshes[0], a, &pair.box_a)
+    let within = |part: &PolygonMesh, placed: &Surface, mesh, around: &Surface, bounds: &OrientedBox| {
+        let vertices = part.shells().iter().map(|&vertex| placed.vertices()[vertex as usize]);
+        let mut close = vertices.filter(|&vertex| {
+            let offset = (vertex - bounds.center).abs();
+            offset.cmple(bounds.reach()).all()
+        });
+        close.any(|vertex| around.encloses(mesh, vertex))
+    };
+    within(meshes[0], a, meshes[1], b, &pair.box_b) || within(meshes[1], b, meshes[0], a, &pair.box_a)
 }

@@ -37,11 +37,7 @@ impl<'a> Placed<'a> {
 #[inline]
 pub(super) fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> (Placed<'a>, Placed<'a>, bool) {
     let key = |placed: Placed| {
-        let Transform {
-            translation,
-            rotation,
-            scale,
-        } = *placed.transform;
+        let Transform { translation, rotation, scale } = *placed.transform;
         let size = match placed.shape {
             Shape::Cuboid { half_size } => [0.0, half_size.x, half_size.y, half_size.z],
             Shape::Sphere { radius } => [1.0, *radius, 0.0, 0.0],
@@ -50,12 +46,7 @@ pub(super) fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> (Placed<'a>, Placed<
             #[cfg(feature = "rapier")]
             Shape::Rapier(_) => [4.0; 4],
         };
-        (
-            translation.to_array(),
-            rotation.to_array(),
-            scale.to_array(),
-            size,
-        )
+        (translation.to_array(), rotation.to_array(), scale.to_array(), size)
     };
     // Most pairs differ in the first number.
     let (x_a, x_b) = (a.transform.translation.x, b.transform.translation.x);
@@ -91,24 +82,12 @@ impl<'a> Pair<'a> {
             (_, Err(error)) | (Err(error), _) => return Err(error),
         };
         let size = box_a.half.max_element() + box_b.half.max_element();
-        Ok(Self {
-            a,
-            b,
-            box_a,
-            box_b,
-            tolerance: tolerance.max(ROUNDING * size),
-        })
+        Ok(Self { a, b, box_a, box_b, tolerance: tolerance.max(ROUNDING * size) })
     }
 
     /// The same pair with the two swapped; the frame stays.
     #[inline]
     pub fn swapped(self) -> Self {
-        Self {
-            a: self.b,
-            b: self.a,
-            box_a: self.box_b,
-            box_b: self.box_a,
-            ..self
-        }
+        Self { a: self.b, b: self.a, box_a: self.box_b, box_b: self.box_a, ..self }
     }
 }

@@ -64,27 +64,20 @@ pub(super) fn cuboids<T>(pair: &Pair, f: impl FnOnce(&Pair) -> T) -> Option<T> {
     };
     let ((a, at_a), (b, at_b)) = (own(pair.a)?, own(pair.b)?);
     // Boxes and tolerance are the same.
-    Some(f(&Pair {
-        a: Placed::new(&a, &at_a),
-        b: Placed::new(&b, &at_b),
-        ..*pair
-    }))
+    Some(f(&Pair { a: Placed::new(&a, &at_a), b: Placed::new(&b, &at_b), ..*pair }))
 }
 
 /// Whether parry finds the two to overlap, or no further apart than the tolerance.
 pub(super) fn intersects(a: Placed, b: Placed, tolerance: f32) -> bool {
     let decide = |a: &dyn shape::Shape, at_a: &Pose, b: &dyn shape::Shape, at_b: &Pose| {
-        Ok(query::intersection_test(at_a, a, at_b, b)?
-            || query::distance(at_a, a, at_b, b)? <= tolerance)
+        Ok(query::intersection_test(at_a, a, at_b, b)? || query::distance(at_a, a, at_b, b)? <= tolerance)
     };
     ask(a, b, decide).unwrap_or(false)
 }
 
 /// The contact that parry finds.
 pub(super) fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalContact> {
-    let contact = ask(a, b, |a, at_a, b, at_b| {
-        query::contact(at_a, a, at_b, b, tolerance)
-    })??;
+    let contact = ask(a, b, |a, at_a, b, at_b| query::contact(at_a, a, at_b, b, tolerance))??;
     Some(LocalContact {
         normal: Vec3A::from(contact.normal1).try_normalize()?,
         point: contact.point1.midpoint(contact.point2).into(),
@@ -149,16 +142,9 @@ fn with_shape<T>(placed: Placed, f: impl FnOnce(&dyn shape::Shape) -> T) -> Opti
 }
 
 /// A mesh at its own size is converted once; at another, each time.
-fn with_mesh<T>(
-    mesh: &PolygonMesh,
-    scale: Vec3,
-    f: impl FnOnce(&dyn shape::Shape) -> T,
-) -> Option<T> {
+fn with_mesh<T>(mesh: &PolygonMesh, scale: Vec3, f: impl FnOnce(&dyn shape::Shape) -> T) -> Option<T> {
     if scale == Vec3::ONE {
-        let shared = mesh
-            .parry
-            .0
-            .get_or_init(|| convert(mesh, scale).map(SharedShape::new));
+        let shared = mesh.parry.0.get_or_init(|| convert(mesh, scale).map(SharedShape::new));
         shared.as_deref().map(f)
     } else {
         convert(mesh, scale).map(|mesh| f(&mesh))
@@ -166,16 +152,10 @@ fn with_mesh<T>(
 }
 
 fn convert(mesh: &PolygonMesh, scale: Vec3) -> Option<TriMesh> {
-    let vertices = mesh
-        .vertices()
-        .iter()
-        .map(|vertex| vertex * scale)
-        .collect();
+    let vertices = mesh.vertices().iter().map(|vertex| vertex * scale).collect();
     let mut triangles = Vec::new();
     for (corners, normal) in mesh.polygons().zip(mesh.normals()) {
-        triangulate(mesh.vertices(), corners, *normal, |triangle| {
-            triangles.push(triangle)
-        });
+        triangulate(mesh.vertices(), corners, *normal, |triangle| triangles.push(triangle));
     }
     TriMesh::new(vertices, triangles).ok()
 }

@@ -39,10 +39,7 @@ fn agree(a: (&Shape, Transform), b: (&Shape, Transform), distance: f32) -> bool 
     } else if distance == 0.0 {
         let (one, two) = (Placed::new(a.0, &a.1), Placed::new(b.0, &b.1));
         let loose = NarrowPhase::new(MARGIN).unwrap();
-        assert!(
-            loose.intersects(one, two, &mut Workspace::default()),
-            "apart, but overlap"
-        );
+        assert!(loose.intersects(one, two, &mut Workspace::default()), "apart, but overlap");
     }
     found
 }
@@ -147,30 +144,13 @@ fn touching_aligned_nested_and_coplanar_cuboids_agree_with_parry() {
     for size in [1.0, 0.5, 0.25] {
         let small = box_of(size, size, size);
         for x in [0.0, 0.5, 1.0, 1.25, 1.5, 2.0, 2.5] {
-            for (y, z) in [
-                (0.0, 0.0),
-                (0.5, 0.0),
-                (0.75, 0.75),
-                (1.25, 0.0),
-                (2.0, 2.0),
-            ] {
+            for (y, z) in [(0.0, 0.0), (0.5, 0.0), (0.75, 0.75), (1.25, 0.0), (2.0, 2.0)] {
                 let there = at(x, y, z);
-                let parry = distance(
-                    (&cuboid_of(&large, here), here),
-                    (&cuboid_of(&small, there), there),
-                );
+                let parry = distance((&cuboid_of(&large, here), here), (&cuboid_of(&small, there), there));
                 let expected = parry < 1e-6;
-                assert_eq!(
-                    meets((&large, here), (&small, there)),
-                    expected,
-                    "{size} {there:?}"
-                );
+                assert_eq!(meets((&large, here), (&small, there)), expected, "{size} {there:?}");
                 let mesh = mesh_of(Vec3::splat(size));
-                assert_eq!(
-                    meets((&large, here), (&mesh, there)),
-                    expected,
-                    "{size} {there:?}"
-                );
+                assert_eq!(meets((&large, here), (&mesh, there)), expected, "{size} {there:?}");
             }
         }
     }
@@ -182,20 +162,13 @@ fn half_space_has_no_bounds_but_contacts() {
     let here = at(0.0, 0.0, 0.0);
     assert_eq!(ground.world_aabb(&here), Err(BoundsError::Unbounded));
     let cube = box_of(0.5, 0.5, 0.5);
-    for other in [
-        cube.clone(),
-        mesh_of(Vec3::splat(0.5)),
-        Shape::sphere(0.5).unwrap(),
-    ] {
+    for other in [cube.clone(), mesh_of(Vec3::splat(0.5)), Shape::sphere(0.5).unwrap()] {
         assert!(meets((&ground, here), (&other, at(1e3, 0.4, 0.0))));
         assert!(meets((&ground, here), (&other, at(0.0, 0.5, 0.0))));
         assert!(!meets((&ground, here), (&other, at(0.0, 0.6, 0.0))));
     }
     assert!(!meets((&ground, here), (&cube, at(0.0, f32::NAN, 0.0))));
-    assert!(!meets(
-        (&ground, at(f32::INFINITY, 0.0, 0.0)),
-        (&cube, here)
-    ));
+    assert!(!meets((&ground, at(f32::INFINITY, 0.0, 0.0)), (&cube, here)));
 
     let sunk = at(3.0, 0.4, 0.0);
     let (ground, cube) = (Placed::new(&ground, &here), Placed::new(&cube, &sunk));

@@ -188,11 +188,7 @@ impl PolygonMesh {
         }
         self.edges = topology.edges;
         self.open_edge = topology.open_edge;
-        self.shells = topology
-            .shells
-            .iter()
-            .map(|&polygon| self.polygon(polygon)[0])
-            .collect();
+        self.shells = topology.shells.iter().map(|&polygon| self.polygon(polygon)[0]).collect();
     }
 
     /// Finds the bounding box and, around its centre, the bounding sphere.
@@ -218,11 +214,7 @@ fn checked_normal(vertices: &[Vec3], polygon: usize, indices: &[u32]) -> Result<
     }
     if let Some(&vertex) = indices.iter().find(|&&v| v as usize >= vertices.len()) {
         let vertices = vertices.len();
-        return Err(ShapeError::IndexOutOfRange {
-            polygon,
-            vertex,
-            vertices,
-        });
+        return Err(ShapeError::IndexOutOfRange { polygon, vertex, vertices });
     }
     let mut sorted = indices.to_vec();
     sorted.sort_unstable();
@@ -235,32 +227,17 @@ fn checked_normal(vertices: &[Vec3], polygon: usize, indices: &[u32]) -> Result<
     // hide the area of a polygon that is small or far from the origin.
     let origin = vertices[indices[0] as usize];
     let relative = |index: &u32| vertices[*index as usize] - origin;
-    let size = indices
-        .iter()
-        .map(|index| relative(index).abs().max_element())
-        .fold(0.0, f32::max);
-    let area: Vec3 = indices
-        .windows(2)
-        .map(|pair| (relative(&pair[0]) / size).cross(relative(&pair[1]) / size))
-        .sum();
-    let Some(normal) = area
-        .try_normalize()
-        .filter(|_| area.length() > SMALLEST_AREA)
-    else {
+    let size = indices.iter().map(|index| relative(index).abs().max_element()).fold(0.0, f32::max);
+    let area: Vec3 = indices.windows(2).map(|pair| (relative(&pair[0]) / size).cross(relative(&pair[1]) / size)).sum();
+    let Some(normal) = area.try_normalize().filter(|_| area.length() > SMALLEST_AREA) else {
         return Err(ShapeError::ZeroArea { polygon });
     };
     let middle = indices.iter().map(relative).sum::<Vec3>() / indices.len() as f32;
     let off_plane = |index: &u32| (relative(index) - middle).dot(normal).abs();
-    let worst = indices
-        .iter()
-        .max_by(|a, b| off_plane(a).total_cmp(&off_plane(b)))
-        .expect("there are three corners at least");
+    let worst =
+        indices.iter().max_by(|a, b| off_plane(a).total_cmp(&off_plane(b))).expect("there are three corners at least");
     if off_plane(worst) > PLANARITY * size {
-        return Err(ShapeError::NotPlanar {
-            polygon,
-            vertex: *worst,
-            distance: off_plane(worst),
-        });
+        return Err(ShapeError::NotPlanar { polygon, vertex: *worst, distance: off_plane(worst) });
     }
     Ok(normal)
 }
@@ -274,14 +251,7 @@ pub(super) mod tests {
         let bits = |i: u8| [i & 1, i >> 1 & 1, i >> 2 & 1];
         let corner = |i| Vec3::from(bits(i).map(|bit| f32::from(bit) * 2.0 - 1.0));
         let vertices: Vec<_> = (0..8).map(corner).collect();
-        let polygons = [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [7, 3, 1, 5],
-        ];
+        let polygons = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [7, 3, 1, 5]];
         PolygonMesh::new(vertices, polygons).unwrap()
     }
 
@@ -292,10 +262,7 @@ pub(super) mod tests {
         assert_eq!((cube.edges().len(), cube.shells().len()), (12, 1));
         for (polygon, normal) in cube.polygons().zip(cube.normals()) {
             let corner = cube.vertices()[polygon[0] as usize];
-            assert!(
-                (normal.dot(corner) - 1.0).abs() < 1e-6,
-                "{polygon:?} {normal}"
-            );
+            assert!((normal.dot(corner) - 1.0).abs() < 1e-6, "{polygon:?} {normal}");
         }
         assert_eq!(cube.local_bounds(), (Vec3A::ZERO, Vec3A::ONE, 3f32.sqrt()));
     }
@@ -310,51 +277,26 @@ pub(super) mod tests {
 
     #[test]
     fn bad_input_is_named() {
-        let square = [
-            Vec3::ZERO,
-            Vec3::X,
-            Vec3::new(1.0, 1.0, 0.0),
-            Vec3::Y,
-            Vec3::X * 2.0,
-        ];
+        let square = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y, Vec3::X * 2.0];
         let build = |polygons: &[&[u32]]| PolygonMesh::new(square, polygons).unwrap_err();
         let good: &[u32] = &[0, 1, 2, 3];
         assert_eq!(build(&[]), ShapeError::Empty);
-        let error = ShapeError::TooFewCorners {
-            polygon: 1,
-            corners: 2,
-        };
+        let error = ShapeError::TooFewCorners { polygon: 1, corners: 2 };
         assert_eq!(build(&[good, &[0, 1]]), error);
-        let error = ShapeError::IndexOutOfRange {
-            polygon: 1,
-            vertex: 9,
-            vertices: 5,
-        };
+        let error = ShapeError::IndexOutOfRange { polygon: 1, vertex: 9, vertices: 5 };
         assert_eq!(build(&[good, &[0, 1, 9]]), error);
-        let error = ShapeError::RepeatedVertex {
-            polygon: 1,
-            vertex: 0,
-        };
+        let error = ShapeError::RepeatedVertex { polygon: 1, vertex: 0 };
         assert_eq!(build(&[good, &[0, 1, 2, 0]]), error);
-        assert_eq!(
-            build(&[good, &[0, 1, 4]]),
-            ShapeError::ZeroArea { polygon: 1 }
-        );
+        assert_eq!(build(&[good, &[0, 1, 4]]), ShapeError::ZeroArea { polygon: 1 });
 
         let mut bent = square;
         bent[2].z = 0.1;
         let error = PolygonMesh::new(bent, [good]).unwrap_err();
-        assert!(
-            matches!(error, ShapeError::NotPlanar { polygon: 0, .. }),
-            "{error}"
-        );
+        assert!(matches!(error, ShapeError::NotPlanar { polygon: 0, .. }), "{error}");
 
         bent[2].z = f32::NAN;
         let error = PolygonMesh::new(bent, [good]).unwrap_err();
-        assert!(
-            matches!(error, ShapeError::NonFiniteVertex { vertex: 2, .. }),
-            "{error}"
-        );
+        assert!(matches!(error, ShapeError::NonFiniteVertex { vertex: 2, .. }), "{error}");
     }
 
     #[test]

@@ -72,11 +72,7 @@ impl Shape {
     /// # Errors
     /// [`ShapeError::Radius`] if the radius is negative, NaN or infinite. Zero is allowed.
     pub fn sphere(radius: f32) -> Result<Self, ShapeError> {
-        if radius.is_finite() && radius >= 0.0 {
-            Ok(Self::Sphere { radius })
-        } else {
-            Err(ShapeError::Radius(radius))
-        }
+        if radius.is_finite() && radius >= 0.0 { Ok(Self::Sphere { radius }) } else { Err(ShapeError::Radius(radius)) }
     }
 
     /// A solid bounded by polygons, checked to be convex. See [`ConvexMesh::new`].
@@ -117,10 +113,7 @@ impl Shape {
     pub fn world_aabb(&self, transform: &Transform) -> Result<Aabb3d, BoundsError> {
         let oriented = OrientedBox::of(self, transform, Vec3::ZERO)?;
         let reach = oriented.reach();
-        Ok(Aabb3d {
-            min: oriented.center - reach,
-            max: oriented.center + reach,
-        })
+        Ok(Aabb3d { min: oriented.center - reach, max: oriented.center + reach })
     }
 
     /// A sphere around the shape in the world, centred on its box. The smallest one for cuboids and
@@ -156,18 +149,14 @@ impl Shape {
 impl From<primitives::Cuboid> for Shape {
     /// Unchecked, as the primitive itself.
     fn from(cuboid: primitives::Cuboid) -> Self {
-        Self::Cuboid {
-            half_size: cuboid.half_size,
-        }
+        Self::Cuboid { half_size: cuboid.half_size }
     }
 }
 
 impl From<primitives::Sphere> for Shape {
     /// Unchecked, as the primitive itself.
     fn from(sphere: primitives::Sphere) -> Self {
-        Self::Sphere {
-            radius: sphere.radius,
-        }
+        Self::Sphere { radius: sphere.radius }
     }
 }
 

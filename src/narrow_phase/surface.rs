@@ -12,16 +12,8 @@ use super::{Placed, PolygonMesh, Shape};
 static CUBE: LazyLock<PolygonMesh> = LazyLock::new(|| {
     let bits = |i: u8| [i & 1, i >> 1 & 1, i >> 2 & 1];
     let corner = |i| Vec3::from(bits(i).map(|bit| f32::from(bit) * 2.0 - 1.0));
-    let polygons = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    PolygonMesh::new((0..8).map(corner).collect::<Vec<_>>(), polygons)
-        .expect("the faces of a cube are squares")
+    let polygons = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    PolygonMesh::new((0..8).map(corner).collect::<Vec<_>>(), polygons).expect("the faces of a cube are squares")
 });
 
 /// The polygons that bound a shape, and their scale; `None` for shapes that have none.
@@ -42,22 +34,13 @@ pub(super) struct Region {
 }
 
 impl Region {
-    pub const EVERYWHERE: Self = Self {
-        min: Vec3A::NEG_INFINITY,
-        max: Vec3A::INFINITY,
-    };
+    pub const EVERYWHERE: Self = Self { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
     #[cfg(feature = "rapier")]
-    pub const NOWHERE: Self = Self {
-        min: Vec3A::INFINITY,
-        max: Vec3A::NEG_INFINITY,
-    };
+    pub const NOWHERE: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
     /// What two boxes share, given by centre and half extents, grown by `margin`. May be empty.
     pub fn shared(a: (Vec3A, Vec3A), b: (Vec3A, Vec3A), margin: f32) -> Self {
-        Self {
-            min: (a.0 - a.1).max(b.0 - b.1) - margin,
-            max: (a.0 + a.1).min(b.0 + b.1) + margin,
-        }
+        Self { min: (a.0 - a.1).max(b.0 - b.1) - margin, max: (a.0 + a.1).min(b.0 + b.1) + margin }
     }
 
     /// The smallest region around points, grown by `margin`.
@@ -129,18 +112,14 @@ impl Surface {
         let scale = effective_scale(placed.shape, placed.transform) * size;
         let axes = bounds.axes;
         let (center, ..) = mesh.local_bounds();
-        let place =
-            |vertex: &Vec3| bounds.center + axes * ((Vec3A::from(*vertex) - center) * scale);
+        let place = |vertex: &Vec3| bounds.center + axes * ((Vec3A::from(*vertex) - center) * scale);
         self.vertices.clear();
         self.vertices.extend(mesh.vertices().iter().map(place));
 
         self.edges.clear();
         for edge in mesh.edges() {
             let ends = edge.map(|vertex| self.vertices[vertex as usize]);
-            let edge = Edge {
-                ends,
-                region: Region::around(ends.into_iter(), tolerance),
-            };
+            let edge = Edge { ends, region: Region::around(ends.into_iter(), tolerance) };
             if edge.region.overlaps(region) {
                 self.edges.push(edge);
             }
@@ -157,10 +136,8 @@ impl Surface {
             if bounds.overlaps(region) {
                 let normal = axes * unit_or_zero(Vec3A::from(*normal) * cofactors * mirror);
                 let heights = corners.iter().map(|corner| at(corner).dot(normal));
-                let (low, high) = heights
-                    .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| {
-                        (low.min(h), high.max(h))
-                    });
+                let (low, high) =
+                    heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
                 self.faces.push(Face {
                     polygon: polygon as u32,
                     normal,
@@ -180,13 +157,7 @@ impl Surface {
     /// A point at which an edge comes as close to a face as the tolerance, if it does: where it
     /// crosses the polygon, where it ends on it, or where it meets the border.
     #[inline]
-    pub fn touch(
-        &self,
-        mesh: &PolygonMesh,
-        face: &Face,
-        edge: &Edge,
-        tolerance: f32,
-    ) -> Option<Vec3A> {
+    pub fn touch(&self, mesh: &PolygonMesh, face: &Face, edge: &Edge, tolerance: f32) -> Option<Vec3A> {
         if !edge.region.overlaps(&face.region) {
             return None;
         }
@@ -301,9 +272,5 @@ impl Surface {
 /// The direction of a vector whose length may underflow; zero for zero.
 fn unit_or_zero(v: Vec3A) -> Vec3A {
     let largest = v.abs().max_element();
-    if largest > f32::MIN_POSITIVE {
-        (v / largest).normalize()
-    } else {
-        Vec3A::ZERO
-    }
+    if largest > f32::MIN_POSITIVE { (v / largest).normalize() } else { Vec3A::ZERO }
 }
