@@ -34,7 +34,7 @@ impl Method {
     pub fn engine(&self) -> Box<dyn BroadPhase> {
         match self {
             Self::Octree(settings) => Box::new(ObjectOctree::new(settings.clamped())),
-            Self::Exhaustive => Box::new(Exhaustive),
+            Self::Exhaustive => Box::new(Exhaustive::default()),
         }
     }
 }

@@ -76,7 +76,7 @@
 //!     }
 //!
 //!     fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor) {
-//!         Exhaustive.traverse(proxies, visitor);
+//!         Exhaustive::default().traverse(proxies, visitor);
 //!     }
 //!
 //!     fn stats(&self) -> BroadPhaseStats {
@@ -89,6 +89,7 @@
 //! ```
 
 mod exhaustive;
+mod group;
 mod index;
 mod method;
 pub mod object_octree;

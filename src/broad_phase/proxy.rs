@@ -170,7 +170,7 @@ impl Proxies {
     }
 
     /// All objects, by ascending handle. O(capacity).
-    pub fn iter(&self) -> impl Iterator<Item = (ProxyId, &Aabb3d)> {
+    pub fn iter(&self) -> impl Iterator<Item = (ProxyId, &Aabb3d)> + Clone {
         (0..).map(ProxyId).zip(&self.boxes).zip(&self.flags).filter(|(_, f)| *f & ALIVE != 0).map(|(item, _)| item)
     }
 

@@ -56,7 +56,7 @@ mod tests;
 use bevy::math::bounding::Aabb3d;
 use smallvec::SmallVec;
 
-use super::{BroadPhase, BroadPhaseStats, Pair, Proxies, ProxyId, Visitor};
+use super::{BroadPhase, BroadPhaseStats, Pair, Proxies, ProxyId, Visitor, group::Group};
 use crate::octree::{NodeId, Octree};
 pub use cell::Cell;
 use root::RootCell;
@@ -84,7 +84,8 @@ pub struct ObjectOctree {
     unsettled: Vec<u32>,
     /// Emptied lists, for reuse.
     spare: Vec<Vec<u32>>,
-    search: pairs::Search,
+    /// The objects of the leaf that is searched.
+    group: Group,
 }
 
 /// What the octree knows of one object.
@@ -137,7 +138,7 @@ impl ObjectOctree {
             shrunk: Vec::new(),
             unsettled: Vec::new(),
             spare: Vec::new(),
-            search: pairs::Search::default(),
+            group: Group::default(),
         }
     }
 
