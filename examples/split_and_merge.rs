@@ -69,9 +69,8 @@ fn main() -> Result<(), Error> {
     for (number, (frame, caption)) in (5..).zip(frames.iter().zip(captions)) {
         let title = format!("Figure {number}: tick {}, {caption}, {} nodes", frame.tick, frame.nodes);
         println!("{title}\n{}", frame.tree);
-        let paths = draw(&arguments.out.join(format!("figure_{number}")), (820, 860), |canvas| {
-            picture(canvas, frame, &title)
-        })?;
+        let paths =
+            draw(&arguments.out.join(format!("figure_{number}")), (820, 860), |canvas| picture(canvas, frame, &title))?;
         println!("{}\n", paths.map(|path| path.display().to_string()).join(", "));
     }
     let [before, split, merged] = frames.map(|frame| frame.nodes);
@@ -162,17 +161,15 @@ fn picture(canvas: &plot::Canvas, frame: &Frame, title: &str) -> Drawn {
         let way = object.velocity * (10.0 / 64.0);
         let tip = (center.x + way.x, center.y + way.y);
         let barb = |side: f32| (tip.0 - 0.12 * way.x.signum(), tip.1 + side * 0.06);
-        let arrow = PathElement::new(
-            vec![(center.x, center.y), tip, barb(1.0), tip, barb(-1.0)],
-            BLACK.stroke_width(2),
-        );
+        let arrow =
+            PathElement::new(vec![(center.x, center.y), tip, barb(1.0), tip, barb(-1.0)], BLACK.stroke_width(2));
         chart.draw_series([Rectangle::new(square(&object.aabb), color.mix(0.55).filled())])?;
         chart.draw_series([Rectangle::new(square(&object.aabb), color.stroke_width(2))])?;
         if way != Vec3::ZERO {
             chart.draw_series([arrow])?;
         }
-        let label = EmptyElement::at((center.x, object.aabb.max.y))
-            + Text::new(object.name.clone(), (-20, -24), text(18));
+        let label =
+            EmptyElement::at((center.x, object.aabb.max.y)) + Text::new(object.name.clone(), (-20, -24), text(18));
         chart.draw_series([label])?;
     }
     Ok(())

@@ -62,6 +62,11 @@ fn reverse(
     }
 }
 
+/// A restitution in its range; 0 for NaN.
+fn share(restitution: f32) -> f32 {
+    if restitution > 0.0 { restitution.min(1.0) } else { 0.0 }
+}
+
 fn reflect(
     contacts: Res<Contacts>,
     index: Res<CollisionIndex>,
@@ -72,7 +77,7 @@ fn reflect(
 ) {
     for contact in contacts.iter() {
         let responses = [contact.a, contact.b].map(|entity| match moving.get(entity) {
-            Ok((_, Some(Bounce::Reflect { restitution }))) => Some(restitution.max(0.0).min(1.0)),
+            Ok((_, Some(Bounce::Reflect { restitution }))) => Some(share(*restitution)),
             _ => None,
         });
         let Some(restitution) = responses.into_iter().flatten().reduce(f32::min) else { continue };
