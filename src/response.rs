@@ -72,7 +72,10 @@ fn reflect(
 ) {
     for contact in contacts.iter() {
         let responses = [contact.a, contact.b].map(|entity| match moving.get(entity) {
-            Ok((_, Some(Bounce::Reflect { restitution }))) => Some(restitution.max(0.0).min(1.0)),
+            Ok((_, Some(Bounce::Reflect { restitution }))) => {
+                // `max` turns NaN into 0.
+                Some(restitution.clamp(0.0, 1.0).max(0.0))
+            }
             _ => None,
         });
         let Some(restitution) = responses.into_iter().flatten().reduce(f32::min) else { continue };
