@@ -6,6 +6,7 @@ use std::{
     fs::{self, File},
     io::BufWriter,
     path::{Path, PathBuf},
+    process::ExitCode,
 };
 
 use bevy::prelude::*;
@@ -15,12 +16,13 @@ use bevy_octree::{
     scene::{Motion, SceneDescription},
 };
 use clap::Parser;
+use outcome::{Outcome, exit};
 use progress::Progress;
 
+#[path = "common/outcome.rs"]
+mod outcome;
 #[path = "common/progress.rs"]
 mod progress;
-
-type Error = Box<dyn std::error::Error>;
 
 /// Plays a clip, in which objects follow position tracks, and reports which of them touch: first and last contact of
 /// each pair, and tick by tick.
@@ -42,11 +44,14 @@ struct Arguments {
     method: Method,
 }
 
-fn main() -> Result<(), Error> {
-    let arguments = Arguments::parse();
+fn main() -> ExitCode {
+    exit(run(&Arguments::parse()))
+}
+
+fn run(arguments: &Arguments) -> Outcome {
     let scene = SceneDescription::load(&arguments.file)?;
     let ticks = arguments.ticks.unwrap_or_else(|| last_keyframe(&scene) + 1);
-    let report = play(&scene, ticks, arguments.method)?;
+    let report = play(&scene, ticks, arguments.method.clone())?;
 
     println!("{:<12} {:<12} {:>6} {:>6} {:>6}  intervals", "a", "b", "first", "last", "ticks");
     for pair in report.pairs() {
@@ -83,7 +88,7 @@ fn last_keyframe(scene: &SceneDescription) -> u64 {
 }
 
 /// Plays the clip in a headless app, and notes the contacts of each tick.
-fn play(scene: &SceneDescription, ticks: u64, method: Method) -> Result<CollisionReport, Error> {
+fn play(scene: &SceneDescription, ticks: u64, method: Method) -> Outcome<CollisionReport> {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
         .insert_resource(BroadPhaseSettings { method })
@@ -104,11 +109,11 @@ fn play(scene: &SceneDescription, ticks: u64, method: Method) -> Result<Collisio
     Ok(report)
 }
 
-fn write(report: &CollisionReport, folder: &Path) -> Result<(), Error> {
+fn write(report: &CollisionReport, folder: &Path) -> Outcome {
     let create = |name: &str| {
         let path = folder.join(name);
         let file = File::create(&path).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
-        Ok::<_, Error>(BufWriter::new(file))
+        Outcome::Ok(BufWriter::new(file))
     };
     fs::create_dir_all(folder).map_err(|error| format!("cannot make the folder {}: {error}", folder.display()))?;
     report.write_csv(create("contacts.csv")?)?;

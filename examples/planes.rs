@@ -2,10 +2,7 @@
 //!
 //! `cargo run --release --example planes -- --help` explains the arguments.
 
-use std::{
-    path::PathBuf,
-    time::{Duration, Instant},
-};
+use std::{path::PathBuf, process::ExitCode, time::Instant};
 
 use bevy::prelude::*;
 use bevy_octree::{
@@ -14,9 +11,13 @@ use bevy_octree::{
     scene::{SceneDescription, TestSet},
 };
 use clap::Parser;
-use indicatif::{ProgressBar, ProgressStyle};
+use outcome::{Outcome, exit};
+use progress::Progress;
 
-type Error = Box<dyn std::error::Error>;
+#[path = "common/outcome.rs"]
+mod outcome;
+#[path = "common/progress.rs"]
+mod progress;
 
 /// Two parallel planes of cubes move toward each other and bounce off: the test sets of the 1994 report, or a scene
 /// file, in a headless app.
@@ -25,13 +26,13 @@ type Error = Box<dyn std::error::Error>;
 #[derive(Parser)]
 struct Arguments {
     /// Rings of cubes around the central cube of each plane; r rings make 2·(2r + 1)² cubes.
-    #[arg(long, default_value_t = 10)]
+    #[arg(long, default_value_t = 10, allow_negative_numbers = true)]
     rings: u32,
     /// N: how many objects a leaf of the octree may list before it splits.
-    #[arg(long, default_value_t = ObjectOctreeSettings::default().max_objects)]
+    #[arg(long, default_value_t = ObjectOctreeSettings::default().max_objects, allow_negative_numbers = true)]
     max_objects: u32,
     /// How many ticks to run.
-    #[arg(long, default_value_t = 200)]
+    #[arg(long, default_value_t = 200, allow_negative_numbers = true)]
     steps: u32,
     /// How overlapping boxes are searched for: `octree` or `exhaustive`. Both, one after the other, if not given.
     #[arg(long)]
@@ -41,22 +42,25 @@ struct Arguments {
     scene: Option<PathBuf>,
 }
 
-fn main() -> Result<(), Error> {
-    let arguments = Arguments::parse();
+fn main() -> ExitCode {
+    exit(run(&Arguments::parse()))
+}
+
+fn run(arguments: &Arguments) -> Outcome {
     let scene = match &arguments.scene {
         Some(path) => SceneDescription::load(path)?,
         None => SceneDescription::from(TestSet::new(arguments.rings)),
     };
     let octree = ObjectOctreeSettings::with_max_objects(arguments.max_objects);
     octree.check()?;
-    let methods = match arguments.method {
+    let methods = match &arguments.method {
         Some(Method::Octree(_)) => vec![Method::Octree(octree)],
-        Some(method) => vec![method],
+        Some(method) => vec![method.clone()],
         None => vec![Method::Octree(octree), Method::Exhaustive],
     };
     let mut totals = Vec::new();
     for method in &methods {
-        totals.push(run(&scene, method, arguments.steps, arguments.max_objects)?);
+        totals.push(measure(&scene, method, arguments.steps, arguments.max_objects)?);
     }
     if let [first, second] = &totals[..]
         && (first.contacts, first.bounces) != (second.contacts, second.bounces)
@@ -67,7 +71,7 @@ fn main() -> Result<(), Error> {
 }
 
 /// Runs a scene by one method, and prints its line.
-fn run(scene: &SceneDescription, method: &Method, steps: u32, max_objects: u32) -> Result<TickCounters, Error> {
+fn measure(scene: &SceneDescription, method: &Method, steps: u32, max_objects: u32) -> Outcome<TickCounters> {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
         .insert_resource(BroadPhaseSettings { method: method.clone() })
@@ -75,19 +79,14 @@ fn run(scene: &SceneDescription, method: &Method, steps: u32, max_objects: u32) 
     scene.spawn(&mut app.world_mut().commands())?;
     app.world_mut().flush();
 
-    let progress = ProgressBar::new(u64::from(steps)).with_message(method.to_string());
-    progress.set_style(ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} ticks, {eta} left")?);
+    let mut progress = Progress::new(u64::from(steps));
     let start = Instant::now();
-    let mut shown = start;
     for step in 0..steps {
+        progress.begin(format!("{method}: {:.2} ms per step", per_step(start, step)));
         app.update();
-        if shown.elapsed() >= Duration::from_secs(1) {
-            shown = Instant::now();
-            progress.set_position(u64::from(step + 1));
-        }
     }
-    let milliseconds = start.elapsed().as_secs_f64() * 1e3 / f64::from(steps.max(1));
-    progress.finish_and_clear();
+    let milliseconds = per_step(start, steps);
+    drop(progress);
 
     let total = app.world().resource::<CollisionCounters>().total;
     println!(
@@ -100,4 +99,9 @@ fn run(scene: &SceneDescription, method: &Method, steps: u32, max_objects: u32) 
         app.world().resource::<CollisionIndex>().index().stats().nodes,
     );
     Ok(total)
+}
+
+/// The milliseconds that each of so many steps took.
+fn per_step(start: Instant, steps: u32) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3 / f64::from(steps.max(1))
 }

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example split_and_merge`
 
-use std::{fs, path::PathBuf};
+use std::{fs, path::PathBuf, process::ExitCode};
 
 use bevy::{math::bounding::Aabb3d, prelude::*};
 use bevy_octree::{
@@ -12,13 +12,14 @@ use bevy_octree::{
     scene::SceneDescription,
 };
 use clap::Parser;
+use outcome::{Outcome, exit};
 use plot::{Drawn, bold, draw, text};
 use plotters::prelude::{BLACK, ChartBuilder, Color, EmptyElement, PathElement, RGBColor, Rectangle, Text};
 
+#[path = "common/outcome.rs"]
+mod outcome;
 #[path = "common/plot.rs"]
 mod plot;
-
-type Error = Box<dyn std::error::Error>;
 
 /// Three objects and an octree with N = 2. One object crosses the middle of the root: the octree splits twice to keep
 /// two objects to a leaf. It bounces off, crosses back, and the leaves merge.
@@ -60,9 +61,12 @@ struct Object {
     velocity: Vec3,
 }
 
-fn main() -> Result<(), Error> {
-    let arguments = Arguments::parse();
-    let frames = play(&arguments)?;
+fn main() -> ExitCode {
+    exit(run(&Arguments::parse()))
+}
+
+fn run(arguments: &Arguments) -> Outcome {
+    let frames = play(arguments)?;
     fs::create_dir_all(&arguments.out)
         .map_err(|error| format!("cannot make the folder {}: {error}", arguments.out.display()))?;
     let captions = ["before the split", "after the split", "after the merge"];
@@ -80,7 +84,7 @@ fn main() -> Result<(), Error> {
 
 /// Runs the scene until the octree has split and merged again; gives the frames before the split, after it, and after
 /// the merge.
-fn play(arguments: &Arguments) -> Result<[Frame; 3], Error> {
+fn play(arguments: &Arguments) -> Outcome<[Frame; 3]> {
     let scene = SceneDescription::load(&arguments.scene)?;
     let settings = ObjectOctreeSettings::with_max_objects(arguments.max_objects);
     settings.check()?;

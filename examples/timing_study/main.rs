@@ -10,6 +10,8 @@ mod growth;
 #[path = "../common/headless.rs"]
 mod headless;
 mod measure;
+#[path = "../common/outcome.rs"]
+mod outcome;
 mod output;
 #[path = "../common/plot.rs"]
 mod plot;
@@ -18,7 +20,7 @@ mod progress;
 mod stats;
 mod table;
 
-use std::{error::Error, path::PathBuf, process::ExitCode, time::Duration};
+use std::{path::PathBuf, process::ExitCode, time::Duration};
 
 use bevy_octree::scene::TestSet;
 use clap::{Parser, value_parser};
@@ -26,11 +28,9 @@ use clap::{Parser, value_parser};
 use answers::{Answers, answer, probability};
 use growth::Growth;
 use measure::{Laboratory, Row};
+use outcome::{Outcome, exit};
 use output::{Output, significant};
 use table::Table;
-
-/// What may fail, with an error for the user.
-type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
 /// Measures collision detection on test sets of cubes, and asks what the measurements mean.
 ///
@@ -109,13 +109,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
 }
 
 fn main() -> ExitCode {
-    match study(&Args::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    exit(study(&Args::parse()))
 }
 
 fn study(args: &Args) -> Outcome {
