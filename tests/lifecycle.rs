@@ -12,7 +12,7 @@ fn block(app: &mut App, x: f32) -> Entity {
     app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0))).id()
 }
 
-/// An app with two cubes in contact, of which the second moves (in circles, so to speak: it turns).
+/// An app with two static cubes in contact, one tick old.
 fn in_contact() -> (App, EntityPair) {
     let mut app = app(Method::default());
     let cubes = [block(&mut app, 0.0), block(&mut app, 0.9)];
@@ -274,18 +274,6 @@ fn case_13_a_velocity_that_is_not_finite_moves_nothing() {
     assert_over(&app, cubes);
 }
 
-const SETS: [CollisionSystems; 9] = [
-    CollisionSystems::First,
-    CollisionSystems::Motion,
-    CollisionSystems::Bounds,
-    CollisionSystems::Maintenance,
-    CollisionSystems::BroadPhase,
-    CollisionSystems::NarrowPhase,
-    CollisionSystems::Response,
-    CollisionSystems::Report,
-    CollisionSystems::Last,
-];
-
 /// Has `act` done once, at the third tick, right after a set, by a system of the user's.
 fn after_set(app: &mut App, place: usize, mut act: impl FnMut(&mut World) + Send + Sync + 'static) {
     let system = move |world: &mut World| {
@@ -302,13 +290,13 @@ fn after_set(app: &mut App, place: usize, mut act: impl FnMut(&mut World) + Send
 
 #[test]
 fn case_14_an_entity_may_come_between_any_two_sets() {
-    for place in 0..SETS.len() {
+    for (place, set) in SETS.into_iter().enumerate() {
         let (mut app, cubes) = in_contact();
         after_set(&mut app, place, |world| {
             world.spawn((Cube, Transform::from_xyz(0.9, 0.9, 0.0)));
         });
         tick(&mut app, 3);
-        assert_eq!(contacts(&app).len(), 3, "after {:?}", SETS[place]);
+        assert_eq!(contacts(&app).len(), 3, "after {set:?}");
         assert_eq!(app.world().resource::<Log>().started.len(), 3);
         assert_eq!(messages_about(&app, cubes), (1, 0));
     }

@@ -12,6 +12,19 @@ use bevy_octree::{
 /// Ticks per second: that of the fixed timestep. A velocity of `TICKS_PER_SECOND * v` moves `v` per tick, exactly.
 pub const TICKS_PER_SECOND: f32 = 64.0;
 
+/// All sets, in their order.
+pub const SETS: [CollisionSystems; 9] = [
+    CollisionSystems::First,
+    CollisionSystems::Motion,
+    CollisionSystems::Bounds,
+    CollisionSystems::Maintenance,
+    CollisionSystems::BroadPhase,
+    CollisionSystems::NarrowPhase,
+    CollisionSystems::Response,
+    CollisionSystems::Report,
+    CollisionSystems::Last,
+];
+
 /// Two entities, the one that was spawned first in front.
 pub type EntityPair = [Entity; 2];
 
