@@ -6,7 +6,7 @@ use bevy::{
 };
 
 use crate::{
-    broad_phase::{Method, Pair, ProxyId, SpatialIndex},
+    broad_phase::{BroadPhase, Method, Pair, ProxyId, SpatialIndex},
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     counters::CollisionCounters,
     narrow_phase::{NarrowPhase, Shape},
@@ -19,6 +19,8 @@ use crate::{
 pub struct CollisionIndex {
     #[reflect(ignore)]
     index: SpatialIndex,
+    /// The method that was asked for last.
+    method: Method,
     /// By proxy index. Entries of removed proxies stay until the proxy is handed out again.
     #[reflect(ignore)]
     bodies: Vec<Body>,
@@ -37,6 +39,12 @@ impl CollisionIndex {
     #[must_use]
     pub const fn index(&self) -> &SpatialIndex {
         &self.index
+    }
+
+    /// Searches with a broad phase of one's own from the next tick on, until the method in the [`BroadPhaseSettings`]
+    /// changes. It must be empty.
+    pub fn set_engine(&mut self, engine: Box<dyn BroadPhase>) {
+        self.index.set_engine(engine);
     }
 
     /// The entity behind a handle. For a handle that was removed, the entity that had it last.
@@ -140,7 +148,8 @@ fn maintain(
     mut counters: ResMut<CollisionCounters>,
 ) {
     let index = &mut *index;
-    if settings.is_changed() {
+    if settings.method != index.method {
+        index.method = settings.method.clone();
         index.index.set_method(&settings.method);
     } else if narrow.is_changed() {
         index.index.touch_all();

@@ -16,7 +16,7 @@ use bevy::{
 };
 use bevy_octree::{
     BoundsPlugin,
-    broad_phase::RootPolicy,
+    broad_phase::{BroadPhase, BroadPhaseStats, Exhaustive, Pair, Proxies, RootPolicy, Visitor},
     collision_index::BroadPhasePlugin,
     contacts::{NarrowPhasePlugin, ReportPlugin},
     motion::{MotionPlugin, PositionTrack},
@@ -346,4 +346,40 @@ fn everything_is_registered_for_reflection() {
     missing.extend(resources.iter().filter(|name| !resource(name)));
     missing.extend(others.iter().filter(|name| find(name).is_none()));
     assert!(missing.is_empty(), "{missing:?}");
+}
+
+/// Exhaustive search under another name.
+#[derive(Default)]
+struct MyOwn(Exhaustive);
+
+impl BroadPhase for MyOwn {
+    fn name(&self) -> &'static str {
+        "my own"
+    }
+    fn maintain(&mut self, proxies: &Proxies) {
+        self.0.maintain(proxies);
+    }
+    fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {
+        self.0.find_pairs(proxies, pairs)
+    }
+    fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor) {
+        self.0.traverse(proxies, visitor);
+    }
+    fn stats(&self) -> BroadPhaseStats {
+        self.0.stats()
+    }
+}
+
+#[test]
+fn a_broad_phase_of_ones_own_stays_until_another_method_is_chosen() {
+    let mut app = app(Method::default());
+    app.world_mut().spawn(Cube);
+    app.world_mut().spawn((Cube, Transform::from_xyz(0.9, 0.0, 0.0)));
+    app.world_mut().resource_mut::<CollisionIndex>().set_engine(Box::new(MyOwn::default()));
+    tick(&mut app, 2);
+    let name = |app: &App| app.world().resource::<CollisionIndex>().index().engine().name();
+    assert_eq!((name(&app), contacts(&app).len()), ("my own", 1));
+    app.world_mut().resource_mut::<BroadPhaseSettings>().method = Method::Exhaustive;
+    tick(&mut app, 1);
+    assert_eq!((name(&app), contacts(&app).len()), ("exhaustive", 1));
 }
