@@ -192,10 +192,12 @@ impl Growth {
         let Some(Line { slope: Estimate { low, mid, high }, .. }) = best.fit() else {
             return format!("{claim}: **not decided** (fewer than three sizes; see `--max-rings`).");
         };
-        let verdict = match () {
-            () if high < NEARLY_LINEAR => "holds",
-            () if mid < NEARLY_LINEAR => "holds, though not for all of the interval",
-            () => "does not hold",
+        let verdict = if high < NEARLY_LINEAR {
+            "holds"
+        } else if mid < NEARLY_LINEAR {
+            "holds, though not for all of the interval"
+        } else {
+            "does not hold"
         };
         format!("{claim}: **{verdict}** ({mid:.3}, 95 % confidence {low:.3} to {high:.3}).")
     }

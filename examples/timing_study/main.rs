@@ -65,7 +65,7 @@ struct Args {
     /// sizes are cut to fit [default: 120].
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     budget: Option<Duration>,
-    /// Shuffles the order of the runs.
+    /// Fixes the order of the runs, which is shuffled, and the bootstrap's resamples.
     #[arg(long, default_value_t = 1994)]
     seed: u64,
 }
