@@ -17,7 +17,7 @@ use crate::{
 /// The shape of an entity. An entity that has one takes part in collision detection; one that loses it, or is
 /// despawned, no longer does, from that moment on.
 ///
-/// An entity with a shape and no [`Velocity`](crate::motion::Velocity) is *static*: while its [`Transform`] stays
+/// An entity with a shape and no [`Velocity`] is *static*: while its [`Transform`] stays
 /// unchanged, it is looked at by nothing.
 ///
 /// ```

@@ -1,4 +1,51 @@
-//! Collision detection for Bevy without a physics engine.
+//! Collision detection for Bevy without a physics engine: an octree that follows moving objects, exact tests, contact
+//! messages, and a bounce if you want one.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_octree::prelude::*;
+//!
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
+//!     .insert_resource(MotionSettings { step: Step::Seconds(0.25) });
+//! // Two cubes of side 1 on their way to each other.
+//! for x in [-2.0, 2.0] {
+//!     app.world_mut().spawn((Cube, Velocity(Vec3::X * -x), Transform::from_xyz(x, 0.0, 0.0)));
+//! }
+//! for _ in 0..3 {
+//!     app.update();
+//! }
+//! let counters = app.world().resource::<CollisionCounters>();
+//! assert_eq!((counters.total.contacts, counters.total.bounces), (1, 2));
+//! ```
+//!
+//! # What an entity needs
+//!
+//! | component | what it does |
+//! |---|---|
+//! | [`CollisionShape`](components::CollisionShape) | makes the entity take part; brings the next two with it |
+//! | [`WorldAabb`](components::WorldAabb) | its box in the world, kept up to date |
+//! | [`BroadPhaseProxy`](components::BroadPhaseProxy) | its entry in the index |
+//! | [`Velocity`](motion::Velocity) | moves it each tick; without one it is static, until something else moves it |
+//! | [`PositionTrack`](motion::PositionTrack) | moves it along keyframes instead |
+//! | [`Bounce`](response::Bounce) | changes its velocity on contact |
+//! | [`Cube`](components::Cube) | shape, velocity and bounce in one: a moving cube |
+//!
+//! # What comes out
+//!
+//! | resource or message | what it tells |
+//! |---|---|
+//! | [`Contacts`](contacts::Contacts) | all pairs in contact |
+//! | [`CollisionStarted`](contacts::CollisionStarted), [`CollisionEnded`](contacts::CollisionEnded) | messages about pairs that came into contact, or no longer are |
+//! | [`CandidatePairs`](collision_index::CandidatePairs) | pairs for the exact tests, which systems may thin out |
+//! | [`CollisionIndex`](collision_index::CollisionIndex) | the boxes, the broad phase, queries |
+//! | [`CollisionCounters`](counters::CollisionCounters) | what happened, in numbers |
+//!
+//! [`OctreePlugins`] brings all of it; [`CollisionSystems`] are the sets to order systems of one's own by. The parts
+//! also work without Bevy's ECS: [`octree`], [`broad_phase`] and [`narrow_phase`].
+//!
+//! The system is that of J. Edward Swan II, *Fast Collision Detection with an N-Objects Octree*, Ohio State University,
+//! ACCAD, 1994; "Swan 1994" or "the report" in the documentation.
 #![forbid(unsafe_code)]
 #![warn(missing_docs, clippy::doc_markdown)]
 
@@ -32,3 +79,7 @@ pub mod prelude {
         response::{Bounce, BouncePlugin},
     };
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
