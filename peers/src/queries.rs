@@ -1,0 +1,6 @@
+//! `peers queries`.
+#[derive(clap::Args)]
+pub struct Arguments {}
+pub fn run(_: &Arguments) -> crate::outcome::Outcome {
+    Ok(())
+}
