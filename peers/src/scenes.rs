@@ -4,7 +4,7 @@ use std::{fmt, str::FromStr};
 
 use bevy::math::bounding::Aabb3d;
 
-use stress::{StressScene, StressSimulation};
+use self::stress::{StressScene, StressSimulation};
 
 /// A scene, and from when on it is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +76,7 @@ impl FromStr for Case {
 }
 
 /// Stand-in until the crate's own module of this name is there.
-mod stress {
+pub mod stress {
     use bevy::math::{Vec3, bounding::Aabb3d};
     use std::fmt;
 

@@ -58,6 +58,7 @@ fn ratios(canvas: &plot::Canvas, report: &Report) -> Drawn {
 
     let mut chart = ChartBuilder::on(&body)
         .margin_right(20)
+        .margin_left(12)
         .x_label_area_size(34)
         .y_label_area_size(60)
         .build_cartesian_2d(0.0..scenes.len() as f64, (least * 0.9..most * 1.25).log_scale())?;
