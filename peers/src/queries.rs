@@ -1,6 +1,0 @@
-//! `peers queries`.
-#[derive(clap::Args)]
-pub struct Arguments {}
-pub fn run(_: &Arguments) -> crate::outcome::Outcome {
-    Ok(())
-}
