@@ -3,8 +3,7 @@
 use std::{str::FromStr, time::Duration};
 
 use bevy::{prelude::*, time::TimeUpdateStrategy};
-
-use crate::scenes::stress::{StressScene, StressSimulation};
+use bevy_octree::scene::stress::{StressScene, StressSimulation};
 
 /// A way to detect collisions in an app.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -16,16 +16,11 @@ mod engines;
 use std::{fs, path::PathBuf, time::Instant};
 
 use bevy::math::{Dir3, Vec3, bounding::Aabb3d};
+use bevy_octree::scene::stress::{StressScene, StressSimulation};
 use clap::Args;
 use serde::Serialize;
 
-use crate::{
-    engines::Role,
-    measure::median,
-    outcome::Outcome,
-    progress::Progress,
-    scenes::stress::{StressScene, StressSimulation},
-};
+use crate::{engines::Role, measure::median, outcome::Outcome, progress::Progress};
 use engines::{Answer, Entry, QueryEngine};
 
 /// Nanoseconds per query beyond which a few of them are enough.
