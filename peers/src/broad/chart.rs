@@ -10,10 +10,12 @@ use plotters::{prelude::*, style::text_anchor::*};
 use super::report::{Cell, Report};
 use crate::{
     engines::Role,
-    plot::{self, Drawn, bold, text},
+    plot::{self, Canvas, Drawn, bold, text},
 };
 
 const SIZE: (u32, u32) = (1100, 520);
+/// The height of the title and the legend.
+const HEAD: i32 = 62;
 /// Of the bars, from few objects to many.
 const SHADES: [RGBColor; 5] = [
     RGBColor(158, 202, 225),
@@ -25,80 +27,71 @@ const SHADES: [RGBColor; 5] = [
 
 /// Draws the report's ratios to `stem.svg` and `stem.png`.
 pub fn draw(stem: &Path, report: &Report) -> Result<[PathBuf; 2], Box<dyn Error>> {
-    plot::draw(stem, SIZE, |canvas| ratios(canvas, report))
+    let mut scenes: Vec<&str> = report.cells.iter().map(|cell| &*cell.scene).collect();
+    scenes.dedup();
+    let mut sizes: Vec<usize> = report.cells.iter().map(|cell| cell.objects).collect();
+    sizes.sort_unstable();
+    sizes.dedup();
+    plot::draw(stem, SIZE, |canvas| {
+        let (head, body) = canvas.split_vertically(HEAD);
+        legend(&head, &sizes)?;
+        bars(&body, &report.cells, &scenes, &sizes)
+    })
 }
 
-fn ratios(canvas: &plot::Canvas, report: &Report) -> Drawn {
-    let mut scenes: Vec<&str> = vec![];
-    let mut sizes: Vec<usize> = vec![];
-    for cell in &report.cells {
-        if !scenes.contains(&&*cell.scene) {
-            scenes.push(&cell.scene);
-        }
-        if !sizes.contains(&cell.objects) {
-            sizes.push(cell.objects);
-        }
-    }
-    sizes.sort_unstable();
-    let most = report.cells.iter().filter_map(Cell::ratio).fold(2.0, f64::max);
-    let least = report.cells.iter().filter_map(Cell::ratio).fold(0.8, f64::min);
-
-    let title = "Time of the fastest peer, by that of this crate";
-    let [head, body] = {
-        let (head, body) = canvas.split_vertically(62);
-        [head, body]
-    };
-    head.draw(&Text::new(title, (20, 12), bold(20)))?;
+fn legend(canvas: &Canvas, sizes: &[usize]) -> Drawn {
+    canvas.draw(&Text::new("Time of the fastest peer, by that of this crate", (20, 12), bold(20)))?;
     for (i, size) in sizes.iter().enumerate() {
-        let x = 20 + 170 * i as i32;
-        let shade = SHADES[i % SHADES.len()];
-        head.draw(&Rectangle::new([(x, 42), (x + 14, 56)], shade.filled()))?;
-        head.draw(&Text::new(format!("{size} objects"), (x + 20, 42), text(15)))?;
+        let x = 20 + 150 * i as i32;
+        canvas.draw(&Rectangle::new([(x, 42), (x + 14, 56)], SHADES[i % SHADES.len()].filled()))?;
+        canvas.draw(&Text::new(format!("{size} objects"), (x + 20, 42), text(15)))?;
     }
+    Ok(())
+}
 
-    let mut chart = ChartBuilder::on(&body)
+/// Heights are logarithms to base 2, so that twice as fast and twice as slow are as far from the line between.
+fn bars(canvas: &Canvas, cells: &[Cell], scenes: &[&str], sizes: &[usize]) -> Drawn {
+    let heights = || cells.iter().filter_map(Cell::ratio).map(f64::log2);
+    let (low, high) = (heights().fold(-0.4, f64::min) - 0.3, heights().fold(1.0, f64::max) + 0.3);
+    let whole = |height| [(0.0, height), (scenes.len() as f64, height)];
+    let mut chart = ChartBuilder::on(canvas)
         .margin_right(20)
-        .margin_left(12)
-        .x_label_area_size(34)
-        .y_label_area_size(60)
-        .build_cartesian_2d(0.0..scenes.len() as f64, (least * 0.9..most * 1.25).log_scale())?;
-    chart
-        .configure_mesh()
-        .disable_x_mesh()
-        .disable_x_axis()
-        .y_desc("peer / ours (logarithmic)")
-        .axis_desc_style(text(15))
-        .y_label_style(text(14))
-        .y_label_formatter(&|ratio| format!("{ratio:.1}"))
-        .light_line_style(BLACK.mix(0.05))
-        .bold_line_style(BLACK.mix(0.12))
-        .draw()?;
-    let base = 1.0;
+        .margin_left(80)
+        .margin_bottom(34)
+        .build_cartesian_2d(0.0..scenes.len() as f64, low..high)?;
+    for step in low.ceil() as i32..=high.floor() as i32 {
+        let height = f64::from(step);
+        let label = text(14).pos(Pos::new(HPos::Right, VPos::Center));
+        let label = Text::new(height.exp2().to_string(), (-10, 0), label);
+        chart.draw_series([PathElement::new(whole(height), BLACK.mix(0.15))])?;
+        chart.draw_series([EmptyElement::at((0.0, height)) + label])?;
+    }
+    let upright = text(14).transform(FontTransform::Rotate270).pos(Pos::new(HPos::Center, VPos::Center));
+    canvas.draw(&Text::new("peer / ours", (22, (SIZE.1 as i32 - HEAD) / 2), upright))?;
     let width = 0.84 / sizes.len().max(1) as f64;
-    for cell in &report.cells {
-        let (Some(ratio), Some(peer)) = (cell.ratio(), cell.fastest(Role::Peer)) else { continue };
-        let place = |found: Option<usize>| found.unwrap_or(0);
-        let scene = place(scenes.iter().position(|scene| *scene == cell.scene));
-        let size = place(sizes.iter().position(|size| *size == cell.objects));
-        let left = scene as f64 + 0.08 + width * size as f64;
-        let bar = Rectangle::new([(left, base), (left + width * 0.92, ratio)], SHADES[size % SHADES.len()].filled());
-        chart.draw_series([bar])?;
-        let middle = (left + width * 0.46, ratio.max(base));
-        let style = text(11).pos(Pos::new(HPos::Center, VPos::Bottom));
-        chart.draw_series([EmptyElement::at(middle) + Text::new(format!("{ratio:.1}"), (0, -2), style.clone())])?;
-        let upright = text(11).transform(FontTransform::Rotate270).color(&WHITE);
-        let name = Text::new(peer.engine.to_owned(), (-6, -6), upright);
-        if ratio > base * 1.6 {
-            chart.draw_series([EmptyElement::at((left + width * 0.46, base)) + name])?;
+    for (scene, name) in scenes.iter().enumerate() {
+        for cell in cells.iter().filter(|cell| cell.scene == *name) {
+            let (Some(ratio), Some(peer)) = (cell.ratio(), cell.fastest(Role::Peer)) else { continue };
+            let size = sizes.iter().position(|size| *size == cell.objects).unwrap_or(0);
+            let (left, height) = (scene as f64 + 0.08 + width * size as f64, ratio.log2());
+            let (middle, right) = (left + width * 0.46, left + width * 0.92);
+            let shade = SHADES[size % SHADES.len()].filled();
+            chart.draw_series([Rectangle::new([(left, 0.0), (right, height)], shade)])?;
+            let above = text(11).pos(Pos::new(HPos::Center, VPos::Bottom));
+            let figure = Text::new(format!("{ratio:.1}"), (0, -2), above);
+            chart.draw_series([EmptyElement::at((middle, height.max(0.0))) + figure])?;
+            // The name of the peer, where there is room for it.
+            if height > 0.25 * (high - low) {
+                let upright = text(11).transform(FontTransform::Rotate270).color(&WHITE);
+                let name = Text::new(peer.engine.to_owned(), (-6, -6), upright);
+                chart.draw_series([EmptyElement::at((middle, 0.0)) + name])?;
+            }
         }
+        let (x, _) = chart.plotting_area().map_coordinate(&(scene as f64 + 0.5, 0.0));
+        let below = text(15).pos(Pos::new(HPos::Center, VPos::Center));
+        // Coordinates of the plot are those of the whole picture.
+        canvas.draw(&Text::new((*name).to_owned(), (x, SIZE.1 as i32 - HEAD - 22), below))?;
     }
-    let whole = [(0.0, base), (scenes.len() as f64, base)];
-    chart.draw_series([PathElement::new(whole, BLACK.stroke_width(2))])?;
-    let plane = chart.plotting_area();
-    for (i, scene) in scenes.iter().enumerate() {
-        let (x, _) = plane.map_coordinate(&(i as f64 + 0.5, base));
-        let y = SIZE.1 as i32 - 22;
-        canvas.draw(&Text::new((*scene).to_owned(), (x, y), text(15).pos(Pos::new(HPos::Center, VPos::Center))))?;
-    }
+    chart.draw_series([PathElement::new(whole(0.0), BLACK.stroke_width(2))])?;
     Ok(())
 }
