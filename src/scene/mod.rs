@@ -60,6 +60,7 @@ mod description;
 mod error;
 mod shape;
 mod spawn;
+pub mod stress;
 mod test_set;
 
 #[cfg(feature = "asset")]
