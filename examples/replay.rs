@@ -9,7 +9,7 @@ use bevy_octree::{
     broad_phase::{Method, ObjectOctreeSettings, ProxyId, SpatialIndex},
     trace::TraceReader,
 };
-use brute_force::overlapping_pairs;
+use brute_force::{compare, overlapping_pairs};
 use clap::Parser;
 use method::method;
 use outcome::{Outcome, exit};
@@ -154,22 +154,6 @@ impl Replay {
         // Handles are given out from 0 up: they are the indices of the objects.
         let mut found: Vec<_> = self.index.pairs().iter().map(|pair| [pair.a.get(), pair.b.get()]).collect();
         found.sort_unstable();
-        if let Some([[a, b], _]) = found.array_windows().find(|[pair, next]| pair == next) {
-            return Err(format!("the pair ({a}, {b}) was found twice"));
-        }
-        let expected = overlapping_pairs(boxes);
-        let place = found.iter().zip(&expected).take_while(|(a, b)| a == b).count();
-        // The lower of the two that differ is in one list only.
-        let [found, expected] = [&found, &expected].map(|list| list.get(place).copied());
-        match (found, expected) {
-            (None, None) => Ok(()),
-            (Some([a, b]), expected) if expected.is_none_or(|expected| [a, b] < expected) => {
-                Err(format!("the pair ({a}, {b}) was found, but its boxes do not overlap"))
-            }
-            (_, expected) => {
-                let [a, b] = expected.unwrap_or_default();
-                Err(format!("the pair ({a}, {b}) was not found"))
-            }
-        }
+        compare(&found, &overlapping_pairs(boxes))
     }
 }

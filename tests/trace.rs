@@ -3,9 +3,13 @@
 use std::{fs, path::PathBuf};
 
 use bevy_octree::{
+    broad_phase::overlap,
     scene::stress::{StressScene, StressSimulation},
     trace::{EXTENSION, TraceError, TraceHeader, TraceProblem, TraceReader, TraceWriter},
 };
+
+#[path = "../examples/common/brute_force.rs"]
+mod brute_force;
 
 const OBJECTS: usize = 70;
 const FRAMES: usize = 5;
@@ -93,4 +97,32 @@ fn a_file_that_cannot_be_opened_is_named() {
     let error = TraceReader::open("no/such/file.aabbs").unwrap_err();
     assert!(matches!(error.problem, TraceProblem::Io(_)));
     assert!(error.to_string().starts_with("no/such/file.aabbs: byte 0: "), "{error}");
+}
+
+#[test]
+fn the_check_of_a_replay_knows_all_pairs() {
+    for scene in StressScene::ALL {
+        let mut simulation = StressSimulation::new(scene, 500, 3);
+        for _ in 0..4 {
+            let boxes = simulation.boxes();
+            let others = |i: usize| (i + 1..boxes.len()).filter(move |j| overlap(&boxes[i], &boxes[*j]));
+            let all: Vec<_> = (0..boxes.len()).flat_map(|i| others(i).map(move |j| [i as u32, j as u32])).collect();
+            assert_eq!(brute_force::overlapping_pairs(boxes), all, "{scene}");
+            (0..16).for_each(|_| simulation.step());
+        }
+    }
+    assert!(brute_force::overlapping_pairs(&[]).is_empty());
+}
+
+#[test]
+fn the_check_of_a_replay_names_the_first_difference() {
+    let [a, b, c] = [[0, 1], [0, 2], [3, 4]];
+    let check = |found: &[[u32; 2]]| brute_force::compare(found, &[a, b]).map_err(|error| error.to_string());
+    assert_eq!(check(&[a, b]), Ok(()));
+    for missing in [&[][..], &[b], &[c]] {
+        assert_eq!(check(missing).unwrap_err(), "the pair (0, 1) was not found");
+    }
+    assert_eq!(check(&[a]).unwrap_err(), "the pair (0, 2) was not found");
+    assert_eq!(check(&[a, b, c]).unwrap_err(), "the pair (3, 4) was found, but its boxes do not overlap");
+    assert_eq!(check(&[a, a, b]).unwrap_err(), "the pair (0, 1) was found twice");
 }

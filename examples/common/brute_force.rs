@@ -1,4 +1,4 @@
-//! The pairs of overlapping boxes, without any index.
+//! The pairs of overlapping boxes without any index, to check those of an index against.
 
 use bevy::math::{Vec3A, bounding::Aabb3d};
 use bevy_octree::broad_phase::overlap;
@@ -26,6 +26,26 @@ pub fn overlapping_pairs(boxes: &[Aabb3d]) -> Vec<[u32; 2]> {
     }
     pairs.sort_unstable();
     pairs
+}
+
+/// Compares pairs that were found, in ascending order, with those that overlap; fails with a description of the first
+/// difference.
+pub fn compare(found: &[[u32; 2]], expected: &[[u32; 2]]) -> Result<(), String> {
+    if let Some([[a, b], _]) = found.array_windows().find(|[pair, next]| pair == next) {
+        return Err(format!("the pair ({a}, {b}) was found twice"));
+    }
+    let place = found.iter().zip(expected).take_while(|(a, b)| a == b).count();
+    // The lower of the two that differ is in one list only.
+    match (found.get(place), expected.get(place)) {
+        (None, None) => Ok(()),
+        (Some(pair @ [a, b]), missed) if missed.is_none_or(|missed| pair < missed) => {
+            Err(format!("the pair ({a}, {b}) was found, but its boxes do not overlap"))
+        }
+        (_, missed) => {
+            let [a, b] = missed.copied().unwrap_or_default();
+            Err(format!("the pair ({a}, {b}) was not found"))
+        }
+    }
 }
 
 /// The axis along which the lower corners vary most.
