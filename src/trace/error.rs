@@ -4,7 +4,7 @@ use std::{io, path::PathBuf};
 
 use thiserror::Error;
 
-use super::TraceHeader;
+use super::file_bytes;
 use crate::broad_phase::BoxError;
 
 /// Why a trace cannot be read or written: in which file, where in it, and what was expected.
@@ -30,11 +30,21 @@ pub enum TraceProblem {
     #[error("the file ends here, expected a header of 304 bytes")]
     EndsInHeader,
     /// The file is shorter than its header says.
-    #[error("the file ends here, expected {}", size(.0))]
-    EndsInBoxes(TraceHeader),
+    #[error("the file ends here, expected {}", size(*objects, *frames))]
+    EndsInBoxes {
+        /// The number of objects.
+        objects: u32,
+        /// The number of frames after the initial box set.
+        frames: u32,
+    },
     /// The file is longer than its header says.
-    #[error("expected the file to end here, with {}", size(.0))]
-    TrailingBytes(TraceHeader),
+    #[error("expected the file to end here, with {}", size(*objects, *frames))]
+    TrailingBytes {
+        /// The number of objects.
+        objects: u32,
+        /// The number of frames after the initial box set.
+        frames: u32,
+    },
     /// A text has a byte that is not ASCII.
     #[error("expected ASCII in {field}, found the byte {byte:#04x}")]
     NotAscii {
@@ -91,10 +101,7 @@ pub enum TraceProblem {
     NoBoxes,
 }
 
-fn size(header: &TraceHeader) -> String {
-    let TraceHeader { objects, frames, .. } = header;
-    format!(
-        "{} bytes for {objects} objects and {frames} frames: 304 + 32 · {objects} · ({frames} + 1)",
-        header.file_bytes()
-    )
+fn size(objects: u32, frames: u32) -> String {
+    let bytes = file_bytes(objects, frames);
+    format!("{bytes} bytes for {objects} objects and {frames} frames: 304 + 32 · {objects} · ({frames} + 1)")
 }

@@ -92,8 +92,12 @@ impl TraceHeader {
     /// The size of the whole file, in bytes.
     #[must_use]
     pub const fn file_bytes(&self) -> u128 {
-        HEADER_BYTES as u128 + BOX_BYTES as u128 * self.objects as u128 * self.box_sets() as u128
+        file_bytes(self.objects, self.frames)
     }
+}
+
+const fn file_bytes(objects: u32, frames: u32) -> u128 {
+    HEADER_BYTES as u128 + BOX_BYTES as u128 * objects as u128 * (frames as u128 + 1)
 }
 
 #[cfg(test)]

@@ -43,10 +43,10 @@ impl TraceReader<File> {
         let expected = reader.header.file_bytes();
         // A pipe or a device has no size; its end is noticed when it comes.
         if metadata.is_file() && u128::from(metadata.len()) != expected {
-            let header = reader.header.clone();
+            let TraceHeader { objects, frames, .. } = reader.header;
             let (offset, problem) = match u64::try_from(expected) {
-                Ok(end) if end < metadata.len() => (end, TraceProblem::TrailingBytes(header)),
-                _ => (metadata.len(), TraceProblem::EndsInBoxes(header)),
+                Ok(end) if end < metadata.len() => (end, TraceProblem::TrailingBytes { objects, frames }),
+                _ => (metadata.len(), TraceProblem::EndsInBoxes { objects, frames }),
             };
             return Err(TraceError { file: path.to_owned(), offset, problem });
         }
@@ -92,21 +92,21 @@ impl<R: Read> TraceReader<R> {
     /// If the source cannot be read, ends early, goes on after the last frame, or has a box that is not finite or is
     /// inverted. After an error, no further frame can be relied on.
     pub fn next_frame(&mut self) -> Result<Option<&[Aabb3d]>, TraceError> {
+        let TraceHeader { objects, frames, .. } = self.header;
         if self.read == self.header.box_sets() {
             return match self.fill(1)? {
                 0 => Ok(None),
-                _ => Err(self.error(self.offset, TraceProblem::TrailingBytes(self.header.clone()))),
+                _ => Err(self.error(self.offset, TraceProblem::TrailingBytes { objects, frames })),
             };
         }
         self.boxes.clear();
-        let objects = self.header.objects as usize;
         // The buffer grows with what is really there: a header may promise anything.
-        while self.boxes.len() < objects {
-            let wanted = BOX_BYTES * (objects - self.boxes.len()).min(BOXES_AT_ONCE);
+        while self.boxes.len() < objects as usize {
+            let wanted = BOX_BYTES * (objects as usize - self.boxes.len()).min(BOXES_AT_ONCE);
             let length = self.fill(wanted)?;
             if length < wanted {
                 let end = self.offset + length as u64;
-                return Err(self.error(end, TraceProblem::EndsInBoxes(self.header.clone())));
+                return Err(self.error(end, TraceProblem::EndsInBoxes { objects, frames }));
             }
             for bytes in self.bytes.as_chunks().0 {
                 let aabb = to_box(bytes);

@@ -82,7 +82,7 @@ fn bytes_after_the_end_are_an_error() {
     file.push(0);
     let error = read(&file).unwrap_err();
     assert_eq!(error.offset, 560);
-    assert!(matches!(error.problem, TraceProblem::TrailingBytes(_)), "{error}");
+    assert!(matches!(error.problem, TraceProblem::TrailingBytes { .. }), "{error}");
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn counts_are_checked_and_never_believed() {
     assert!(error.offset == 260 && matches!(error.problem, TraceProblem::NegativeCount { field: "frames", .. }));
     // No memory is taken for boxes that do not come.
     let error = read(&patched(256, &[0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff, 0x7f])).unwrap_err();
-    assert!(error.offset == 560 && matches!(error.problem, TraceProblem::EndsInBoxes(_)), "{error}");
+    assert!(error.offset == 560 && matches!(error.problem, TraceProblem::EndsInBoxes { .. }), "{error}");
 }
 
 #[test]
