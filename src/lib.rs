@@ -61,6 +61,7 @@ pub mod octree;
 pub mod plugin;
 pub mod response;
 pub mod scene;
+pub mod trace;
 
 pub use bounds::BoundsPlugin;
 pub use plugin::{CollisionSystems, OctreePlugins};

@@ -112,23 +112,27 @@ impl Scene {
 }
 
 #[test]
-fn both_paths_find_the_contacts_of_brute_force() {
+fn all_paths_find_the_contacts_of_brute_force() {
     let mut seen = 0;
     for seed in 0..40 {
         let settings = ObjectOctreeSettings::with_max_objects([1, 3, 8][seed as usize % 3]);
         let mut octree = Scene::new(Method::Octree(settings), seed);
         let mut exhaustive = Scene::new(Method::Exhaustive, seed);
+        let mut linear = Scene::new(Method::Linear, seed);
         let mut mirror = Mirror::new(settings);
         for number in 1..=TICKS {
             octree.step();
             exhaustive.step();
+            linear.step();
             let found = contacts(&octree.app);
+            assert_eq!(found, contacts(&linear.app), "seed {seed}, tick {number}");
             assert_eq!(found, contacts(&exhaustive.app), "seed {seed}, tick {number}");
             assert_eq!(found, brute_force_contacts(&mut octree.app), "seed {seed}, tick {number}");
             assert_eq!(octree.transforms(), exhaustive.transforms(), "seed {seed}, tick {number}");
             mirror.follow(&mut octree.app);
             seen += found.len();
         }
+        assert_eq!(octree.app.world().resource::<Log>(), linear.app.world().resource::<Log>(), "seed {seed}");
         assert_eq!(octree.app.world().resource::<Log>(), exhaustive.app.world().resource::<Log>(), "seed {seed}");
     }
     assert!(seen > 40 * TICKS, "the scenes have contacts: {seen}");
@@ -136,23 +140,25 @@ fn both_paths_find_the_contacts_of_brute_force() {
 
 /// Cubes on a lattice, so that faces, edges and corners touch, and borders of cells are met exactly.
 #[test]
-fn both_paths_agree_on_touching_cubes() {
+fn all_paths_agree_on_touching_cubes() {
     for seed in 0..20 {
-        let [mut octree, mut exhaustive] =
-            [Method::Octree(ObjectOctreeSettings::with_max_objects(2)), Method::Exhaustive].map(|method| {
-                let mut rng = Rng::with_seed(seed);
-                let mut app = app(method);
-                for _ in 0..60 {
-                    let mut place = || Vec3::from_array(std::array::from_fn(|_| f32::from(rng.i8(-4..5)) * 0.5));
-                    let (position, velocity) = (place(), Velocity(place() * 0.25 * TICKS_PER_SECOND));
-                    app.world_mut().spawn((Cube, Transform::from_translation(position), velocity));
-                }
-                app
-            });
+        let octree = Method::Octree(ObjectOctreeSettings::with_max_objects(2));
+        let [mut octree, mut exhaustive, mut linear] = [octree, Method::Exhaustive, Method::Linear].map(|method| {
+            let mut rng = Rng::with_seed(seed);
+            let mut app = app(method);
+            for _ in 0..60 {
+                let mut place = || Vec3::from_array(std::array::from_fn(|_| f32::from(rng.i8(-4..5)) * 0.5));
+                let (position, velocity) = (place(), Velocity(place() * 0.25 * TICKS_PER_SECOND));
+                app.world_mut().spawn((Cube, Transform::from_translation(position), velocity));
+            }
+            app
+        });
         for number in 1..=TICKS {
             tick(&mut octree, 1);
             tick(&mut exhaustive, 1);
+            tick(&mut linear, 1);
             let found = contacts(&octree);
+            assert_eq!(found, contacts(&linear), "seed {seed}, tick {number}");
             assert_eq!(found, contacts(&exhaustive), "seed {seed}, tick {number}");
             assert_eq!(found, brute_force_contacts(&mut octree), "seed {seed}, tick {number}");
         }

@@ -17,8 +17,8 @@ fn octree(max_objects: u32) -> Method {
     Method::Octree(ObjectOctreeSettings::with_max_objects(max_objects))
 }
 
-fn methods() -> [Method; 4] {
-    [Method::Exhaustive, octree(1), octree(5), octree(16)]
+fn methods() -> [Method; 5] {
+    [Method::Exhaustive, Method::Linear, octree(1), octree(5), octree(16)]
 }
 
 /// What happened in a tick.

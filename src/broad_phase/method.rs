@@ -5,11 +5,16 @@ use std::{fmt, str::FromStr};
 use bevy::prelude::*;
 use thiserror::Error;
 
-use super::{BroadPhase, Exhaustive, ObjectOctree, ObjectOctreeSettings, SettingsError};
+use super::{Auto, BroadPhase, Exhaustive, LinearOctree, ObjectOctree, ObjectOctreeSettings, SettingsError};
 
 /// How overlapping boxes are searched for.
-#[derive(Clone, Debug, PartialEq, Reflect)]
+#[derive(Clone, Debug, Default, PartialEq, Reflect)]
 pub enum Method {
+    /// Exhaustive search for a handful of objects, the pointerless octree beyond: see [`Auto`].
+    #[default]
+    Auto,
+    /// The pointerless octree: see [`LinearOctree`].
+    Linear,
     /// The report's N-objects octree.
     Octree(ObjectOctreeSettings),
     /// Every box against every other.
@@ -24,7 +29,7 @@ impl Method {
     pub fn check(&self) -> Result<(), SettingsError> {
         match self {
             Self::Octree(settings) => settings.check(),
-            Self::Exhaustive => Ok(()),
+            Self::Auto | Self::Linear | Self::Exhaustive => Ok(()),
         }
     }
 
@@ -33,21 +38,19 @@ impl Method {
     #[must_use]
     pub fn engine(&self) -> Box<dyn BroadPhase> {
         match self {
+            Self::Auto => Box::new(Auto::default()),
+            Self::Linear => Box::new(LinearOctree::default()),
             Self::Octree(settings) => Box::new(ObjectOctree::new(settings.clamped())),
             Self::Exhaustive => Box::new(Exhaustive::default()),
         }
     }
 }
 
-impl Default for Method {
-    fn default() -> Self {
-        Self::Octree(ObjectOctreeSettings::default())
-    }
-}
-
 impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
+            Self::Auto => "auto",
+            Self::Linear => "linear",
             Self::Octree(_) => "octree",
             Self::Exhaustive => "exhaustive",
         })
@@ -56,7 +59,7 @@ impl fmt::Display for Method {
 
 /// The name of a method that does not exist.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("unknown method `{0}`: expected `octree` or `exhaustive`")]
+#[error("unknown method `{0}`: expected `auto`, `linear`, `octree` or `exhaustive`")]
 pub struct UnknownMethod(pub String);
 
 impl FromStr for Method {
@@ -64,7 +67,9 @@ impl FromStr for Method {
 
     fn from_str(name: &str) -> Result<Self, Self::Err> {
         match name.to_ascii_lowercase().as_str() {
-            "octree" => Ok(Self::default()),
+            "auto" => Ok(Self::Auto),
+            "linear" => Ok(Self::Linear),
+            "octree" | "object" => Ok(Self::Octree(ObjectOctreeSettings::default())),
             "exhaustive" => Ok(Self::Exhaustive),
             _ => Err(UnknownMethod(name.to_owned())),
         }
@@ -77,7 +82,8 @@ mod tests {
 
     #[test]
     fn names_go_in_and_out() {
-        for method in [Method::default(), Method::Exhaustive] {
+        let octree = Method::Octree(ObjectOctreeSettings::default());
+        for method in [Method::Auto, Method::Linear, octree, Method::Exhaustive] {
             assert_eq!(method.to_string().to_uppercase().parse(), Ok(method));
         }
         let error = "quadtree".parse::<Method>().unwrap_err();

@@ -23,13 +23,16 @@
 //! # Ok::<(), bevy_octree::broad_phase::BoxError>(())
 //! ```
 //!
-//! # Two ways to look
+//! # Three ways to look
 //!
-//! The report compares an octree with exhaustive search; here each is an implementation of [`BroadPhase`], chosen by a
-//! [`Method`] and exchanged at any time ([`SpatialIndex::set_method`]):
+//! The report compares an octree with exhaustive search, and mentions pointerless octrees; here each is an
+//! implementation of [`BroadPhase`], chosen by a [`Method`] and exchanged at any time ([`SpatialIndex::set_method`]):
 //!
+//! - [`Auto`], the default: exhaustive search for a handful of objects, the linear octree beyond.
+//! - [`LinearOctree`]: the pointerless octree, by far the fastest for more than a handful.
+//! - [`ObjectOctree`]: the report's N-objects octree, maintained as objects move; for its canonical shape, which tells
+//!   where in space objects crowd, and for studies of the report.
 //! - [`Exhaustive`]: every box against every other; the reference.
-//! - [`ObjectOctree`]: the report's N-objects octree, maintained as objects move.
 //!
 //! All of them give the same pairs: exactly those whose boxes overlap, touching included.
 //!
@@ -88,9 +91,13 @@
 //! assert_eq!(index.engine().name(), "sweep and prune");
 //! ```
 
+mod auto;
+#[cfg(test)]
+mod checked;
 mod exhaustive;
 mod group;
 mod index;
+pub mod linear_octree;
 mod method;
 pub mod object_octree;
 mod pairs;
@@ -101,8 +108,10 @@ use std::any::Any;
 
 use bevy::math::{Vec3A, bounding::Aabb3d};
 
+pub use auto::Auto;
 pub use exhaustive::Exhaustive;
 pub use index::SpatialIndex;
+pub use linear_octree::LinearOctree;
 pub use method::{Method, UnknownMethod};
 pub use object_octree::{ObjectOctree, ObjectOctreeSettings, RootPolicy, SettingsError};
 pub use pairs::{Pair, PairSet};

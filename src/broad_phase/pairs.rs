@@ -91,10 +91,14 @@ impl PairSet {
     /// pairs; returns the list to push the latter to. Takes time only for pairs, and none if nothing changed.
     pub(super) fn begin(&mut self, proxies: &Proxies) -> &mut Vec<Pair> {
         let rests = |pair: &Pair| proxies.is_resting(pair.a) && proxies.is_resting(pair.b);
-        if !proxies.moved().is_empty() {
-            self.resting.retain(rests);
+        if proxies.all_moved() {
+            self.resting.clear();
+        } else {
+            if !proxies.moved().is_empty() {
+                self.resting.retain(rests);
+            }
+            self.resting.extend(self.moving.iter().copied().filter(rests));
         }
-        self.resting.extend(self.moving.iter().copied().filter(rests));
         self.moving.clear();
         &mut self.moving
     }

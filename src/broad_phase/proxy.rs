@@ -95,6 +95,8 @@ pub struct Proxies {
     dead: Vec<ProxyId>,
     free: Vec<ProxyId>,
     alive: usize,
+    /// How many of `moved` are still there.
+    alive_moved: usize,
 }
 
 impl Proxies {
@@ -160,6 +162,13 @@ impl Proxies {
     #[must_use]
     pub fn moved(&self) -> &[ProxyId] {
         &self.moved
+    }
+
+    /// Did every object move between the last two updates?
+    #[inline]
+    #[must_use]
+    pub const fn all_moved(&self) -> bool {
+        self.alive_moved == self.alive
     }
 
     /// Are there changes that no update has taken up yet?
@@ -250,9 +259,11 @@ impl Proxies {
             self.flags[id.index()] &= !MOVED;
         }
         std::mem::swap(&mut self.moved, &mut self.pending);
+        self.alive_moved = 0;
         for id in &self.moved {
             let flags = &mut self.flags[id.index()];
             *flags = *flags & ALIVE | MOVED;
+            self.alive_moved += usize::from(*flags & ALIVE);
         }
         self.free.append(&mut self.dead);
         std::mem::swap(&mut self.dead, &mut self.dying);

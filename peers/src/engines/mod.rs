@@ -57,6 +57,8 @@ pub fn all() -> Vec<Entry> {
     let entry = |name, role, make| Entry { name, role, most_objects: usize::MAX, make };
     let up_to = |most_objects, entry: Entry| Entry { most_objects, ..entry };
     vec![
+        entry("auto", Role::Ours, || Box::new(ours::Ours::new("auto"))),
+        entry("linear", Role::Ours, || Box::new(ours::Ours::new("linear"))),
         entry("octree", Role::Ours, || Box::new(ours::Ours::new("octree"))),
         up_to(flat::MOST, entry("exhaustive", Role::Ours, || Box::new(ours::Ours::new("exhaustive")))),
         entry("parry", Role::Peer, || Box::new(parry::Incremental::new(parry::NO_SKIN))),

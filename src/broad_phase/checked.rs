@@ -1,0 +1,111 @@
+//! An index with everything checked at every step, and random histories to put it through.
+
+use bevy::math::{Vec3, bounding::Aabb3d};
+use proptest::prelude::*;
+
+use super::{BroadPhase, LinearOctree, ObjectOctree, Pair, Proxies, ProxyId, SpatialIndex, overlap};
+
+/// An index that is compared with brute force after every tick.
+pub(super) struct Checked {
+    pub(super) index: SpatialIndex,
+}
+
+impl Checked {
+    pub(super) fn new(engine: Box<dyn BroadPhase>) -> Self {
+        Self { index: SpatialIndex::with_engine(engine) }
+    }
+
+    pub(super) fn step(&mut self) {
+        self.index.update();
+        if let Some(octree) = self.index.engine_as::<ObjectOctree>() {
+            octree.assert_well_formed(self.index.proxies());
+        }
+        if let Some(octree) = self.index.engine_as::<LinearOctree>() {
+            octree.assert_well_formed(self.index.proxies());
+        }
+        let mut found: Vec<Pair> = self.index.find_pairs().iter().collect();
+        found.sort_unstable();
+        assert_eq!(found, brute_force(self.index.proxies()));
+    }
+}
+
+fn brute_force(proxies: &Proxies) -> Vec<Pair> {
+    let all: Vec<_> = proxies.iter().collect();
+    let mut pairs = Vec::new();
+    for (place, (a, box_a)) in all.iter().enumerate() {
+        for (b, box_b) in &all[place + 1..] {
+            if overlap(box_a, box_b) {
+                pairs.push(Pair::new(*a, *b));
+            }
+        }
+    }
+    pairs
+}
+
+/// One step of a random history. Places are in units of a 64th, so that borders are met exactly, and often.
+#[derive(Clone, Debug)]
+pub(super) enum Step {
+    Insert { at: [i16; 3], size: u16 },
+    Shift { which: usize, by: [i8; 3] },
+    Teleport { which: usize, to: [i16; 3] },
+    Resize { which: usize, size: u16 },
+    Touch { which: usize },
+    Remove { which: usize },
+    Tick,
+}
+
+pub(super) fn a_step() -> impl Strategy<Value = Step> {
+    let at = || prop::array::uniform3(-640_i16..640);
+    // 1:1000, the small ones more often.
+    let size = || (0_u32..1000).prop_map(|s| (s * s / 1000).max(1) as u16);
+    prop_oneof![
+        4 => (at(), size()).prop_map(|(at, size)| Step::Insert { at, size }),
+        8 => (any::<usize>(), prop::array::uniform3(-40_i8..40)).prop_map(|(which, by)| Step::Shift { which, by }),
+        2 => (any::<usize>(), at()).prop_map(|(which, to)| Step::Teleport { which, to }),
+        1 => (any::<usize>(), size()).prop_map(|(which, size)| Step::Resize { which, size }),
+        1 => any::<usize>().prop_map(|which| Step::Touch { which }),
+        2 => any::<usize>().prop_map(|which| Step::Remove { which }),
+        4 => Just(Step::Tick),
+    ]
+}
+
+/// Goes through a history, checked at each tick.
+pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
+    const UNIT: f32 = 1.0 / 64.0;
+    let place = |at: [i16; 3]| Vec3::from(at.map(f32::from)) * UNIT;
+    let mut objects: Vec<(ProxyId, Vec3, f32)> = Vec::new();
+    for step in steps {
+        let count = objects.len().max(1);
+        let mut change = |which: &usize, f: &mut dyn FnMut(&mut Vec3, &mut f32)| {
+            if let Some((id, center, half)) = objects.get_mut(which % count) {
+                f(center, half);
+                checked.index.set(*id, &Aabb3d::new(*center, Vec3::splat(*half))).unwrap();
+            }
+        };
+        match step {
+            Step::Insert { at, size } => {
+                let (center, half) = (place(*at), f32::from(*size) * UNIT);
+                let id = checked.index.insert(Aabb3d::new(center, Vec3::splat(half))).unwrap();
+                objects.push((id, center, half));
+            }
+            Step::Shift { which, by } => {
+                change(which, &mut |center, _| *center += Vec3::from(by.map(f32::from)) * UNIT)
+            }
+            Step::Teleport { which, to } => change(which, &mut |center, _| *center = place(*to)),
+            Step::Resize { which, size } => change(which, &mut |_, half| *half = f32::from(*size) * UNIT),
+            Step::Touch { which } => {
+                if let Some((id, ..)) = objects.get(which % count) {
+                    checked.index.touch(*id);
+                }
+            }
+            Step::Remove { which } => {
+                if !objects.is_empty() {
+                    let (id, ..) = objects.swap_remove(which % count);
+                    assert!(checked.index.remove(id));
+                }
+            }
+            Step::Tick => checked.step(),
+        }
+    }
+    checked.step();
+}

@@ -1,0 +1,221 @@
+//! The tree without pointers: blocks of eight boxes, and above them blocks of the bounds of blocks.
+
+use bevy::math::{Vec3A, bounding::Aabb3d};
+use fearless_simd::{f32x8, prelude::*};
+
+use super::{EMPTY, Visitor};
+
+/// How many boxes a block holds.
+pub(super) const WIDTH: usize = 8;
+
+/// Eight boxes, coordinate by coordinate.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct Block {
+    min: [[f32; WIDTH]; 3],
+    max: [[f32; WIDTH]; 3],
+}
+
+impl Block {
+    /// Eight boxes that overlap nothing.
+    const EMPTY: Self = Self { min: [[f32::INFINITY; WIDTH]; 3], max: [[f32::NEG_INFINITY; WIDTH]; 3] };
+
+    #[inline(always)]
+    pub(super) fn set(&mut self, lane: usize, aabb: &Aabb3d) {
+        let (min, max) = (aabb.min.to_array(), aabb.max.to_array());
+        for axis in 0..3 {
+            self.min[axis][lane] = min[axis];
+            self.max[axis][lane] = max[axis];
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn get(&self, lane: usize) -> Aabb3d {
+        let corner = |side: &[[f32; WIDTH]; 3]| Vec3A::new(side[0][lane], side[1][lane], side[2][lane]);
+        Aabb3d { min: corner(&self.min), max: corner(&self.max) }
+    }
+
+    /// The bounds of all eight.
+    #[inline(always)]
+    fn bounds(&self) -> Aabb3d {
+        let fold = |lanes: &[f32; WIDTH], pick: fn(f32, f32) -> f32| {
+            let four: [f32; 4] = std::array::from_fn(|lane| pick(lanes[lane], lanes[lane + 4]));
+            pick(pick(four[0], four[2]), pick(four[1], four[3]))
+        };
+        let lower = |a: f32, b: f32| if a < b { a } else { b };
+        let upper = |a: f32, b: f32| if a > b { a } else { b };
+        Aabb3d {
+            min: Vec3A::from_array(std::array::from_fn(|axis| fold(&self.min[axis], lower))),
+            max: Vec3A::from_array(std::array::from_fn(|axis| fold(&self.max[axis], upper))),
+        }
+    }
+
+    /// Which of the eight a box overlaps, touching included: a bit for each.
+    #[inline(always)]
+    pub(super) fn overlaps<S: Simd>(&self, simd: S, min: [f32; 3], max: [f32; 3]) -> u32 {
+        let below = |axis: usize| f32x8::from_slice(simd, &self.min[axis]).simd_le(f32x8::splat(simd, max[axis]));
+        let above = |axis: usize| f32x8::from_slice(simd, &self.max[axis]).simd_ge(f32x8::splat(simd, min[axis]));
+        let x = below(0) & above(0);
+        let y = below(1) & above(1);
+        let z = below(2) & above(2);
+        (x & y & z).to_bitmask() as u32
+    }
+
+    /// Which of the eight the box in a lane of another block overlaps.
+    #[inline(always)]
+    pub(super) fn overlaps_lane<S: Simd>(&self, simd: S, other: &Self, lane: usize) -> u32 {
+        let corner = |side: &[[f32; WIDTH]; 3]| std::array::from_fn(|axis| side[axis][lane]);
+        self.overlaps(simd, corner(&other.min), corner(&other.max))
+    }
+}
+
+/// All levels: the boxes at the bottom, a single block on top.
+#[derive(Clone, Debug)]
+pub(super) struct Levels {
+    levels: Vec<Vec<Block>>,
+}
+
+impl Default for Levels {
+    fn default() -> Self {
+        Self { levels: vec![vec![Block::EMPTY]] }
+    }
+}
+
+impl Levels {
+    /// Begins anew with these boxes.
+    pub(super) fn rebuild<'a>(&mut self, mut boxes: impl ExactSizeIterator<Item = &'a Aabb3d>) {
+        self.levels[0].clear();
+        for _ in 0..boxes.len().div_ceil(WIDTH).max(1) {
+            let mut block = Block::EMPTY;
+            for (lane, aabb) in boxes.by_ref().take(WIDTH).enumerate() {
+                block.set(lane, aabb);
+            }
+            self.levels[0].push(block);
+        }
+        self.levels.truncate(1);
+        self.raise();
+        self.refit();
+    }
+
+    /// Adds levels until there is a single block on top, all of them empty.
+    fn raise(&mut self) {
+        let mut top = self.levels.len() - 1;
+        while self.levels[top].len() > 1 {
+            self.levels.push(vec![Block::EMPTY; self.levels[top].len().div_ceil(WIDTH)]);
+            top += 1;
+        }
+    }
+
+    /// Makes room for one more box at the end, where the last block is full. `end` is the new box's place.
+    pub(super) fn push(&mut self, end: usize) {
+        let mut place = end;
+        for height in 0..self.levels.len() {
+            place /= WIDTH;
+            if place == self.levels[height].len() {
+                self.levels[height].push(Block::EMPTY);
+            }
+        }
+        let height = self.levels.len();
+        self.raise();
+        if self.levels.len() > height {
+            self.refit();
+        }
+    }
+
+    /// Puts a box in its place. The levels above know of it only after a refit.
+    #[inline]
+    pub(super) fn set(&mut self, slot: usize, aabb: &Aabb3d) {
+        self.levels[0][slot / WIDTH].set(slot % WIDTH, aabb);
+    }
+
+    /// The box in a place.
+    #[inline]
+    pub(super) fn get(&self, slot: usize) -> Aabb3d {
+        self.levels[0].get(slot / WIDTH).map_or(EMPTY, |block| block.get(slot % WIDTH))
+    }
+
+    /// Brings all levels above the boxes up to date. O(n), with a small constant.
+    pub(super) fn refit(&mut self) {
+        for height in 1..self.levels.len() {
+            let (below, above) = self.levels.split_at_mut(height);
+            for (block, eight) in above[0].iter_mut().zip(below[height - 1].chunks(WIDTH)) {
+                for (lane, child) in eight.iter().enumerate() {
+                    block.set(lane, &child.bounds());
+                }
+            }
+        }
+    }
+
+    /// Brings the blocks above one box up to date.
+    pub(super) fn refit_above(&mut self, slot: usize) {
+        let mut place = slot / WIDTH;
+        for height in 1..self.levels.len() {
+            let bounds = self.levels[height - 1][place].bounds();
+            self.levels[height][place / WIDTH].set(place % WIDTH, &bounds);
+            place /= WIDTH;
+        }
+    }
+
+    /// Blocks by level, the boxes first.
+    #[inline]
+    pub(super) fn as_slice(&self) -> &[Vec<Block>] {
+        &self.levels
+    }
+
+    /// Lets a visitor walk through the tree; `object` is called with the slots of the boxes that it reaches.
+    pub(super) fn traverse(&self, visitor: &mut dyn Visitor, mut object: impl FnMut(usize, &mut dyn Visitor)) {
+        let mut stack = vec![(self.levels.len() - 1, 0)];
+        while let Some((height, place)) = stack.pop() {
+            let block = &self.levels[height][place];
+            for lane in (0..WIDTH).rev() {
+                let bounds = block.get(lane);
+                if bounds.min.x > bounds.max.x || !visitor.enter(&bounds) {
+                    continue;
+                }
+                let child = place * WIDTH + lane;
+                match height {
+                    0 => object(child, visitor),
+                    _ => stack.push((height - 1, child)),
+                }
+            }
+        }
+    }
+
+    /// The number of levels.
+    pub(super) fn height(&self) -> u32 {
+        self.levels.len() as u32
+    }
+
+    /// The number of blocks on all levels.
+    pub(super) fn blocks(&self) -> usize {
+        self.levels.iter().map(Vec::len).sum()
+    }
+
+    /// The number of blocks of boxes.
+    pub(super) fn leaves(&self) -> usize {
+        self.levels[0].len()
+    }
+
+    pub(super) fn memory_bytes(&self) -> usize {
+        self.levels.iter().map(|level| level.capacity() * size_of::<Block>()).sum()
+    }
+
+    /// Checks that bounds hold what is below them, and that nothing stands beyond the last of so many boxes.
+    ///
+    /// # Panics
+    /// If it is not so.
+    pub(super) fn assert_well_formed(&self, boxes: usize) {
+        assert_eq!(self.levels.last().map(Vec::len), Some(1), "a single block on top");
+        for (below, above) in self.levels.iter().zip(self.levels.iter().skip(1)) {
+            assert_eq!(below.len().div_ceil(WIDTH), above.len());
+            for (place, block) in below.iter().enumerate() {
+                let (inner, outer) = (block.bounds(), above[place / WIDTH].get(place % WIDTH));
+                let held = outer.min.cmple(inner.min).all() && outer.max.cmpge(inner.max).all();
+                assert!(held, "block {place} is within its bounds");
+            }
+        }
+        for slot in boxes..self.levels[0].len() * WIDTH {
+            assert_eq!(self.get(slot), EMPTY);
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! The order of the boxes: along a space-filling curve, large boxes apart from small ones.
+
+use std::ops::Range;
+
+use bevy::math::{Vec3A, bounding::Aabb3d};
+use fearless_simd::{Level, dispatch, prelude::*};
+
+/// Puts a key in the upper and an index in the lower half of a number.
+#[inline]
+const fn pack(key: u32, index: u32) -> u64 {
+    (key as u64) << 32 | index as u64
+}
+
+/// Sorts by the key in the upper half: three passes of a radix sort, stable.
+pub(super) fn sort(items: &mut Vec<u64>, scratch: &mut Vec<u64>) {
+    const BITS: u32 = 11;
+    const BUCKETS: usize = 1 << BITS;
+    scratch.clear();
+    scratch.resize(items.len(), 0);
+    let mut counts = [[0_u32; BUCKETS]; 3];
+    for item in &*items {
+        for (pass, counts) in counts.iter_mut().enumerate() {
+            counts[(item >> (32 + pass as u32 * BITS)) as usize % BUCKETS] += 1;
+        }
+    }
+    for (pass, counts) in counts.iter_mut().enumerate() {
+        // Nothing to do where all keys agree.
+        if counts.iter().any(|count| *count as usize == items.len()) {
+            continue;
+        }
+        let mut start = 0;
+        for count in counts.iter_mut() {
+            start += std::mem::replace(count, start);
+        }
+        for item in &*items {
+            let place = &mut counts[(item >> (32 + pass as u32 * BITS)) as usize % BUCKETS];
+            scratch[*place as usize] = *item;
+            *place += 1;
+        }
+        std::mem::swap(items, scratch);
+    }
+}
+
+/// How many keys are computed side by side.
+const LANES: usize = 16;
+/// Bits of each coordinate in a key.
+const CELL_BITS: u32 = 9;
+
+/// A run of objects in the same cell that is longer than this is put in order within the cell.
+const LONG_RUN: usize = 64;
+
+/// Fills `items` with the objects in their order on the curve, in the lower halves.
+pub(super) fn order(
+    level: Level,
+    boxes: &[Aabb3d],
+    objects: impl Iterator<Item = u32>,
+    items: &mut Vec<u64>,
+    scratch: &mut Vec<u64>,
+) {
+    items.clear();
+    items.extend(objects.map(u64::from));
+    dispatch!(level, simd => set_keys(simd, boxes, items));
+    sort(items, scratch);
+    // Where a few objects far away make the cells large, many may share one.
+    let mut long_runs: Vec<Range<usize>> = runs(items, 0);
+    while let Some(run) = long_runs.pop() {
+        let items = &mut items[run.clone()];
+        dispatch!(level, simd => set_keys(simd, boxes, items));
+        items.sort_unstable();
+        let whole = 0..items.len();
+        long_runs.extend(runs(items, run.start).into_iter().filter(|inner| inner.len() < whole.len()));
+    }
+}
+
+/// The long runs of items with equal keys, as places from `start` on.
+fn runs(items: &[u64], start: usize) -> Vec<Range<usize>> {
+    let mut runs = Vec::new();
+    let mut begin = 0;
+    for run in items.chunk_by(|a, b| a >> 32 == b >> 32) {
+        let end = begin + run.len();
+        if run.len() > LONG_RUN {
+            runs.push(start + begin..start + end);
+        }
+        begin = end;
+    }
+    runs
+}
+
+/// Gives items, which have their objects in the lower halves, keys in the upper halves.
+#[inline(always)]
+fn set_keys<S: Simd>(_: S, boxes: &[Aabb3d], items: &mut [u64]) {
+    // Half the centres, and half the longest side of all: sums of large numbers may overflow.
+    let (mut low, mut high, mut largest) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY, Vec3A::ZERO);
+    for item in &*items {
+        let aabb = &boxes[*item as u32 as usize];
+        let center = aabb.min * 0.25 + aabb.max * 0.25;
+        low = low.min(center);
+        high = high.max(center);
+        largest = largest.max(aabb.max * 0.5 - aabb.min * 0.5);
+    }
+    const CELLS: f32 = (1 << CELL_BITS) as f32;
+    let largest = largest.max_element();
+    let scale = CELLS / (high - low).max_element();
+    let scale = if scale.is_finite() { scale } else { 0.0 };
+    for items in items.chunks_mut(LANES) {
+        let mut cells = [[0_u32; LANES]; 3];
+        let mut classes = [0_u32; LANES];
+        for (lane, item) in items.iter().enumerate() {
+            let aabb = &boxes[*item as u32 as usize];
+            let cell = (aabb.min * 0.25 + aabb.max * 0.25 - low) * scale;
+            let cell = cell.min(Vec3A::splat(CELLS - 1.0)).to_array();
+            for axis in 0..3 {
+                cells[axis][lane] = cell[axis] as u32;
+            }
+            classes[lane] = size_class(largest / (aabb.max * 0.5 - aabb.min * 0.5).max_element());
+        }
+        let places = hilbert(cells);
+        for (lane, item) in items.iter_mut().enumerate() {
+            *item = pack(classes[lane] << (3 * CELL_BITS) | places[lane], *item as u32);
+        }
+    }
+}
+
+/// How many times smaller by four an object is than the largest, at most 31.
+#[inline(always)]
+fn size_class(ratio: f32) -> u32 {
+    // The exponent is the logarithm; that of infinity, for a point, is large too.
+    ((ratio.to_bits() >> 23).saturating_sub(127) / 2).min(31)
+}
+
+/// The places of cells on the Hilbert curve, by Skilling's transform (AIP Conference Proceedings 707, 2004) without
+/// branches.
+#[inline(always)]
+fn hilbert(cells: [[u32; LANES]; 3]) -> [u32; LANES] {
+    let [mut x, mut y, mut z] = cells;
+    let mut places = [0; LANES];
+    for lane in 0..LANES {
+        let (mut a, mut b, mut c) = (x[lane], y[lane], z[lane]);
+        for bit in (1..CELL_BITS).rev() {
+            let low = (1 << bit) - 1;
+            // All ones where the bit is set.
+            let set = |v: u32| (v >> bit & 1).wrapping_neg();
+            a ^= low & set(a);
+            let swap = (a ^ b) & low & !set(b);
+            a ^= (low & set(b)) | swap;
+            b ^= swap;
+            let swap = (a ^ c) & low & !set(c);
+            a ^= (low & set(c)) | swap;
+            c ^= swap;
+        }
+        b ^= a;
+        c ^= b;
+        let mut flip = 0;
+        for bit in 1..CELL_BITS {
+            flip ^= ((1 << bit) - 1) & (c >> bit & 1).wrapping_neg();
+        }
+        (x[lane], y[lane], z[lane]) = (a ^ flip, b ^ flip, c ^ flip);
+        places[lane] = spread(x[lane]) << 2 | spread(y[lane]) << 1 | spread(z[lane]);
+    }
+    places
+}
+
+/// Puts two zeros before each of ten bits.
+#[inline(always)]
+const fn spread(v: u32) -> u32 {
+    let v = (v | v << 16) & 0x0300_00FF;
+    let v = (v | v << 8) & 0x0300_F00F;
+    let v = (v | v << 4) & 0x030C_30C3;
+    (v | v << 2) & 0x0924_9249
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_curve_visits_neighbours_one_after_the_other() {
+        // The lower corner of the cube is a curve of its own: 8 × 8 × 8 cells, each next to the one before.
+        let mut cells = Vec::new();
+        for x in 0..8_u32 {
+            for y in 0..8 {
+                for z in 0..8 {
+                    let mut lanes = [[0; LANES]; 3];
+                    (lanes[0][0], lanes[1][0], lanes[2][0]) = (x, y, z);
+                    cells.push((hilbert(lanes)[0], [x, y, z]));
+                }
+            }
+        }
+        cells.sort_unstable();
+        for (place, pair) in cells.windows(2).enumerate() {
+            let distance: u32 = (0..3).map(|axis| pair[0].1[axis].abs_diff(pair[1].1[axis])).sum();
+            assert_eq!((pair[0].0 as usize, distance), (place, 1));
+        }
+    }
+
+    #[test]
+    fn sorting_is_stable_and_complete() {
+        let mut rng = fastrand::Rng::with_seed(3);
+        let mut items: Vec<u64> = (0..5000).map(|index| pack(rng.u32(0..1000) << 20, index)).collect();
+        let mut expected = items.clone();
+        expected.sort_unstable();
+        sort(&mut items, &mut Vec::new());
+        assert_eq!(items, expected);
+    }
+}

@@ -1,0 +1,124 @@
+//! Skins: where an object may go before the index has to know.
+
+use bevy::math::{Vec3, Vec3A, bounding::Aabb3d};
+
+use super::EMPTY;
+use crate::broad_phase::{Proxies, ProxyId};
+
+/// How much of its size an object is let move in its skin, on the average axis. More makes skins last longer, and makes
+/// more of them overlap.
+const REACH: f32 = 0.35;
+
+/// The most ticks that a skin is made for.
+const LONGEST: f32 = 32.0;
+
+/// Share of the way ahead that is added on all sides: rounding must not carry an object out of a skin along its way.
+const MARGIN: f32 = 0.02;
+
+/// The skin of each object, and when it was made.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Skins {
+    tick: u32,
+    skins: Vec<Aabb3d>,
+    anchors: Vec<Anchor>,
+}
+
+/// The lower corner of an object's box when its skin was made, and the tick; 0 if there is none.
+#[derive(Clone, Copy, Debug, Default)]
+struct Anchor {
+    corner: Vec3,
+    tick: u32,
+}
+
+impl Skins {
+    /// Makes room for so many objects, and counts the ticks.
+    pub(super) fn begin_tick(&mut self, objects: usize) {
+        // 0 is kept for anchors that are none.
+        self.tick = self.tick.checked_add(1).unwrap_or(1);
+        self.skins.resize(objects, EMPTY);
+        self.anchors.resize(objects, Anchor::default());
+    }
+
+    #[inline]
+    pub(super) fn get(&self, id: ProxyId) -> &Aabb3d {
+        &self.skins[id.index()]
+    }
+
+    /// Is a box within the object's skin?
+    #[inline]
+    pub(super) fn holds(&self, id: ProxyId, aabb: &Aabb3d) -> bool {
+        let skin = &self.skins[id.index()];
+        (skin.min.cmple(aabb.min) & skin.max.cmpge(aabb.max)).all()
+    }
+
+    pub(super) fn remove(&mut self, id: ProxyId) {
+        self.skins[id.index()] = EMPTY;
+        self.anchors[id.index()] = Anchor::default();
+    }
+
+    /// Gives some objects new skins.
+    pub(super) fn renew(&mut self, proxies: &Proxies, objects: &[u32]) {
+        let horizon = self.horizon(proxies, objects);
+        for id in objects.iter().map(|id| ProxyId::new(*id)) {
+            self.make(id, &proxies.boxes()[id.index()], horizon);
+        }
+    }
+
+    /// Gives all objects new skins, for as many ticks as suits those that have left theirs. True if they are the boxes
+    /// themselves.
+    pub(super) fn renew_all(&mut self, proxies: &Proxies, escaped: &[u32]) -> bool {
+        self.skins.resize(proxies.capacity(), EMPTY);
+        self.anchors.resize(proxies.capacity(), Anchor::default());
+        let horizon = self.horizon(proxies, escaped);
+        for (id, aabb) in proxies.iter() {
+            self.make(id, aabb, if proxies.is_moved(id) { horizon } else { 0.0 });
+        }
+        horizon == 0.0
+    }
+
+    #[inline]
+    fn make(&mut self, id: ProxyId, aabb: &Aabb3d, horizon: f32) {
+        let way = if horizon > 0.0 { self.step(id, aabb) * horizon } else { Vec3A::ZERO };
+        let margin = way.abs() * MARGIN;
+        let min = aabb.min + way.min(Vec3A::ZERO) - margin;
+        let max = aabb.max + way.max(Vec3A::ZERO) + margin;
+        // A way that overflows is not worth a skin.
+        let fits = min.is_finite() && max.is_finite();
+        self.skins[id.index()] = if fits { Aabb3d { min, max } } else { *aabb };
+        self.anchors[id.index()] = Anchor { corner: aabb.min.into(), tick: self.tick };
+    }
+
+    /// How an object moves in a tick: the mean since its skin was made.
+    #[inline]
+    fn step(&self, id: ProxyId, aabb: &Aabb3d) -> Vec3A {
+        let anchor = self.anchors[id.index()];
+        match self.tick.wrapping_sub(anchor.tick) {
+            age if anchor.tick != 0 && age != 0 => (aabb.min - Vec3A::from(anchor.corner)) / age as f32,
+            _ => Vec3A::ZERO,
+        }
+    }
+
+    /// For how many ticks ahead skins should be made, given the objects that left theirs; 0 if that does not pay.
+    ///
+    /// The mean over a sample, of the steps in parts of the objects' sizes, says how soon they have moved by as much as
+    /// [`REACH`].
+    fn horizon(&self, proxies: &Proxies, objects: &[u32]) -> f32 {
+        const SAMPLE: usize = 1024;
+        let (mut sum, mut count) = (0.0, 0.0);
+        for id in objects.iter().step_by(objects.len() / SAMPLE + 1).map(|id| ProxyId::new(*id)) {
+            let aabb = &proxies.boxes()[id.index()];
+            let size = (aabb.max - aabb.min).max_element();
+            let step = self.step(id, aabb).abs().element_sum() / 3.0;
+            if step > 0.0 {
+                sum += (step / size).min(1.0);
+                count += 1.0;
+            }
+        }
+        let ticks = if sum > 0.0 { (REACH * count / sum).floor() } else { 1.0 };
+        if ticks < 2.0 { 0.0 } else { ticks.min(LONGEST) }
+    }
+
+    pub(super) fn memory_bytes(&self) -> usize {
+        self.skins.capacity() * size_of::<Aabb3d>() + self.anchors.capacity() * size_of::<Anchor>()
+    }
+}
