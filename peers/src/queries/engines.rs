@@ -73,6 +73,7 @@ pub struct Entry {
 pub fn all(boxes: &[Aabb3d]) -> Vec<Entry> {
     let entry = |name, role, engine| Entry { name, role, engine };
     vec![
+        entry("auto", Role::Ours, Box::new(Ours::new(boxes, "auto"))),
         entry("octree", Role::Ours, Box::new(Ours::new(boxes, "octree"))),
         entry("parry", Role::Peer, Box::new(Parry::new(boxes))),
         entry("obvhs-bvh2", Role::Peer, Box::new(Obvhs2::new(boxes))),
