@@ -11,7 +11,6 @@ use bevy_octree::{
 };
 use brute_force::{compare, overlapping_pairs};
 use clap::Parser;
-use method::method;
 use outcome::{Outcome, exit};
 use progress::Progress;
 use quantile::quantile;
@@ -19,8 +18,6 @@ use threads::use_threads;
 
 #[path = "common/brute_force.rs"]
 mod brute_force;
-#[path = "common/method.rs"]
-mod method;
 #[path = "common/outcome.rs"]
 mod outcome;
 #[path = "common/progress.rs"]
@@ -42,7 +39,7 @@ struct Arguments {
     file: PathBuf,
     /// The broad phase: `object` for the report's N-objects octree, `exhaustive`, or any other that the library knows.
     /// The library's default if not given.
-    #[arg(long, value_parser = method)]
+    #[arg(long)]
     engine: Option<Method>,
     /// How many threads work.
     #[arg(long, default_value_t = NonZero::<usize>::MIN, allow_negative_numbers = true)]

@@ -10,15 +10,12 @@ use std::{
 
 use bevy_octree::{broad_phase::Method, scene::stress::StressScene};
 use clap::Parser;
-use method::method;
 use outcome::{Outcome, exit};
 use progress::Progress;
 use quantile::quantile;
 use stress_app::{Setup, StressApp};
 use threads::use_threads;
 
-#[path = "common/method.rs"]
-mod method;
 #[path = "common/outcome.rs"]
 mod outcome;
 #[path = "common/progress.rs"]
@@ -67,7 +64,7 @@ struct Arguments {
     seed: u64,
     /// The broad phase: `object` for the report's N-objects octree, `exhaustive`, or any other that the library knows.
     /// The library's default if not given.
-    #[arg(long, value_parser = method)]
+    #[arg(long)]
     method: Option<Method>,
     /// Instead of measuring --objects, look for the largest number of objects whose median frame takes at most 16.6 ms
     /// (up to 2 048 000 objects, in about two minutes at most), and measure that.

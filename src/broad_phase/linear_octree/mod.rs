@@ -227,6 +227,8 @@ impl LinearOctree {
         } else if !self.fresh.is_empty() {
             let is_fresh = &self.is_fresh;
             self.near.retain(|[a, b]| !(is_fresh[*a as usize] | is_fresh[*b as usize]));
+            // In the order of space, one search finds in the cache what the last one has read.
+            self.fresh.sort_unstable();
             dispatch!(self.level, simd => self.search_fresh(simd));
             for slot in self.fresh.drain(..) {
                 self.is_fresh[slot as usize] = false;
@@ -270,16 +272,23 @@ impl LinearOctree {
         if !self.tight {
             self.gather(proxies);
         }
-        let all_moved = proxies.all_moved();
         let start = pairs.len();
         pairs.resize(start + self.near.len(), Pair { a: ProxyId::new(0), b: ProxyId::new(0) });
         let mut end = start;
         // Without a branch on the verdict: it would be mispredicted often.
         for [a, b] in &self.near {
+            pairs[end] = Pair { a: ProxyId::new(*a), b: ProxyId::new(*b) };
             let hit = self.tight || overlap(&self.boxes[*a as usize], &self.boxes[*b as usize]);
-            let [a, b] = [a, b].map(|slot| ProxyId::new(self.owners[*slot as usize]));
+            end += usize::from(hit);
+        }
+        // So far, these are slots.
+        let hits = start..end;
+        end = start;
+        let all_moved = proxies.all_moved();
+        for place in hits {
+            let [a, b] = [pairs[place].a, pairs[place].b].map(|slot| ProxyId::new(self.owners[slot.index()]));
             pairs[end] = Pair { a: a.min(b), b: a.max(b) };
-            end += usize::from(hit & (all_moved || proxies.is_moved(a) || proxies.is_moved(b)));
+            end += usize::from(all_moved || proxies.is_moved(a) || proxies.is_moved(b));
         }
         pairs.truncate(end);
         self.near.len() as u64

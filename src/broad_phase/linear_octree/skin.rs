@@ -5,11 +5,14 @@ use bevy::math::{Vec3, Vec3A, bounding::Aabb3d};
 use super::EMPTY;
 use crate::broad_phase::{Proxies, ProxyId};
 
-/// How much of its size an object is let move in its skin, on the average axis. More makes skins last longer, and makes
-/// more of them overlap.
-const REACH: f32 = 0.35;
+/// How much larger than boxes skins may be, by volume. More makes skins last longer, and more of them overlap.
+const GROWTH: f32 = 1.6;
 
-/// The most ticks that a skin is made for.
+/// The fewest ticks that skins are worth making for, and how much larger they may be for these.
+const SHORTEST: f32 = 2.0;
+const GROWTH_FOR_SHORTEST: f32 = 2.1;
+
+/// The most ticks that skins are made for.
 const LONGEST: f32 = 32.0;
 
 /// Share of the way ahead that is added on all sides: rounding must not carry an object out of a skin along its way.
@@ -100,22 +103,32 @@ impl Skins {
 
     /// For how many ticks ahead skins should be made, given the objects that left theirs; 0 if that does not pay.
     ///
-    /// The mean over a sample, of the steps in parts of the objects' sizes, says how soon they have moved by as much as
-    /// [`REACH`].
+    /// The mean over a sample, of the steps in parts of the objects' sizes, says how fast skins would grow.
     fn horizon(&self, proxies: &Proxies, objects: &[u32]) -> f32 {
         const SAMPLE: usize = 1024;
-        let (mut sum, mut count) = (0.0, 0.0);
+        let (mut sum, mut count) = (Vec3A::ZERO, 0.0);
         for id in objects.iter().step_by(objects.len() / SAMPLE + 1).map(|id| ProxyId::new(*id)) {
             let aabb = &proxies.boxes()[id.index()];
-            let size = (aabb.max - aabb.min).max_element();
-            let step = self.step(id, aabb).abs().element_sum() / 3.0;
-            if step > 0.0 {
-                sum += (step / size).min(1.0);
+            let step = self.step(id, aabb).abs();
+            if step != Vec3A::ZERO {
+                // The share is 1 at most, also for points.
+                sum += step / (aabb.max - aabb.min).max(step).max(Vec3A::splat(f32::MIN_POSITIVE));
                 count += 1.0;
             }
         }
-        let ticks = if sum > 0.0 { (REACH * count / sum).floor() } else { 1.0 };
-        if ticks < 2.0 { 0.0 } else { ticks.min(LONGEST) }
+        if count == 0.0 {
+            return SHORTEST;
+        }
+        let share = sum / count;
+        let growth = |ticks: f32| (Vec3A::ONE + share * ticks).to_array().into_iter().product::<f32>();
+        if growth(SHORTEST) > GROWTH_FOR_SHORTEST {
+            return 0.0;
+        }
+        let mut ticks = SHORTEST;
+        while ticks < LONGEST && growth(ticks + 1.0) <= GROWTH {
+            ticks += 1.0;
+        }
+        ticks
     }
 
     pub(super) fn memory_bytes(&self) -> usize {
