@@ -38,7 +38,10 @@ pub struct BouncePlugin(pub(crate) InternedScheduleLabel);
 
 impl Plugin for BouncePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(self.0, (reverse, reflect).chain().in_set(CollisionSystems::Response));
+        // Where nothing bounces, contacts are not looked at.
+        let something_bounces = |bouncing: Query<(), With<Bounce>>| !bouncing.is_empty();
+        let respond = (reverse, reflect).chain().run_if(something_bounces);
+        app.add_systems(self.0, respond.in_set(CollisionSystems::Response));
     }
 }
 
