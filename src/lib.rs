@@ -58,6 +58,7 @@ pub mod counters;
 pub mod motion;
 pub mod narrow_phase;
 pub mod octree;
+mod parallel;
 pub mod plugin;
 pub mod response;
 pub mod scene;

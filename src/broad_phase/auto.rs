@@ -35,7 +35,7 @@ impl BroadPhase for Auto {
         match &mut self.linear {
             Some(_) if proxies.len() < FEW => self.linear = None,
             Some(linear) => linear.maintain(proxies),
-            None if proxies.len() > MANY => self.linear.insert(LinearOctree::default()).refresh(proxies),
+            None if proxies.len() > MANY => self.linear.insert(LinearOctree::default()).maintain(proxies),
             None => {}
         }
     }

@@ -88,16 +88,19 @@ impl PairSet {
     }
 
     /// Sorts last tick's pairs into those that rest now and those that a broad phase finds again, if they are still
-    /// pairs; returns the list to push the latter to. Takes time only for pairs, and none if nothing changed.
+    /// pairs; returns the list to push the latter to. Takes time only for pairs, and none where those that moved go
+    /// on moving, and those that rest go on resting.
     pub(super) fn begin(&mut self, proxies: &Proxies) -> &mut Vec<Pair> {
         let rests = |pair: &Pair| proxies.is_resting(pair.a) && proxies.is_resting(pair.b);
         if proxies.all_moved() {
             self.resting.clear();
         } else {
-            if !proxies.moved().is_empty() {
+            if proxies.some_woke() {
                 self.resting.retain(rests);
             }
-            self.resting.extend(self.moving.iter().copied().filter(rests));
+            if proxies.some_slept() {
+                self.resting.extend(self.moving.iter().copied().filter(rests));
+            }
         }
         self.moving.clear();
         &mut self.moving

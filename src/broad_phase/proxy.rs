@@ -1,6 +1,9 @@
 //! Proxies: the boxes of the objects, behind stable handles.
 
-use bevy::{math::bounding::Aabb3d, prelude::Reflect};
+use bevy::{
+    math::{Vec3A, bounding::Aabb3d},
+    prelude::Reflect,
+};
 use thiserror::Error;
 
 /// The handle of one object's box in a [`SpatialIndex`](super::SpatialIndex).
@@ -57,8 +60,7 @@ pub enum BoxError {
 /// [`BoxError::NotFinite`] and [`BoxError::Inverted`].
 #[inline]
 pub fn check_box(aabb: &Aabb3d) -> Result<(), BoxError> {
-    // Finite and ordered is the case to make fast: a NaN fails the comparison.
-    if aabb.min.cmple(aabb.max).all() && aabb.min.is_finite() && aabb.max.is_finite() {
+    if is_box(aabb) {
         return Ok(());
     }
     if aabb.min.is_finite() && aabb.max.is_finite() {
@@ -68,11 +70,19 @@ pub fn check_box(aabb: &Aabb3d) -> Result<(), BoxError> {
     }
 }
 
+/// Is a box finite and not inverted? A NaN fails every comparison.
+#[inline]
+fn is_box(aabb: &Aabb3d) -> bool {
+    let least = Vec3A::splat(f32::MIN);
+    let most = Vec3A::splat(f32::MAX);
+    (aabb.min.cmple(aabb.max) & aabb.min.cmpge(least) & aabb.max.cmple(most)).all()
+}
+
 /// Do two boxes overlap? Touching counts, as in [`Aabb3d`]'s own `intersects`.
 #[inline]
 #[must_use]
 pub fn overlap(a: &Aabb3d, b: &Aabb3d) -> bool {
-    a.min.cmple(b.max).all() && a.max.cmpge(b.min).all()
+    (a.min.cmple(b.max) & a.max.cmpge(b.min)).all()
 }
 
 const ALIVE: u8 = 1;
@@ -97,6 +107,13 @@ pub struct Proxies {
     alive: usize,
     /// How many of `moved` are still there.
     alive_moved: usize,
+    /// Did an object come or go between the last two updates?
+    population_changed: bool,
+    /// And since the last update?
+    population_is_changing: bool,
+    /// Did an object move, or go, that had not moved in the update before? And the other way round?
+    some_woke: bool,
+    some_slept: bool,
 }
 
 impl Proxies {
@@ -171,6 +188,28 @@ impl Proxies {
         self.alive_moved == self.alive
     }
 
+    /// Was an object inserted or removed between the last two updates?
+    #[inline]
+    #[must_use]
+    pub const fn population_changed(&self) -> bool {
+        self.population_changed
+    }
+
+    /// Did an object move between the last two updates that had not moved between the two before? Objects that came
+    /// or went count.
+    #[inline]
+    #[must_use]
+    pub const fn some_woke(&self) -> bool {
+        self.some_woke
+    }
+
+    /// Did an object rest between the last two updates that had moved between the two before?
+    #[inline]
+    #[must_use]
+    pub const fn some_slept(&self) -> bool {
+        self.some_slept
+    }
+
     /// Are there changes that no update has taken up yet?
     #[inline]
     #[must_use]
@@ -209,21 +248,35 @@ impl Proxies {
         self.flags[id.index()] = ALIVE;
         self.mark(id);
         self.alive += 1;
+        self.population_is_changing = true;
         Ok(id)
     }
 
     #[inline]
     pub(super) fn set(&mut self, id: ProxyId, aabb: &Aabb3d) -> Result<(), BoxError> {
-        check_box(aabb)?;
-        if !self.contains(id) {
-            return Err(BoxError::UnknownProxy(id));
+        let (Some(flags), Some(old)) = (self.flags.get_mut(id.index()), self.boxes.get_mut(id.index())) else {
+            return Err(self.refusal(id, aabb));
+        };
+        // Most common first: the same box again, which is known to be a good one.
+        let is_same = old.min.cmpeq(aabb.min) & old.max.cmpeq(aabb.max);
+        if is_same.all() && *flags & ALIVE != 0 {
+            return Ok(());
         }
-        let old = &mut self.boxes[id.index()];
-        if old.min != aabb.min || old.max != aabb.max {
-            *old = *aabb;
-            self.mark(id);
+        if !is_box(aabb) || *flags & ALIVE == 0 {
+            return Err(self.refusal(id, aabb));
+        }
+        *old = *aabb;
+        if *flags & PENDING == 0 {
+            *flags |= PENDING;
+            self.pending.push(id);
         }
         Ok(())
+    }
+
+    /// Why a box is not taken.
+    #[cold]
+    fn refusal(&self, id: ProxyId, aabb: &Aabb3d) -> BoxError {
+        check_box(aabb).err().unwrap_or(BoxError::UnknownProxy(id))
     }
 
     pub(super) fn touch(&mut self, id: ProxyId) -> bool {
@@ -250,21 +303,31 @@ impl Proxies {
         self.mark(id);
         self.dying.push(id);
         self.alive -= 1;
+        self.population_is_changing = true;
         true
     }
 
     /// Makes the pending changes the current ones.
     pub(super) fn begin_update(&mut self) {
+        let mut slept = 0;
         for id in self.moved.drain(..) {
-            self.flags[id.index()] &= !MOVED;
+            let flags = &mut self.flags[id.index()];
+            let goes_on = *flags & PENDING != 0;
+            slept |= *flags & ALIVE & !u8::from(goes_on);
+            *flags &= if goes_on { !0 } else { !MOVED };
         }
+        self.some_slept = slept != 0;
         std::mem::swap(&mut self.moved, &mut self.pending);
         self.alive_moved = 0;
+        let mut moved_before = MOVED;
         for id in &self.moved {
             let flags = &mut self.flags[id.index()];
+            moved_before &= *flags;
             *flags = *flags & ALIVE | MOVED;
             self.alive_moved += usize::from(*flags & ALIVE);
         }
+        self.some_woke = moved_before == 0;
+        self.population_changed = std::mem::take(&mut self.population_is_changing);
         self.free.append(&mut self.dead);
         std::mem::swap(&mut self.dead, &mut self.dying);
     }

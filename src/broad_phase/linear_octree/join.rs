@@ -1,103 +1,208 @@
 //! Searching the tree: one box against all, and all against all.
 
-use bevy::math::bounding::Aabb3d;
 use fearless_simd::{Level, Simd, dispatch};
 
-use super::levels::{Block, Levels, WIDTH};
+use super::{
+    levels::{ALL, Levels, WIDTH},
+    list::{List, Packed, pack, unpack},
+};
+use crate::parallel;
 
-/// Two blocks of the same height whose boxes are to be compared; or one with itself.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Task {
-    height: u32,
-    a: u32,
-    b: u32,
-    /// The boxes of `a` that reach into the bounds of `b`: a bit for each.
-    lanes: u32,
+/// How many pairs of blocks are worked on at once: few enough that what they lead to stays in the cache.
+const BATCH: usize = 128;
+
+/// Pairs of blocks, and slots, of one job.
+const PAIRS_OF_JOB: usize = 256;
+const SLOTS_OF_JOB: usize = 512;
+
+/// Lists that are worked with, kept for the next time.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Workspace {
+    /// Pairs of blocks from which the jobs begin.
+    pairs: List,
+    next: List,
+    jobs: Vec<Job>,
+}
+
+/// The lists of a job.
+#[derive(Clone, Debug, Default)]
+struct Job {
+    /// Boxes, each with a block of the same level with which to compare it.
+    rows: List,
+    /// By height: pairs of blocks whose bounds overlap.
+    pairs: Vec<List>,
+    found: List,
+    compared: usize,
 }
 
 impl Levels {
-    /// Appends the slots of each pair of overlapping boxes, the lower slot first.
-    pub(super) fn self_join(&self, level: Level, stack: &mut Vec<Task>, found: &mut Vec<[u32; 2]>) {
-        dispatch!(level, simd => self_join(simd, self.as_slice(), stack, found));
-    }
-
-    /// Calls `found` with the slots of all boxes that overlap `aabb`.
-    #[inline(always)]
-    pub(super) fn query<S: Simd>(&self, simd: S, aabb: &Aabb3d, stack: &mut Vec<Task>, mut found: impl FnMut(u32)) {
-        let levels = self.as_slice();
-        let (min, max) = (aabb.min.to_array(), aabb.max.to_array());
-        stack.clear();
-        stack.push(Task { height: levels.len() as u32 - 1, ..Task::default() });
-        while let Some(Task { height, a, .. }) = stack.pop() {
-            let hits = levels[height as usize][a as usize].overlaps(simd, min, max);
-            each_bit(u64::from(hits), |lane| {
-                let child = a * WIDTH as u32 + lane;
-                match height {
-                    0 => found(child),
-                    _ => stack.push(Task { height: height - 1, a: child, ..Task::default() }),
-                }
-            });
+    /// Appends the slots of each pair of overlapping boxes, the lower slot first. Returns how often a box was compared
+    /// with a block.
+    ///
+    /// From the top down: pairs of boxes that overlap on one level are the pairs of blocks to look at on the next. Only
+    /// the boxes of the one block that reach into the bounds of the other are compared with it; most pairs of blocks
+    /// have none.
+    pub(super) fn self_join(&self, level: Level, work: &mut Workspace, found: &mut List) -> usize {
+        let mut height = self.as_slice().len() - 1;
+        let mut compared = 0;
+        let Workspace { pairs, next, jobs } = work;
+        jobs.resize_with(jobs.len().max(1), Job::default);
+        pairs.clear();
+        pairs.reserve(1);
+        pairs.push_lanes(1, pack(0, 0), 0);
+        // The upper levels at once, until there is work for several.
+        while height > 0 && pairs.as_slice().len() <= PAIRS_OF_JOB {
+            next.clear();
+            let rows = &mut jobs[0].rows;
+            compared += dispatch!(level, simd => self.join_blocks(simd, height, pairs.as_slice(), rows, next));
+            std::mem::swap(pairs, next);
+            height -= 1;
         }
-    }
-}
-
-/// Joins the tree with itself from the top down. Of two different blocks, only the boxes of the one that reach into the
-/// bounds of the other are compared; most pairs of blocks whose bounds overlap have none, and are dropped.
-///
-/// Branches that cannot be predicted cost more than comparisons here. So the verdicts on all pairs of two blocks are
-/// gathered in one mask, and tasks are put on the stack first and taken off again if there is nothing to do.
-#[inline(always)]
-fn self_join<S: Simd>(simd: S, levels: &[Vec<Block>], stack: &mut Vec<Task>, found: &mut Vec<[u32; 2]>) {
-    const ALL: u32 = (1 << WIDTH) - 1;
-    const MOST_CHILDREN: usize = WIDTH * WIDTH;
-    stack.clear();
-    stack.resize(MOST_CHILDREN, Task::default());
-    stack[0] = Task { height: levels.len() as u32 - 1, a: 0, b: 0, lanes: ALL };
-    let mut tasks = 1;
-    while tasks > 0 {
-        tasks -= 1;
-        let Task { height, a, b, lanes } = stack[tasks];
-        let level = &levels[height as usize];
-        let (block_a, block_b) = (&level[a as usize], &level[b as usize]);
-        let (base_a, base_b) = (a * WIDTH as u32, b * WIDTH as u32);
-        let mut verdicts = 0_u64;
-        if a == b {
-            for lane in 0..WIDTH {
-                // At the bottom, each box with those after it; above, each block with itself too.
-                let after = if height == 0 { !1 << lane } else { !0 << lane };
-                let hits = block_a.overlaps_lane(simd, block_a, lane) & after & ALL;
-                verdicts |= u64::from(hits) << (lane * WIDTH);
-            }
-        } else {
-            each_bit(u64::from(lanes), |lane| {
-                let hits = block_b.overlaps_lane(simd, block_a, lane as usize);
-                verdicts |= u64::from(hits) << (lane as usize * WIDTH);
-            });
+        let pairs = pairs.as_slice();
+        // The order of what is found does not depend on how the work is divided.
+        if !parallel::is_on() || pairs.len() <= PAIRS_OF_JOB {
+            let job = &mut jobs[0];
+            job.pairs.resize_with(height, List::default);
+            return compared + self.join(level, height, pairs, &mut job.rows, &mut job.pairs, found);
         }
-        if height == 0 {
-            each_bit(verdicts, |bit| found.push([base_a + bit / WIDTH as u32, base_b + bit % WIDTH as u32]));
-            continue;
-        }
-        if stack.len() < tasks + MOST_CHILDREN {
-            stack.resize(tasks + 2 * MOST_CHILDREN, Task::default());
-        }
-        let below = &levels[height as usize - 1];
-        each_bit(verdicts, |bit| {
-            let lane_b = bit % WIDTH as u32;
-            let (a, b) = (base_a + bit / WIDTH as u32, base_b + lane_b);
-            let is_same = u32::from(a == b).wrapping_neg();
-            let lanes = below[a as usize].overlaps_lane(simd, block_b, lane_b as usize) | (is_same & ALL);
-            stack[tasks] = Task { height: height - 1, a, b, lanes };
-            tasks += usize::from(lanes != 0);
+        jobs.resize_with(jobs.len().max(pairs.len().div_ceil(PAIRS_OF_JOB)), Job::default);
+        parallel::for_each(pairs.chunks(PAIRS_OF_JOB).zip(&mut *jobs), |(pairs, job)| {
+            job.found.clear();
+            job.pairs.resize_with(height, List::default);
+            job.compared = self.join(level, height, pairs, &mut job.rows, &mut job.pairs, &mut job.found);
         });
+        for job in &jobs[..pairs.len().div_ceil(PAIRS_OF_JOB)] {
+            found.extend(job.found.as_slice());
+            compared += job.compared;
+        }
+        compared
+    }
+
+    /// Joins pairs of blocks of one height, and all that is below them.
+    fn join(
+        &self,
+        level: Level,
+        height: usize,
+        pairs: &[Packed],
+        rows: &mut List,
+        below: &mut [List],
+        found: &mut List,
+    ) -> usize {
+        let mut compared = 0;
+        for batch in pairs.chunks(BATCH) {
+            match below.split_last_mut() {
+                None => compared += dispatch!(level, simd => self.join_blocks(simd, height, batch, rows, found)),
+                Some((next, below)) => {
+                    next.clear();
+                    compared += dispatch!(level, simd => self.join_blocks(simd, height, batch, rows, next));
+                    compared += self.join(level, height - 1, next.as_slice(), rows, below, found);
+                }
+            }
+        }
+        compared
+    }
+
+    /// Appends all pairs of overlapping boxes in pairs of blocks, in two passes without branches.
+    #[inline(always)]
+    fn join_blocks<S: Simd>(
+        &self,
+        simd: S,
+        height: usize,
+        pairs: &[Packed],
+        rows: &mut List,
+        found: &mut List,
+    ) -> usize {
+        let blocks = &self.as_slice()[height][..];
+        rows.clear();
+        rows.reserve(pairs.len());
+        for pair in pairs {
+            let [a, b] = unpack(*pair);
+            let reaching = match self.as_slice().get(height + 1) {
+                Some(above) => blocks[a as usize].overlaps_lane(simd, &above[b as usize / WIDTH], b as usize % WIDTH),
+                None => ALL,
+            };
+            rows.push_lanes(reaching, pack(a * WIDTH as u32, b), pack(1, 0));
+        }
+        let rows = rows.as_slice();
+        found.reserve(rows.len());
+        for row in rows {
+            let [slot, b] = unpack(*row);
+            let lane = slot as usize % WIDTH;
+            let hits = blocks[b as usize].overlaps_lane(simd, &blocks[slot as usize / WIDTH], lane);
+            // In the same block, each box with those after it; above the bottom, with itself too.
+            let later = (!0 << lane) << u32::from(height == 0);
+            let is_same = u32::from(slot / WIDTH as u32 == b).wrapping_neg();
+            found.push_lanes(hits & (later | !is_same), pack(slot, b * WIDTH as u32), 1);
+        }
+        rows.len()
+    }
+
+    /// Appends, for each of some slots, that slot and each other slot whose box overlaps its own. Returns how often a
+    /// box was compared with a block.
+    pub(super) fn search(&self, level: Level, slots: &[u32], work: &mut Workspace, found: &mut List) -> usize {
+        let search = |slots: &[u32], job: &mut Job, found: &mut List| {
+            job.pairs.resize_with(job.pairs.len().max(1), List::default);
+            let batches = slots.chunks(BATCH);
+            batches.map(|batch| dispatch!(level, simd => self.search_batch(simd, batch, job, found))).sum()
+        };
+        let chunks = slots.chunks(SLOTS_OF_JOB);
+        if !parallel::is_on() || chunks.len() <= 1 {
+            work.jobs.resize_with(work.jobs.len().max(1), Job::default);
+            return search(slots, &mut work.jobs[0], found);
+        }
+        work.jobs.resize_with(work.jobs.len().max(chunks.len()), Job::default);
+        let jobs = &mut work.jobs[..chunks.len()];
+        parallel::for_each(chunks.zip(&mut *jobs), |(slots, job)| {
+            let mut found = std::mem::take(&mut job.found);
+            found.clear();
+            job.compared = search(slots, job, &mut found);
+            job.found = found;
+        });
+        jobs.iter().for_each(|job| found.extend(job.found.as_slice()));
+        jobs.iter().map(|job| job.compared).sum()
+    }
+
+    /// All slots of a batch go down the tree side by side, one level after the other.
+    #[inline(always)]
+    fn search_batch<S: Simd>(&self, simd: S, slots: &[u32], job: &mut Job, found: &mut List) -> usize {
+        let Job { rows, pairs: lists, .. } = job;
+        let below = &mut lists[0];
+        let levels = self.as_slice();
+        let mut compared = 0;
+        rows.clear();
+        rows.reserve(slots.len());
+        for slot in slots {
+            rows.push_lanes(1, pack(*slot, 0), 0);
+        }
+        for (height, blocks) in levels.iter().enumerate().rev() {
+            let next = if height == 0 { &mut *found } else { &mut *below };
+            if height > 0 {
+                next.clear();
+            }
+            compared += rows.as_slice().len();
+            next.reserve(rows.as_slice().len());
+            for row in rows.as_slice() {
+                let [slot, place] = unpack(*row);
+                let lane = slot as usize % WIDTH;
+                let hits = blocks[place as usize].overlaps_lane(simd, &levels[0][slot as usize / WIDTH], lane);
+                // At the bottom, each is found by itself.
+                let itself = u32::from(height == 0 && slot / WIDTH as u32 == place) << lane;
+                next.push_lanes(hits & !itself, pack(slot, place * WIDTH as u32), 1);
+            }
+            if height > 0 {
+                std::mem::swap(rows, below);
+            }
+        }
+        compared
     }
 }
 
-/// Calls `f` with the place of each bit that is set.
-#[inline(always)]
-fn each_bit(mut bits: u64, mut f: impl FnMut(u32)) {
-    while bits != 0 {
-        f(bits.trailing_zeros());
-        bits &= bits - 1;
+impl Workspace {
+    pub(super) fn memory_bytes(&self) -> usize {
+        let of_job = |job: &Job| {
+            let lists = job.pairs.iter().chain([&job.rows, &job.found]);
+            size_of::<Job>() + lists.map(List::memory_bytes).sum::<usize>()
+        };
+        self.pairs.memory_bytes() + self.next.memory_bytes() + self.jobs.iter().map(of_job).sum::<usize>()
     }
 }

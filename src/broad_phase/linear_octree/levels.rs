@@ -3,10 +3,14 @@
 use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::{f32x8, prelude::*};
 
-use super::{EMPTY, Visitor};
+use super::{EMPTY, JOB, Visitor};
+use crate::parallel;
 
 /// How many boxes a block holds.
 pub(super) const WIDTH: usize = 8;
+
+/// All lanes of a block.
+pub(super) const ALL: u32 = (1 << WIDTH) - 1;
 
 /// Eight boxes, coordinate by coordinate.
 #[derive(Clone, Debug)]
@@ -18,7 +22,7 @@ pub(super) struct Block {
 
 impl Block {
     /// Eight boxes that overlap nothing.
-    const EMPTY: Self = Self { min: [[f32::INFINITY; WIDTH]; 3], max: [[f32::NEG_INFINITY; WIDTH]; 3] };
+    pub(super) const EMPTY: Self = Self { min: [[f32::INFINITY; WIDTH]; 3], max: [[f32::NEG_INFINITY; WIDTH]; 3] };
 
     #[inline(always)]
     pub(super) fn set(&mut self, lane: usize, aabb: &Aabb3d) {
@@ -33,6 +37,22 @@ impl Block {
     pub(super) fn get(&self, lane: usize) -> Aabb3d {
         let corner = |side: &[[f32; WIDTH]; 3]| Vec3A::new(side[0][lane], side[1][lane], side[2][lane]);
         Aabb3d { min: corner(&self.min), max: corner(&self.max) }
+    }
+
+    /// Is a box within the one in a lane?
+    #[inline(always)]
+    pub(super) fn holds(&self, lane: usize, aabb: &Aabb3d) -> bool {
+        let outer = self.get(lane);
+        (outer.min.cmple(aabb.min) & outer.max.cmpge(aabb.max)).all()
+    }
+
+    /// Which of the eight hold the box in the same lane of another block: a bit for each.
+    #[inline(always)]
+    pub(super) fn holds_all<S: Simd>(&self, simd: S, inner: &Self) -> u32 {
+        let lanes = |side: &[[f32; WIDTH]; 3], axis: usize| f32x8::from_slice(simd, &side[axis]);
+        let min = |axis| lanes(&self.min, axis).simd_le(lanes(&inner.min, axis));
+        let max = |axis| lanes(&self.max, axis).simd_ge(lanes(&inner.max, axis));
+        ((min(0) & min(1) & min(2)) & (max(0) & max(1) & max(2))).to_bitmask() as u32
     }
 
     /// The bounds of all eight.
@@ -69,32 +89,46 @@ impl Block {
     }
 }
 
+/// The cube of the sum of a box's sides; nothing for one that is empty.
+#[inline(always)]
+fn looseness_of(bounds: &Aabb3d) -> f64 {
+    let sides = (bounds.max.as_dvec3() - bounds.min.as_dvec3()).element_sum().max(0.0);
+    sides * sides * sides
+}
+
 /// All levels: the boxes at the bottom, a single block on top.
 #[derive(Clone, Debug)]
 pub(super) struct Levels {
     levels: Vec<Vec<Block>>,
+    looseness: f64,
 }
 
 impl Default for Levels {
     fn default() -> Self {
-        Self { levels: vec![vec![Block::EMPTY]] }
+        Self { levels: vec![vec![Block::EMPTY]], looseness: 0.0 }
     }
 }
 
 impl Levels {
-    /// Begins anew with these boxes.
-    pub(super) fn rebuild<'a>(&mut self, mut boxes: impl ExactSizeIterator<Item = &'a Aabb3d>) {
-        self.levels[0].clear();
-        for _ in 0..boxes.len().div_ceil(WIDTH).max(1) {
-            let mut block = Block::EMPTY;
-            for (lane, aabb) in boxes.by_ref().take(WIDTH).enumerate() {
-                block.set(lane, aabb);
-            }
-            self.levels[0].push(block);
-        }
+    /// Makes room for exactly so many boxes, which are to be set before the next refit.
+    pub(super) fn resize(&mut self, boxes: usize) {
+        let blocks = boxes.div_ceil(WIDTH).max(1);
         self.levels.truncate(1);
+        self.levels[0].resize(blocks, Block::EMPTY);
+        self.levels[0][blocks - 1] = Block::EMPTY;
         self.raise();
-        self.refit();
+    }
+
+    /// The blocks of boxes, to set them. The levels above know of it only after a refit.
+    #[inline]
+    pub(super) fn boxes_mut(&mut self) -> &mut [Block] {
+        &mut self.levels[0]
+    }
+
+    /// How large the bounds of blocks of boxes are, all in all: the sum of the cubes of the sums of their sides, to which
+    /// the number of blocks that overlap is roughly proportional.
+    pub(super) fn looseness(&self) -> f64 {
+        self.looseness
     }
 
     /// Adds levels until there is a single block on top, all of them empty.
@@ -138,12 +172,17 @@ impl Levels {
     pub(super) fn refit(&mut self) {
         for height in 1..self.levels.len() {
             let (below, above) = self.levels.split_at_mut(height);
-            for (block, eight) in above[0].iter_mut().zip(below[height - 1].chunks(WIDTH)) {
-                for (lane, child) in eight.iter().enumerate() {
-                    block.set(lane, &child.bounds());
+            let chunks = above[0].chunks_mut(JOB / WIDTH).zip(below[height - 1].chunks(JOB));
+            parallel::for_each(chunks, |(above, below)| {
+                for (block, eight) in above.iter_mut().zip(below.chunks(WIDTH)) {
+                    for (lane, child) in eight.iter().enumerate() {
+                        block.set(lane, &child.bounds());
+                    }
                 }
-            }
+            });
         }
+        let bounds = self.levels.get(1).into_iter().flatten();
+        self.looseness = bounds.flat_map(|block| (0..WIDTH).map(|lane| looseness_of(&block.get(lane)))).sum();
     }
 
     /// Brings the blocks above one box up to date.
@@ -151,7 +190,11 @@ impl Levels {
         let mut place = slot / WIDTH;
         for height in 1..self.levels.len() {
             let bounds = self.levels[height - 1][place].bounds();
-            self.levels[height][place / WIDTH].set(place % WIDTH, &bounds);
+            let above = &mut self.levels[height][place / WIDTH];
+            if height == 1 {
+                self.looseness += looseness_of(&bounds) - looseness_of(&above.get(place % WIDTH));
+            }
+            above.set(place % WIDTH, &bounds);
             place /= WIDTH;
         }
     }

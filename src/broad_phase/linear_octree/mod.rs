@@ -25,17 +25,25 @@
 //!   ahead. While an object stays in its skin, the index stays as it is, and so does the list of *near pairs*, those
 //!   whose skins overlap; a tick then compares the boxes of near pairs, and nothing else. How far ahead is chosen from
 //!   the speeds: fast objects get no skin, and near pairs are then the pairs themselves.
-//! - **All at once.** When more than a share of the objects have left their skins, all are sorted anew, and the tree is
-//!   joined with itself, from the top down: two blocks are compared only if their bounds overlap. A few that leave
-//!   their skins are moved in their place, and searched for one by one.
-//! - **Few movers among many.** If only a small part of all objects moved, each of these is searched for, and near pairs
-//!   are not kept: what rests costs nothing.
-//! - **The order in memory is the order in space.** Neighbours are compared from cache.
+//! - **Sorted seldom.** When more than a share of the objects have left their skins, all get new ones, in their old
+//!   order: neighbours mostly stay neighbours. Only when the bounds of blocks have become so loose that searching them
+//!   has cost as much as sorting would are all objects put in order anew.
+//! - **No branches.** The tree is joined with itself level by level, and objects that left their skins go down the tree
+//!   side by side. One comparison gives the verdict on eight boxes as a mask; a table turns the mask into a list of those
+//!   to look at next. Branches on single verdicts would be mispredicted at every other one, and cost more than all else.
+//! - **What rests costs nothing.** Near pairs are kept only of objects that move.
+//! - **The order in memory is the order in space.** Boxes are gathered in the order of the curve once a tick, many at a
+//!   time; all else finds its neighbours in the cache.
 //! - **Sizes apart.** Objects four times smaller than others are sorted apart from them, so that a large box does not
 //!   blow up the bounds of a block of small ones.
+//! - **All threads.** With the feature `multi_threaded`, each step is divided into jobs for the threads of Bevy's
+//!   `ComputeTaskPool`. The pairs come in the same order at any number of threads.
 
+mod follow;
 mod join;
 mod levels;
+mod list;
+mod near;
 mod order;
 mod skin;
 mod validate;
@@ -44,12 +52,16 @@ mod validate;
 mod tests;
 
 use bevy::math::{Vec3A, bounding::Aabb3d};
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::Level;
 
 use super::{BroadPhase, BroadPhaseStats, EVERYWHERE, Pair, Proxies, ProxyId, Visitor, overlap};
-use join::Task;
 use levels::Levels;
-use skin::Skins;
+use list::{List, Packed, unpack};
+use near::NearPairs;
+use order::Order;
+use skin::Anchor;
+
+use crate::parallel;
 
 /// No slot.
 const NONE: u32 = u32::MAX;
@@ -57,262 +69,179 @@ const NONE: u32 = u32::MAX;
 /// A box that overlaps nothing.
 const EMPTY: Aabb3d = Aabb3d { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
-/// All objects are sorted anew when more than one in so many has left its skin since the last time.
+/// All objects get new skins when more than one in so many has left its skin since the last time.
 const REFRESH_SHARE: usize = 6;
-
-/// Near pairs are left aside when fewer than one object in so many moved.
-const SPARSE_SHARE: usize = 16;
 
 /// The pointerless octree. See the [module's documentation](self).
 #[derive(Debug)]
 pub struct LinearOctree {
     /// The vector instructions that this machine has.
     level: Level,
-    skins: Skins,
+    /// Counts the updates; 0 is none.
+    tick: u32,
     /// By proxy: its slot.
     slot_of: Vec<u32>,
     /// By slot, which is a place in the order of the curve: its proxy. An object that went leaves its slot empty until
     /// all are sorted anew; one that came has a slot at the end until then.
     owners: Vec<u32>,
+    /// How many slots have an owner.
+    owned: usize,
+    /// By slot: where the object was when its skin was made.
+    anchors: Vec<Anchor>,
+    /// By slot: the box of this tick.
+    boxes: Vec<Aabb3d>,
+    /// Are `boxes` of this tick?
+    boxes_are_gathered: bool,
     /// The tree of skins, by slot.
     tree: Levels,
-    /// Slots of objects whose skins overlap; as of before the skins in `fresh` changed.
-    near: Vec<[u32; 2]>,
-    /// Is `near` kept up to date?
-    near_is_kept: bool,
-    /// Is every skin the box itself, as of this tick?
+    /// Did the last new skins hold for that tick alone, each the box itself?
     tight: bool,
-    /// Slots whose skin changed since `near` was made, each once, and by slot whether it is one of these.
-    fresh: Vec<u32>,
-    is_fresh: Vec<bool>,
-    /// By slot: boxes of this tick, gathered for the comparison of near pairs.
-    boxes: Vec<Aabb3d>,
-    boxes_are_gathered: bool,
-    /// Proxies that left their skin in this tick, or have none.
+    /// Is every skin the box itself, as of this tick?
+    exact: bool,
+    near: NearPairs,
+    order: Order,
+    /// Slots of objects that left their skin in this tick, or have none.
     escaped: Vec<u32>,
-    /// How many objects came, went or left their skin since all were sorted.
+    escaped_by_job: Vec<List>,
+    pairs_by_job: Vec<Vec<Pair>>,
+    /// How many objects came, went or left their skin since all skins were made.
     changes: usize,
-    stack: Vec<Task>,
-    items: Vec<u64>,
-    scratch: Vec<u64>,
 }
 
 impl Default for LinearOctree {
     fn default() -> Self {
         Self {
             level: Level::new(),
-            skins: Skins::default(),
+            tick: 0,
             slot_of: Vec::new(),
             owners: Vec::new(),
-            tree: Levels::default(),
-            near: Vec::new(),
-            near_is_kept: false,
-            tight: false,
-            fresh: Vec::new(),
-            is_fresh: Vec::new(),
+            owned: 0,
+            anchors: Vec::new(),
             boxes: Vec::new(),
             boxes_are_gathered: false,
+            tree: Levels::default(),
+            tight: false,
+            exact: false,
+            near: NearPairs::default(),
+            order: Order::default(),
             escaped: Vec::new(),
+            escaped_by_job: Vec::new(),
+            pairs_by_job: Vec::new(),
             changes: 0,
-            stack: Vec::new(),
-            items: Vec::new(),
-            scratch: Vec::new(),
         }
     }
 }
 
 impl LinearOctree {
-    /// Lets go of objects that are gone, and lists those that left their skins.
-    fn follow(&mut self, proxies: &Proxies) {
-        self.slot_of.resize(proxies.capacity(), NONE);
-        self.skins.begin_tick(proxies.capacity());
-        self.tight = false;
-        self.escaped.resize(proxies.moved().len(), 0);
-        let mut escaped = 0;
-        for &id in proxies.moved() {
-            if !proxies.contains(id) {
-                self.let_go(id);
-                continue;
-            }
-            // Without a branch: it would be mispredicted often.
-            self.escaped[escaped] = id.get();
-            escaped += usize::from(!self.skins.holds(id, &proxies.boxes()[id.index()]));
+    /// Gives all objects new skins, in a new order if the old one has become a bad one.
+    fn refresh(&mut self, proxies: &Proxies) {
+        let horizon = self.horizon(proxies);
+        let has_skins = horizon > 0.0;
+        if self.order.is_stale(self.owners.len(), has_skins) {
+            self.sort(proxies, has_skins);
         }
-        self.escaped.truncate(escaped);
-        self.changes += escaped;
-    }
-
-    fn let_go(&mut self, id: ProxyId) {
-        self.skins.remove(id);
-        let slot = std::mem::replace(&mut self.slot_of[id.index()], NONE);
-        if slot != NONE {
-            self.owners[slot as usize] = NONE;
-            self.tree.set(slot as usize, &EMPTY);
-            self.renew_slot(slot);
-            self.changes += 1;
+        self.make_all_skins(proxies, horizon);
+        self.tree.refit();
+        if self.order.growth(self.tree.looseness()) > TOO_LOOSE {
+            self.sort(proxies, has_skins);
+            self.make_all_skins(proxies, horizon);
+            self.tree.refit();
         }
-    }
-
-    /// Sorts all objects anew, and gives all of them new skins.
-    pub(super) fn refresh(&mut self, proxies: &Proxies) {
+        self.order.note_looseness(self.tree.looseness());
         self.changes = 0;
-        self.slot_of.resize(proxies.capacity(), NONE);
-        self.tight = self.skins.renew_all(proxies, &self.escaped);
-        let objects = proxies.iter().map(|(id, _)| id.get());
-        order::order(self.level, proxies.boxes(), objects, &mut self.items, &mut self.scratch);
-        self.owners.clear();
-        self.owners.extend(self.items.iter().map(|item| *item as u32));
-        for (slot, id) in (0..).zip(&self.owners) {
-            self.slot_of[*id as usize] = slot;
+        self.tight = !has_skins;
+        self.exact = self.tight;
+        self.near.start_over(self.owners.len());
+        if !moves_most(proxies) {
+            self.near.watch_moved(proxies, &self.slot_of);
         }
-        self.tree.rebuild(self.owners.iter().map(|id| self.skins.get(ProxyId::new(*id))));
-        self.forget_near();
-        self.is_fresh.clear();
-        self.is_fresh.resize(self.owners.len(), false);
+    }
+
+    /// Puts all objects in order.
+    fn sort(&mut self, proxies: &Proxies, for_skins: bool) {
+        self.slot_of.resize(proxies.capacity(), NONE);
+        let mut old_anchors = std::mem::take(&mut self.order.spare_anchors);
+        std::mem::swap(&mut self.anchors, &mut old_anchors);
+        self.anchors.clear();
+        self.owners.clear();
+        for (slot, item) in (0..).zip(self.order.sort(self.level, proxies, for_skins)) {
+            let [_, id] = unpack(*item);
+            let old = std::mem::replace(&mut self.slot_of[id as usize], slot);
+            self.anchors.push(old_anchors.get(old as usize).copied().unwrap_or_default());
+            self.owners.push(id);
+        }
+        self.order.spare_anchors = old_anchors;
+        self.owned = self.owners.len();
+        self.tree.resize(self.owners.len());
         self.boxes_are_gathered = false;
     }
 
-    fn forget_near(&mut self) {
-        self.near_is_kept = false;
-        self.near.clear();
-        for slot in self.fresh.drain(..) {
-            self.is_fresh[slot as usize] = false;
-        }
-    }
-
-    /// Gives the objects that left their skins new ones, in their old places, and places to those that have none.
+    /// Gives the objects that left their skins new ones, in their old places.
     fn renew_escaped(&mut self, proxies: &Proxies) {
-        self.skins.renew(proxies, &self.escaped);
-        let mut escaped = std::mem::take(&mut self.escaped);
-        let one_by_one = escaped.len() * 32 < self.owners.len();
-        for &id in &escaped {
-            let skin = *self.skins.get(ProxyId::new(id));
-            let slot = &mut self.slot_of[id as usize];
-            if *slot == NONE {
-                *slot = self.owners.len() as u32;
-                self.owners.push(id);
-                self.is_fresh.push(false);
-                self.boxes_are_gathered = false;
-                self.tree.push(self.owners.len() - 1);
-            }
-            let slot = *slot;
-            self.tree.set(slot as usize, &skin);
+        let horizon = self.horizon(proxies);
+        let one_by_one = self.escaped.len() * 32 < self.owners.len();
+        for &slot in &self.escaped {
+            let place = slot as usize;
+            let aabb = &proxies.boxes()[self.owners[place] as usize];
+            let skin = self.anchors[place].renew(self.tick, aabb, horizon);
+            self.tree.set(place, &skin);
             if one_by_one {
-                self.tree.refit_above(slot as usize);
+                self.tree.refit_above(place);
             }
-            self.renew_slot(slot);
+            self.near.renew(slot);
         }
         if !one_by_one {
             self.tree.refit();
         }
-        escaped.clear();
-        self.escaped = escaped;
     }
 
-    /// Notes that the near pairs of a slot are not known any more.
-    fn renew_slot(&mut self, slot: u32) {
-        if self.near_is_kept && !std::mem::replace(&mut self.is_fresh[slot as usize], true) {
-            self.fresh.push(slot);
-        }
-    }
-
-    /// Brings the near pairs up to date.
-    fn find_near(&mut self) {
-        if self.fresh.len() * REFRESH_SHARE > self.owners.len() {
-            self.forget_near();
-        }
-        if !self.near_is_kept {
-            self.near_is_kept = true;
-            self.tree.self_join(self.level, &mut self.stack, &mut self.near);
-        } else if !self.fresh.is_empty() {
-            let is_fresh = &self.is_fresh;
-            self.near.retain(|[a, b]| !(is_fresh[*a as usize] | is_fresh[*b as usize]));
-            // In the order of space, one search finds in the cache what the last one has read.
-            self.fresh.sort_unstable();
-            dispatch!(self.level, simd => self.search_fresh(simd));
-            for slot in self.fresh.drain(..) {
-                self.is_fresh[slot as usize] = false;
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn search_fresh<S: Simd>(&mut self, simd: S) {
-        for &slot in &self.fresh {
-            let skin = self.tree.get(slot as usize);
-            self.tree.query(simd, &skin, &mut self.stack, |other| {
-                // Of two fresh ones, the lower finds the pair.
-                if other > slot || (other < slot && !self.is_fresh[other as usize]) {
-                    self.near.push([slot.min(other), slot.max(other)]);
-                }
-            });
-        }
-    }
-
-    /// Brings the boxes by slot up to date.
-    fn gather(&mut self, proxies: &Proxies) {
-        let boxes = proxies.boxes();
-        if self.boxes_are_gathered && proxies.moved().len() * 2 < self.owners.len() {
-            for id in proxies.moved() {
-                let slot = self.slot_of[id.index()];
-                if slot != NONE {
-                    self.boxes[slot as usize] = boxes[id.index()];
-                }
-            }
+    /// Appends those of some near pairs whose boxes overlap and of which at least one moved.
+    ///
+    /// Without a branch on either verdict: these would be mispredicted often.
+    fn compare(&self, near: &[Packed], proxies: &Proxies, pairs: &mut Vec<Pair>) {
+        let mut hits = [0; BATCH];
+        let hits = if self.exact {
+            near
         } else {
-            self.boxes_are_gathered = true;
-            self.boxes.clear();
-            self.boxes.extend(self.owners.iter().map(|id| boxes.get(*id as usize).unwrap_or(&EMPTY)));
+            let mut count = 0;
+            for pair in near {
+                let [a, b] = unpack(*pair).map(|slot| &self.boxes[slot as usize]);
+                hits[count] = *pair;
+                count += usize::from(overlap(a, b));
+            }
+            &hits[..count]
+        };
+        let pair = |hit: &Packed| {
+            let [a, b] = unpack(*hit).map(|slot| ProxyId::new(self.owners[slot as usize]));
+            Pair { a: a.min(b), b: a.max(b) }
+        };
+        if proxies.all_moved() {
+            pairs.extend(hits.iter().map(pair));
+        } else {
+            let mut moving = [Pair { a: ProxyId::new(0), b: ProxyId::new(0) }; BATCH];
+            let mut count = 0;
+            for pair in hits.iter().map(pair) {
+                moving[count] = pair;
+                count += usize::from(proxies.is_moved(pair.a) | proxies.is_moved(pair.b));
+            }
+            pairs.extend_from_slice(&moving[..count]);
         }
     }
+}
 
-    /// The pairs among the near ones.
-    fn compare_near(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {
-        self.find_near();
-        if !self.tight {
-            self.gather(proxies);
-        }
-        let start = pairs.len();
-        pairs.resize(start + self.near.len(), Pair { a: ProxyId::new(0), b: ProxyId::new(0) });
-        let mut end = start;
-        // Without a branch on the verdict: it would be mispredicted often.
-        for [a, b] in &self.near {
-            pairs[end] = Pair { a: ProxyId::new(*a), b: ProxyId::new(*b) };
-            let hit = self.tight || overlap(&self.boxes[*a as usize], &self.boxes[*b as usize]);
-            end += usize::from(hit);
-        }
-        // So far, these are slots.
-        let hits = start..end;
-        end = start;
-        let all_moved = proxies.all_moved();
-        for place in hits {
-            let [a, b] = [pairs[place].a, pairs[place].b].map(|slot| ProxyId::new(self.owners[slot.index()]));
-            pairs[end] = Pair { a: a.min(b), b: a.max(b) };
-            end += usize::from(all_moved || proxies.is_moved(a) || proxies.is_moved(b));
-        }
-        pairs.truncate(end);
-        self.near.len() as u64
-    }
+/// A tree that has become looser than this is not searched as a whole.
+const TOO_LOOSE: f64 = 3.0;
 
-    /// The pairs of each object that moved, searched for one by one.
-    #[inline(always)]
-    fn search_moved<S: Simd>(&mut self, simd: S, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {
-        let mut compared = 0;
-        for &id in proxies.moved() {
-            let Some(aabb) = proxies.get(id) else { continue };
-            self.tree.query(simd, aabb, &mut self.stack, |slot| {
-                let other = ProxyId::new(self.owners[slot as usize]);
-                compared += 1;
-                // Of two that moved, the lower finds the pair.
-                if (other > id || (other < id && !proxies.is_moved(other)))
-                    && overlap(aabb, &proxies.boxes()[other.index()])
-                {
-                    pairs.push(Pair { a: id.min(other), b: id.max(other) });
-                }
-            });
-        }
-        compared
-    }
+/// How many slots, or near pairs, make a job of their own. A multiple of 64, so that the borders of jobs are borders of
+/// blocks two levels up.
+const JOB: usize = 4096;
+
+/// How many near pairs are compared at once.
+const BATCH: usize = 256;
+
+/// Did more than half of the objects move in this tick?
+fn moves_most(proxies: &Proxies) -> bool {
+    proxies.moved().len() * 2 > proxies.len()
 }
 
 impl BroadPhase for LinearOctree {
@@ -321,24 +250,61 @@ impl BroadPhase for LinearOctree {
     }
 
     fn maintain(&mut self, proxies: &Proxies) {
+        // 0 is kept for anchors that are none.
+        self.tick = self.tick.checked_add(1).unwrap_or(1);
+        self.exact = false;
+        self.escaped.clear();
+        if proxies.population_changed() {
+            self.let_go_and_take_in(proxies);
+        }
+        if self.owned != proxies.len() {
+            self.order.forget();
+            return self.refresh(proxies);
+        }
+        if self.tight && proxies.moved().len() * REFRESH_SHARE > proxies.len() {
+            // Without skins, whatever moves leaves its own.
+            self.boxes_are_gathered = false;
+            return self.refresh(proxies);
+        }
         self.follow(proxies);
-        if self.changes * REFRESH_SHARE > proxies.len() {
+        self.changes += self.escaped.len();
+        let searches_are_slow = self.near.searches_are_slow();
+        if searches_are_slow {
+            self.order.forget();
+        }
+        if searches_are_slow || self.changes * REFRESH_SHARE > proxies.len() {
             self.refresh(proxies);
         } else if !self.escaped.is_empty() {
             self.renew_escaped(proxies);
+            // Those that jumped have made blocks large, in which all searches end.
+            let cost = self.escaped.len() as f64 * self.order.growth(self.tree.looseness());
+            if cost > proxies.len() as f64 {
+                self.order.forget();
+                self.refresh(proxies);
+            }
         }
     }
 
     fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {
-        let moved = proxies.moved().len();
-        if moved == 0 {
-            0
-        } else if moved * SPARSE_SHARE < proxies.len() {
-            self.boxes_are_gathered = false;
-            dispatch!(self.level, simd => self.search_moved(simd, proxies, pairs))
-        } else {
-            self.compare_near(proxies, pairs)
+        if proxies.moved().is_empty() {
+            return 0;
         }
+        self.near.find(self.level, &self.tree);
+        let near = self.near.as_slice();
+        let chunks = near.chunks(JOB);
+        if !parallel::is_on() || chunks.len() <= 1 {
+            near.chunks(BATCH).for_each(|near| self.compare(near, proxies, pairs));
+        } else {
+            let mut jobs = std::mem::take(&mut self.pairs_by_job);
+            jobs.resize_with(chunks.len(), Vec::new);
+            parallel::for_each(chunks.zip(&mut jobs), |(near, found)| {
+                found.clear();
+                near.chunks(BATCH).for_each(|near| self.compare(near, proxies, found));
+            });
+            jobs.iter().for_each(|found| pairs.extend_from_slice(found));
+            self.pairs_by_job = jobs;
+        }
+        self.near.as_slice().len() as u64
     }
 
     fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor) {
@@ -349,19 +315,20 @@ impl BroadPhase for LinearOctree {
     }
 
     fn stats(&self) -> BroadPhaseStats {
-        let by_proxy = self.slot_of.capacity() * size_of::<u32>() + self.skins.memory_bytes();
+        let by_proxy = self.slot_of.capacity() * size_of::<u32>();
         let by_slot = self.owners.capacity() * size_of::<u32>()
-            + self.is_fresh.capacity()
             + self.boxes.capacity() * size_of::<Aabb3d>()
+            + self.anchors.capacity() * size_of::<Anchor>()
             + self.tree.memory_bytes();
-        let lists = (self.fresh.capacity() + self.escaped.capacity()) * size_of::<u32>()
-            + (self.near.capacity() + self.items.capacity() + self.scratch.capacity()) * size_of::<u64>()
-            + self.stack.capacity() * size_of::<Task>();
+        let by_job = self.escaped_by_job.iter().map(List::memory_bytes).sum::<usize>()
+            + self.pairs_by_job.iter().map(|pairs| pairs.capacity() * size_of::<Pair>()).sum::<usize>();
+        let lists =
+            by_job + self.escaped.capacity() * size_of::<u32>() + self.near.memory_bytes() + self.order.memory_bytes();
         BroadPhaseStats {
             nodes: self.tree.blocks(),
             leaves: self.tree.leaves(),
             depth: self.tree.height() - 1,
-            entries: self.owners.iter().filter(|owner| **owner != NONE).count(),
+            entries: self.owned,
             bytes: by_proxy + by_slot + lists,
         }
     }

@@ -5,14 +5,89 @@ use std::ops::Range;
 use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::{Level, dispatch, prelude::*};
 
-/// Puts a key in the upper and an index in the lower half of a number.
-#[inline]
-const fn pack(key: u32, index: u32) -> u64 {
-    (key as u64) << 32 | index as u64
+use super::{
+    list::{Packed, pack},
+    skin::Anchor,
+};
+use crate::broad_phase::Proxies;
+
+/// The order, what it was like when it was made, and the lists that it is made with.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Order {
+    is_known: bool,
+    /// Was it made for skins, or for the boxes themselves?
+    for_skins: bool,
+    /// How many objects came or went since it was made.
+    changes: usize,
+    /// How loose the tree was when it was made, and how much looser it has been since, summed over the times at which it
+    /// was searched as a whole.
+    looseness: Option<f64>,
+    excess: f64,
+    items: Vec<Packed>,
+    scratch: Vec<Packed>,
+    /// A list to put anchors in order with.
+    pub(super) spare_anchors: Vec<Anchor>,
+}
+
+impl Order {
+    /// Searching a loose tree costs more, and so does putting it in order. Once the first has cost about as much as the
+    /// second would have, it is time.
+    const WORTH_A_SORT: f64 = 1.0;
+
+    /// One in so many may come or go.
+    const CHANGED_SHARE: usize = 8;
+
+    /// Is it time for a new order?
+    pub(super) fn is_stale(&self, slots: usize, for_skins: bool) -> bool {
+        !self.is_known
+            || self.for_skins != for_skins
+            || self.changes * Self::CHANGED_SHARE > slots
+            || self.excess > Self::WORTH_A_SORT
+    }
+
+    /// Makes it stale.
+    pub(super) fn forget(&mut self) {
+        self.is_known = false;
+    }
+
+    /// Notes that an object came or went.
+    pub(super) fn note_change(&mut self) {
+        self.changes += 1;
+    }
+
+    /// Notes how loose the tree is that will be searched as a whole.
+    pub(super) fn note_looseness(&mut self, looseness: f64) {
+        match self.looseness {
+            None => self.looseness = Some(looseness),
+            Some(_) => self.excess += (self.growth(looseness) - 1.0).max(0.0),
+        }
+    }
+
+    /// How many times as loose the tree is as when it was made.
+    pub(super) fn growth(&self, looseness: f64) -> f64 {
+        match self.looseness {
+            Some(at_first) if looseness > at_first => looseness / at_first,
+            _ => 1.0,
+        }
+    }
+
+    /// Sorts all objects: their indices are the second numbers of the items.
+    pub(super) fn sort(&mut self, level: Level, proxies: &Proxies, for_skins: bool) -> &[Packed] {
+        (self.is_known, self.for_skins, self.changes) = (true, for_skins, 0);
+        (self.looseness, self.excess) = (None, 0.0);
+        let objects = proxies.iter().map(|(id, _)| id.get());
+        order(level, proxies.boxes(), objects, &mut self.items, &mut self.scratch);
+        &self.items
+    }
+
+    pub(super) fn memory_bytes(&self) -> usize {
+        (self.items.capacity() + self.scratch.capacity()) * size_of::<Packed>()
+            + self.spare_anchors.capacity() * size_of::<Anchor>()
+    }
 }
 
 /// Sorts by the key in the upper half: three passes of a radix sort, stable.
-pub(super) fn sort(items: &mut Vec<u64>, scratch: &mut Vec<u64>) {
+fn sort(items: &mut Vec<u64>, scratch: &mut Vec<u64>) {
     const BITS: u32 = 11;
     const BUCKETS: usize = 1 << BITS;
     scratch.clear();
@@ -50,7 +125,7 @@ const CELL_BITS: u32 = 9;
 const LONG_RUN: usize = 64;
 
 /// Fills `items` with the objects in their order on the curve, in the lower halves.
-pub(super) fn order(
+fn order(
     level: Level,
     boxes: &[Aabb3d],
     objects: impl Iterator<Item = u32>,
