@@ -37,6 +37,7 @@
 mod join;
 mod levels;
 mod order;
+mod query;
 mod skin;
 mod validate;
 
@@ -48,6 +49,7 @@ use fearless_simd::{Level, Simd, dispatch};
 
 use super::{BroadPhase, BroadPhaseStats, EVERYWHERE, Pair, Proxies, ProxyId, Visitor, overlap};
 use join::Task;
+pub(super) use levels::Block;
 use levels::Levels;
 use skin::Skins;
 
@@ -126,7 +128,7 @@ impl LinearOctree {
     fn follow(&mut self, proxies: &Proxies) {
         self.slot_of.resize(proxies.capacity(), NONE);
         self.skins.begin_tick(proxies.capacity());
-        self.tight = false;
+        self.tight &= proxies.moved().is_empty();
         self.escaped.resize(proxies.moved().len(), 0);
         let mut escaped = 0;
         for &id in proxies.moved() {
@@ -346,6 +348,10 @@ impl BroadPhase for LinearOctree {
             let id = ProxyId::new(self.owners[slot]);
             visitor.object(id, &proxies.boxes()[id.index()], &EVERYWHERE);
         });
+    }
+
+    fn as_linear(&self) -> Option<&LinearOctree> {
+        Some(self)
     }
 
     fn stats(&self) -> BroadPhaseStats {

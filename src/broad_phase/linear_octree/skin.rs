@@ -73,14 +73,16 @@ impl Skins {
         self.skins.resize(proxies.capacity(), EMPTY);
         self.anchors.resize(proxies.capacity(), Anchor::default());
         let horizon = self.horizon(proxies, escaped);
+        let mut tight = true;
         for (id, aabb) in proxies.iter() {
-            self.make(id, aabb, if proxies.is_moved(id) { horizon } else { 0.0 });
+            tight &= self.make(id, aabb, if proxies.is_moved(id) { horizon } else { 0.0 });
         }
-        horizon == 0.0
+        tight
     }
 
+    /// True if the skin is the box itself.
     #[inline]
-    fn make(&mut self, id: ProxyId, aabb: &Aabb3d, horizon: f32) {
+    fn make(&mut self, id: ProxyId, aabb: &Aabb3d, horizon: f32) -> bool {
         let way = if horizon > 0.0 { self.step(id, aabb) * horizon } else { Vec3A::ZERO };
         let margin = way.abs() * MARGIN;
         let min = aabb.min + way.min(Vec3A::ZERO) - margin;
@@ -89,6 +91,7 @@ impl Skins {
         let fits = min.is_finite() && max.is_finite();
         self.skins[id.index()] = if fits { Aabb3d { min, max } } else { *aabb };
         self.anchors[id.index()] = Anchor { corner: aabb.min.into(), tick: self.tick };
+        way == Vec3A::ZERO
     }
 
     /// How an object moves in a tick: the mean since its skin was made.
