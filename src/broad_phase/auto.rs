@@ -51,6 +51,10 @@ impl BroadPhase for Auto {
         self.engine().traverse(proxies, visitor);
     }
 
+    fn as_linear(&self) -> Option<&LinearOctree> {
+        self.linear.as_ref()
+    }
+
     fn stats(&self) -> BroadPhaseStats {
         self.engine().stats()
     }

@@ -27,8 +27,8 @@ impl BroadPhase for Exhaustive {
     }
 
     fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor) {
-        for (id, aabb) in proxies.iter() {
-            if visitor.enter(aabb) {
+        if visitor.enter(&EVERYWHERE) {
+            for (id, aabb) in proxies.iter() {
                 visitor.object(id, aabb, &EVERYWHERE);
             }
         }

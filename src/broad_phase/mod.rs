@@ -116,7 +116,7 @@ pub use method::{Method, UnknownMethod};
 pub use object_octree::{ObjectOctree, ObjectOctreeSettings, RootPolicy, SettingsError};
 pub use pairs::{Pair, PairSet};
 pub use proxy::{BoxError, Proxies, ProxyId, check_box, overlap};
-pub use query::RayHit;
+pub use query::{Cast, Flow, Hit, Region};
 
 /// A way to find the overlapping pairs among moving boxes.
 ///
@@ -142,6 +142,12 @@ pub trait BroadPhase: Any + Send + Sync {
     /// [`Visitor::object`] with the objects of the groups that the visitor enters. Queries are written against this.
     fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor);
 
+    /// The linear octree at work, if there is one: queries search its blocks directly, which is faster. An
+    /// implementation that hands its work on to another should hand on this too.
+    fn as_linear(&self) -> Option<&LinearOctree> {
+        None
+    }
+
     /// What the structure looks like now.
     fn stats(&self) -> BroadPhaseStats;
 }
@@ -155,6 +161,12 @@ pub trait Visitor {
     /// the part of space that this visit speaks for. Cells are half-open, disjoint and together all of space, so that
     /// a point of the object's box lies in the cell of exactly one of its visits.
     fn object(&mut self, id: ProxyId, aabb: &Aabb3d, cell: &Aabb3d);
+
+    /// The place from which to look, maybe infinitely far away: the walk goes from near groups to far ones where it
+    /// can. A hint that no result depends on.
+    fn viewpoint(&self) -> Vec3A {
+        Vec3A::NEG_INFINITY
+    }
 }
 
 /// The cell of a broad phase that does not divide space.

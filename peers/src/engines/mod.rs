@@ -6,11 +6,11 @@
 
 mod flat;
 mod grid;
-mod obvhs;
+pub mod obvhs;
 mod ours;
-mod parry;
+pub mod parry;
 mod rapier;
-mod rstar;
+pub mod rstar;
 mod sweep;
 
 use bevy::math::bounding::Aabb3d;

@@ -32,7 +32,8 @@ pub struct Obvhs {
     candidates: Vec<Pair>,
 }
 
-fn aabb_of(aabb: &Aabb3d) -> Aabb {
+/// A box in this library's terms.
+pub fn aabb_of(aabb: &Aabb3d) -> Aabb {
     Aabb::new(aabb.min.to_array().into(), aabb.max.to_array().into())
 }
 

@@ -28,7 +28,8 @@ pub const SKIN: f32 = 0.04;
 /// Fewer changes than one leaf in so many are taken up leaf by leaf: rapier's figure.
 const FEW: usize = 16;
 
-fn aabb_of(aabb: &Aabb3d) -> Aabb {
+/// A box in this library's terms.
+pub fn aabb_of(aabb: &Aabb3d) -> Aabb {
     Aabb { mins: aabb.min.to_array().into(), maxs: aabb.max.to_array().into() }
 }
 

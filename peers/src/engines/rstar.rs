@@ -7,9 +7,11 @@ use rstar::{AABB, RTree, RTreeObject};
 use super::{Engine, Pair};
 
 /// An object in the tree.
-struct Object {
-    number: u32,
-    envelope: AABB<[f32; 3]>,
+pub struct Object {
+    /// Its number.
+    pub number: u32,
+    /// Its box.
+    pub envelope: AABB<[f32; 3]>,
 }
 
 impl RTreeObject for Object {
@@ -20,17 +22,24 @@ impl RTreeObject for Object {
     }
 }
 
+/// A box in rstar's terms.
+pub fn envelope_of(aabb: &Aabb3d) -> AABB<[f32; 3]> {
+    AABB::from_corners(aabb.min.to_array(), aabb.max.to_array())
+}
+
+/// The tree of these boxes, built at once.
+pub fn load(boxes: &[Aabb3d]) -> RTree<Object> {
+    let object = |(number, aabb)| Object { number, envelope: envelope_of(aabb) };
+    RTree::bulk_load((0..).zip(boxes).map(object).collect())
+}
+
 /// The tree.
 #[derive(Default)]
 pub struct Rstar(RTree<Object>);
 
 impl Engine for Rstar {
     fn update(&mut self, boxes: &[Aabb3d]) {
-        let objects = boxes.iter().enumerate().map(|(i, aabb)| Object {
-            number: i as u32,
-            envelope: AABB::from_corners(aabb.min.to_array(), aabb.max.to_array()),
-        });
-        self.0 = RTree::bulk_load(objects.collect());
+        self.0 = load(boxes);
     }
 
     fn pairs(&mut self, pairs: &mut Vec<Pair>) {

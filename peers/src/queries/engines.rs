@@ -5,7 +5,10 @@ use std::{cell::Cell, ops::ControlFlow, time::Duration};
 use avian3d::prelude as avian;
 use bevy::{
     ecs::system::SystemState,
-    math::{Vec3, Vec3A, bounding::Aabb3d},
+    math::{
+        Vec3, Vec3A,
+        bounding::{Aabb3d, RayCast3d},
+    },
     prelude::*,
     time::TimeUpdateStrategy,
 };
@@ -16,10 +19,15 @@ use parry3d::{
     partitioning::{Bvh, BvhBuildStrategy},
     query::{PointQuery, RayCast},
 };
-use rstar::{AABB, PointDistance, RTree, RTreeObject, SelectionFunction};
+use rstar::{AABB, PointDistance, RTree, SelectionFunction};
 
 use super::Ray;
-use crate::engines::Role;
+use crate::engines::{
+    Role,
+    obvhs::aabb_of as obvhs_aabb,
+    parry::aabb_of as parry_aabb,
+    rstar::{Object, envelope_of, load},
+};
 
 /// What a batch of queries found.
 #[derive(Clone, Copy, Debug, Default)]
@@ -100,8 +108,8 @@ impl Ours {
 
 impl QueryEngine for Ours {
     fn rays(&mut self, rays: &[Ray]) -> Option<Answer> {
-        let cast = |ray: &Ray| self.0.ray_cast(ray.origin, ray.direction, f32::INFINITY).map(|hit| hit.distance);
-        Answer::of(rays.iter().map(cast))
+        let cast = |ray: &Ray| self.0.cast(&RayCast3d::new(ray.origin, ray.direction, f32::INFINITY));
+        Answer::of(rays.iter().map(|ray| cast(ray).map(|hit| hit.distance)))
     }
 
     fn regions(&mut self, regions: &[Aabb3d]) -> Option<Answer> {
@@ -112,8 +120,9 @@ impl QueryEngine for Ours {
         Some(answer)
     }
 
-    fn nearest(&mut self, _: &[Vec3]) -> Option<Answer> {
-        None
+    fn nearest(&mut self, points: &[Vec3]) -> Option<Answer> {
+        let nearest = |point: &Vec3| self.0.nearest(*point, f32::INFINITY).map(|hit| hit.distance);
+        Answer::of(points.iter().map(nearest))
     }
 }
 
@@ -121,10 +130,6 @@ impl QueryEngine for Ours {
 struct Parry {
     tree: Bvh,
     boxes: Vec<ParryAabb>,
-}
-
-fn parry_aabb(aabb: &Aabb3d) -> ParryAabb {
-    ParryAabb { mins: aabb.min.to_array().into(), maxs: aabb.max.to_array().into() }
 }
 
 impl Parry {
@@ -161,12 +166,21 @@ impl QueryEngine for Parry {
     }
 }
 
-fn obvhs_aabb(aabb: &Aabb3d) -> obvhs::aabb::Aabb {
-    obvhs::aabb::Aabb::new(aabb.min.to_array().into(), aabb.max.to_array().into())
-}
-
 fn obvhs_ray(ray: &Ray) -> obvhs::ray::Ray {
     obvhs::ray::Ray::new_inf(ray.origin.to_array().into(), ray.direction.to_array().into())
+}
+
+/// The first box along each ray, by one of obvhs' trees.
+fn obvhs_rays(rays: &[Ray], walk: impl Fn(obvhs::ray::Ray, &mut obvhs::ray::RayHit) -> bool) -> Option<Answer> {
+    Answer::of(rays.iter().map(|ray| {
+        let mut hit = obvhs::ray::RayHit::none();
+        walk(obvhs_ray(ray), &mut hit).then_some(hit.t)
+    }))
+}
+
+/// How far along a ray it enters a box, by place in the tree.
+fn entry_into(boxes: &[obvhs::aabb::Aabb]) -> impl Fn(&obvhs::ray::Ray, usize) -> f32 {
+    move |ray, primitive| boxes[primitive].intersect_ray(ray).max(0.0)
 }
 
 /// The boxes in the order of a tree.
@@ -192,13 +206,7 @@ impl Obvhs2 {
 
 impl QueryEngine for Obvhs2 {
     fn rays(&mut self, rays: &[Ray]) -> Option<Answer> {
-        Answer::of(rays.iter().map(|ray| {
-            let mut hit = obvhs::ray::RayHit::none();
-            let found = self.tree.ray_traverse(obvhs_ray(ray), &mut hit, |ray, primitive| {
-                self.boxes[primitive].intersect_ray(ray).max(0.0)
-            });
-            found.then_some(hit.t)
-        }))
+        obvhs_rays(rays, |ray, hit| self.tree.ray_traverse(ray, hit, entry_into(&self.boxes)))
     }
 
     fn regions(&mut self, regions: &[Aabb3d]) -> Option<Answer> {
@@ -242,13 +250,7 @@ impl ObvhsWide {
 
 impl QueryEngine for ObvhsWide {
     fn rays(&mut self, rays: &[Ray]) -> Option<Answer> {
-        Answer::of(rays.iter().map(|ray| {
-            let mut hit = obvhs::ray::RayHit::none();
-            let found = self.tree.ray_traverse(obvhs_ray(ray), &mut hit, |ray, primitive| {
-                self.boxes[primitive].intersect_ray(ray).max(0.0)
-            });
-            found.then_some(hit.t)
-        }))
+        obvhs_rays(rays, |ray, hit| self.tree.ray_traverse(ray, hit, entry_into(&self.boxes)))
     }
 
     fn regions(&mut self, regions: &[Aabb3d]) -> Option<Answer> {
@@ -277,19 +279,6 @@ impl QueryEngine for ObvhsWide {
 
 /// rstar's tree, bulk-loaded. It has no rays: they are a selection, which stops at what is beyond the best hit.
 struct Rstar(RTree<Object>);
-
-struct Object {
-    number: u32,
-    envelope: AABB<[f32; 3]>,
-}
-
-impl RTreeObject for Object {
-    type Envelope = AABB<[f32; 3]>;
-
-    fn envelope(&self) -> Self::Envelope {
-        self.envelope
-    }
-}
 
 impl PointDistance for Object {
     fn distance_2(&self, point: &[f32; 3]) -> f32 {
@@ -326,11 +315,7 @@ impl SelectionFunction<Object> for Along<'_> {
 
 impl Rstar {
     fn new(boxes: &[Aabb3d]) -> Self {
-        let object = |(i, aabb): (usize, &Aabb3d)| Object {
-            number: i as u32,
-            envelope: AABB::from_corners(aabb.min.to_array(), aabb.max.to_array()),
-        };
-        Self(RTree::bulk_load(boxes.iter().enumerate().map(object).collect()))
+        Self(load(boxes))
     }
 }
 
@@ -347,7 +332,7 @@ impl QueryEngine for Rstar {
     fn regions(&mut self, regions: &[Aabb3d]) -> Option<Answer> {
         let mut answer = Answer::default();
         for region in regions {
-            let region = AABB::from_corners(region.min.to_array(), region.max.to_array());
+            let region = envelope_of(region);
             let _: ControlFlow<()> = self.0.locate_in_envelope_intersecting_int(region, |object| {
                 answer.add(f64::from(object.number));
                 ControlFlow::Continue(())

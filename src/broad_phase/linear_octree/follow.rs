@@ -1,5 +1,7 @@
 //! Following the objects from tick to tick: who came, who went, and who left its skin.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use bevy::math::bounding::Aabb3d;
 use fearless_simd::{Simd, dispatch};
 
@@ -135,8 +137,8 @@ impl LinearOctree {
         }
     }
 
-    /// Makes the skins of all objects for so many ticks ahead.
-    pub(super) fn make_all_skins(&mut self, proxies: &Proxies, horizon: f32) {
+    /// Makes the skins of all objects for so many ticks ahead. True if each is the box itself.
+    pub(super) fn make_all_skins(&mut self, proxies: &Proxies, horizon: f32) -> bool {
         let (tick, gathered) = (self.tick, self.boxes_are_gathered);
         let keep_boxes = gathered || horizon > 0.0;
         self.boxes_are_gathered = keep_boxes;
@@ -144,10 +146,12 @@ impl LinearOctree {
         let mut all_boxes = self.boxes.chunks_mut(JOB);
         let chunks = self.owners.chunks(JOB).zip(self.anchors.chunks_mut(JOB));
         let chunks = chunks.zip(self.tree.boxes_mut().chunks_mut(JOB / WIDTH));
+        let some_skin = AtomicBool::new(false);
         // Without skins, the boxes are not kept beside the tree.
         let chunks = chunks.map(|chunk| (chunk, all_boxes.next()));
         parallel::for_each(chunks, |(((owners, anchors), blocks), kept)| {
             let mut passing = [EMPTY; GATHERED];
+            let mut has_skin = false;
             let mut kept = kept.unwrap_or_default();
             let parts = owners.chunks(GATHERED).zip(anchors.chunks_mut(GATHERED));
             for ((owners, anchors), blocks) in parts.zip(blocks.chunks_mut(GATHERED / WIDTH)) {
@@ -162,7 +166,9 @@ impl LinearOctree {
                 for ((boxes, anchors), block) in boxes.chunks(WIDTH).zip(anchors.chunks_mut(WIDTH)).zip(blocks) {
                     for (lane, (aabb, anchor)) in boxes.iter().zip(anchors).enumerate() {
                         if horizon > 0.0 {
-                            block.set(lane, &anchor.renew(tick, aabb, horizon));
+                            let skin = anchor.renew(tick, aabb, horizon);
+                            has_skin |= skin.is_some();
+                            block.set(lane, &skin.unwrap_or(*aabb));
                         } else {
                             block.set(lane, aabb);
                             anchor.drop_at(tick, aabb);
@@ -170,7 +176,9 @@ impl LinearOctree {
                     }
                 }
             }
+            some_skin.fetch_or(has_skin, Ordering::Relaxed);
         });
+        !some_skin.into_inner()
     }
 }
 

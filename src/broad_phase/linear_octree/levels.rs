@@ -15,7 +15,7 @@ pub(super) const ALL: u32 = (1 << WIDTH) - 1;
 /// Eight boxes, coordinate by coordinate.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(super) struct Block {
+pub struct Block {
     min: [[f32; WIDTH]; 3],
     max: [[f32; WIDTH]; 3],
 }
@@ -70,9 +70,24 @@ impl Block {
         }
     }
 
+    /// The lower or the upper sides of all eight along an axis.
+    #[inline(always)]
+    pub(in crate::broad_phase) fn side<S: Simd>(&self, simd: S, upper: bool, axis: usize) -> f32x8<S> {
+        let sides = if upper { &self.max } else { &self.min };
+        f32x8::from_slice(simd, &sides[axis])
+    }
+
+    /// Which of the eight overlap an interval along an axis, touching included: a bit for each.
+    #[inline(always)]
+    pub(in crate::broad_phase) fn overlaps_along<S: Simd>(&self, simd: S, axis: usize, low: f32, high: f32) -> u32 {
+        let below = self.side(simd, false, axis).simd_le(f32x8::splat(simd, high));
+        let above = self.side(simd, true, axis).simd_ge(f32x8::splat(simd, low));
+        (below & above).to_bitmask() as u32
+    }
+
     /// Which of the eight a box overlaps, touching included: a bit for each.
     #[inline(always)]
-    pub(super) fn overlaps<S: Simd>(&self, simd: S, min: [f32; 3], max: [f32; 3]) -> u32 {
+    pub(in crate::broad_phase) fn overlaps<S: Simd>(&self, simd: S, min: [f32; 3], max: [f32; 3]) -> u32 {
         let below = |axis: usize| f32x8::from_slice(simd, &self.min[axis]).simd_le(f32x8::splat(simd, max[axis]));
         let above = |axis: usize| f32x8::from_slice(simd, &self.max[axis]).simd_ge(f32x8::splat(simd, min[axis]));
         let x = below(0) & above(0);

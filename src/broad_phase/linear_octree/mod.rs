@@ -45,6 +45,7 @@ mod levels;
 mod list;
 mod near;
 mod order;
+mod query;
 mod skin;
 mod validate;
 
@@ -55,6 +56,7 @@ use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::Level;
 
 use super::{BroadPhase, BroadPhaseStats, EVERYWHERE, Pair, Proxies, ProxyId, Visitor, overlap};
+pub(super) use levels::Block;
 use levels::Levels;
 use list::{List, Packed, unpack};
 use near::NearPairs;
@@ -140,17 +142,16 @@ impl LinearOctree {
         if self.order.is_stale(self.owners.len(), has_skins) {
             self.sort(proxies, has_skins);
         }
-        self.make_all_skins(proxies, horizon);
+        self.exact = self.make_all_skins(proxies, horizon);
         self.tree.refit();
         if self.order.growth(self.tree.looseness()) > TOO_LOOSE {
             self.sort(proxies, has_skins);
-            self.make_all_skins(proxies, horizon);
+            self.exact = self.make_all_skins(proxies, horizon);
             self.tree.refit();
         }
         self.order.note_looseness(self.tree.looseness());
         self.changes = 0;
         self.tight = !has_skins;
-        self.exact = self.tight;
         self.near.start_over(self.owners.len());
         if !moves_most(proxies) {
             self.near.watch_moved(proxies, &self.slot_of);
@@ -184,7 +185,7 @@ impl LinearOctree {
             let place = slot as usize;
             let aabb = &proxies.boxes()[self.owners[place] as usize];
             let skin = self.anchors[place].renew(self.tick, aabb, horizon);
-            self.tree.set(place, &skin);
+            self.tree.set(place, &skin.unwrap_or(*aabb));
             if one_by_one {
                 self.tree.refit_above(place);
             }
@@ -252,7 +253,7 @@ impl BroadPhase for LinearOctree {
     fn maintain(&mut self, proxies: &Proxies) {
         // 0 is kept for anchors that are none.
         self.tick = self.tick.checked_add(1).unwrap_or(1);
-        self.exact = false;
+        self.exact &= proxies.moved().is_empty();
         self.escaped.clear();
         if proxies.population_changed() {
             self.let_go_and_take_in(proxies);
@@ -312,6 +313,10 @@ impl BroadPhase for LinearOctree {
             let id = ProxyId::new(self.owners[slot]);
             visitor.object(id, &proxies.boxes()[id.index()], &EVERYWHERE);
         });
+    }
+
+    fn as_linear(&self) -> Option<&LinearOctree> {
+        Some(self)
     }
 
     fn stats(&self) -> BroadPhaseStats {

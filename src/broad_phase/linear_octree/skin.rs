@@ -23,16 +23,16 @@ pub(super) struct Anchor {
 }
 
 impl Anchor {
-    /// Makes the skin of a box for some ticks ahead: the box swept along its way.
+    /// Makes the skin of a box for some ticks ahead: the box swept along its way. `None` if it has none.
     #[inline(always)]
-    pub(super) fn renew(&mut self, tick: u32, aabb: &Aabb3d, horizon: f32) -> Aabb3d {
+    pub(super) fn renew(&mut self, tick: u32, aabb: &Aabb3d, horizon: f32) -> Option<Aabb3d> {
         let way = self.step(tick, aabb) * horizon;
         self.drop_at(tick, aabb);
         let margin = way.abs() * MARGIN;
         let min = aabb.min + way.min(Vec3A::ZERO) - margin;
         let max = aabb.max + way.max(Vec3A::ZERO) + margin;
         // A way that overflows is not worth a skin.
-        if min.is_finite() && max.is_finite() { Aabb3d { min, max } } else { *aabb }
+        (way != Vec3A::ZERO && min.is_finite() && max.is_finite()).then_some(Aabb3d { min, max })
     }
 
     /// Notes where a box is, the skin of which is the box itself.

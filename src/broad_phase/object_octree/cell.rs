@@ -103,6 +103,12 @@ impl Cell {
         point.cmpge(self.lo).all() && point.cmplt(self.hi).all()
     }
 
+    /// The child next to a place, which may be outside of the cell.
+    #[inline]
+    pub(super) fn octant_towards(&self, place: Vec3A) -> Vertex {
+        Vertex::from_bits(place.cmpge(self.mid).bitmask())
+    }
+
     /// The children that a box overlaps, given that it overlaps the cell: one bit for each octant.
     #[inline]
     pub(super) fn octants(&self, aabb: &Aabb3d) -> u32 {

@@ -57,7 +57,7 @@ use bevy::math::bounding::Aabb3d;
 use smallvec::SmallVec;
 
 use super::{BroadPhase, BroadPhaseStats, Pair, Proxies, ProxyId, Visitor, group::Group};
-use crate::octree::{NodeId, Octree};
+use crate::octree::{NodeId, Octree, Vertex};
 pub use cell::Cell;
 use root::RootCell;
 pub use settings::{ObjectOctreeSettings, RootPolicy, SettingsError};
@@ -219,7 +219,12 @@ impl BroadPhase for ObjectOctree {
             for &object in cell.listed() {
                 visitor.object(ProxyId::new(object), &self.entries[object as usize].aabb, &bounds);
             }
-            stack.extend(self.tree.children(node).rev());
+            // From the octant next to the viewpoint to the opposite one, none before one that may hide it.
+            if self.tree.is_leaf(node) {
+                continue;
+            }
+            let near = cell.octant_towards(visitor.viewpoint());
+            stack.extend((0..8).rev().filter_map(|i| self.tree.child(node, Vertex::from_bits(near.bits() ^ i))));
         }
     }
 

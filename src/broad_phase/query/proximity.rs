@@ -1,0 +1,62 @@
+//! Distances from a point.
+
+use bevy::math::{Vec3A, bounding::Aabb3d};
+use fearless_simd::{f32x8, prelude::*};
+
+use super::measure::Measure;
+use crate::broad_phase::linear_octree::Block;
+
+/// How far boxes are from a point: 0 for those that hold it.
+#[derive(Clone, Copy)]
+pub struct Proximity<const ORDERED: bool>(Vec3A);
+
+impl<const ORDERED: bool> Proximity<ORDERED> {
+    /// The measure, and the limit if it makes sense; NaN otherwise.
+    pub fn new(point: Vec3A, limit: f32) -> (Self, f32) {
+        (Self(point), if point.is_finite() && limit >= 0.0 { limit } else { f32::NAN })
+    }
+}
+
+impl<const ORDERED: bool> Measure for Proximity<ORDERED> {
+    const ORDERED: bool = ORDERED;
+    const EXACT: bool = false;
+
+    /// Squared, and so much larger that neither rounding nor underflow leaves a box out.
+    #[inline(always)]
+    fn bound(&self, distance: f32) -> f32 {
+        if distance >= 0.0 { distance * distance * (1.0 + 8.0 * f32::EPSILON) + f32::MIN_POSITIVE } else { f32::NAN }
+    }
+
+    #[inline(always)]
+    fn eight<S: Simd>(&self, simd: S, block: &Block, bound: f32) -> (u32, f32x8<S>) {
+        let point = self.0.to_array();
+        let square = |axis: usize| {
+            let at = f32x8::splat(simd, point[axis]);
+            let below = block.side(simd, false, axis) - at;
+            let above = at - block.side(simd, true, axis);
+            let gap = below.max(above).max(f32x8::splat(simd, 0.0));
+            gap * gap
+        };
+        let squared = square(0) + square(1) + square(2);
+        let within = squared.simd_le(f32x8::splat(simd, bound));
+        // Places without a box are infinitely far away, which an infinite bound does not leave out.
+        let is_box = block.side(simd, false, 0).simd_le(block.side(simd, true, 0));
+        ((within & is_box).to_bitmask() as u32, squared)
+    }
+
+    /// In double precision, in which no square overflows.
+    #[inline(always)]
+    fn one(&self, aabb: &Aabb3d, limit: f32) -> Option<f32> {
+        let gap = (aabb.min - self.0).max(self.0 - aabb.max).max(Vec3A::ZERO);
+        let distance = gap.as_dvec3().length() as f32;
+        (distance <= limit).then_some(distance)
+    }
+
+    fn anchor(&self, aabb: &Aabb3d, _: f32) -> Vec3A {
+        self.0.max(aabb.min).min(aabb.max)
+    }
+
+    fn viewpoint(&self) -> Vec3A {
+        self.0
+    }
+}
