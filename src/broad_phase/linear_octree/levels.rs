@@ -6,22 +6,23 @@ use fearless_simd::{f32x8, prelude::*};
 use super::{EMPTY, Visitor};
 
 /// How many boxes a block holds.
-pub(super) const WIDTH: usize = 8;
+pub const WIDTH: usize = 8;
 
 /// Eight boxes, coordinate by coordinate.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(super) struct Block {
+pub struct Block {
     min: [[f32; WIDTH]; 3],
     max: [[f32; WIDTH]; 3],
 }
 
 impl Block {
     /// Eight boxes that overlap nothing.
-    const EMPTY: Self = Self { min: [[f32::INFINITY; WIDTH]; 3], max: [[f32::NEG_INFINITY; WIDTH]; 3] };
+    pub(in crate::broad_phase) const EMPTY: Self =
+        Self { min: [[f32::INFINITY; WIDTH]; 3], max: [[f32::NEG_INFINITY; WIDTH]; 3] };
 
     #[inline(always)]
-    pub(super) fn set(&mut self, lane: usize, aabb: &Aabb3d) {
+    pub(in crate::broad_phase) fn set(&mut self, lane: usize, aabb: &Aabb3d) {
         let (min, max) = (aabb.min.to_array(), aabb.max.to_array());
         for axis in 0..3 {
             self.min[axis][lane] = min[axis];
@@ -30,7 +31,7 @@ impl Block {
     }
 
     #[inline(always)]
-    pub(super) fn get(&self, lane: usize) -> Aabb3d {
+    pub(in crate::broad_phase) fn get(&self, lane: usize) -> Aabb3d {
         let corner = |side: &[[f32; WIDTH]; 3]| Vec3A::new(side[0][lane], side[1][lane], side[2][lane]);
         Aabb3d { min: corner(&self.min), max: corner(&self.max) }
     }
@@ -52,7 +53,7 @@ impl Block {
 
     /// Which of the eight a box overlaps, touching included: a bit for each.
     #[inline(always)]
-    pub(super) fn overlaps<S: Simd>(&self, simd: S, min: [f32; 3], max: [f32; 3]) -> u32 {
+    pub(in crate::broad_phase) fn overlaps<S: Simd>(&self, simd: S, min: [f32; 3], max: [f32; 3]) -> u32 {
         let below = |axis: usize| f32x8::from_slice(simd, &self.min[axis]).simd_le(f32x8::splat(simd, max[axis]));
         let above = |axis: usize| f32x8::from_slice(simd, &self.max[axis]).simd_ge(f32x8::splat(simd, min[axis]));
         let x = below(0) & above(0);

@@ -49,6 +49,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use super::{BroadPhase, BroadPhaseStats, EVERYWHERE, Pair, Proxies, ProxyId, Visitor, overlap};
 use join::Task;
 use levels::Levels;
+pub(super) use levels::{Block, WIDTH};
 use skin::Skins;
 
 /// No slot.
