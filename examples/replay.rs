@@ -123,7 +123,8 @@ impl Replay {
         }
     }
 
-    /// What a game does in a frame.
+    /// What a game does in a frame. Not inlined, so that profilers can tell it from the reading of the trace.
+    #[inline(never)]
     fn frame(&mut self, boxes: &[Aabb3d]) -> Outcome {
         let start = Instant::now();
         for (object, aabb) in self.objects.iter().zip(boxes) {

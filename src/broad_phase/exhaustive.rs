@@ -1,14 +1,25 @@
 //! All pairs: the reference.
 
+use bevy::math::Vec3A;
+use fearless_simd::{Level, dispatch};
+
 use super::{BroadPhase, BroadPhaseStats, EVERYWHERE, Pair, Proxies, Visitor, group::Group};
 
 /// Exhaustive search (Swan 1994, section 1.4): every moved box against every other.
 ///
 /// Time per tick is O(m·n) for m moved objects among n, with a small constant; there is nothing to maintain. It is
 /// the reference that the other implementations are checked against, and the fastest for a handful of objects.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Exhaustive {
+    /// The vector instructions that this machine has.
+    level: Level,
     group: Group,
+}
+
+impl Default for Exhaustive {
+    fn default() -> Self {
+        Self { level: Level::new(), group: Group::default() }
+    }
 }
 
 impl BroadPhase for Exhaustive {
@@ -22,8 +33,8 @@ impl BroadPhase for Exhaustive {
         if proxies.moved().is_empty() {
             return 0;
         }
-        self.group.gather(proxies.iter().map(|(id, _)| id), proxies);
-        self.group.overlaps(|[a, b], _| pairs.push(Pair::new(a, b)))
+        self.group.gather(proxies.iter().map(|(id, _)| id), Vec3A::NEG_INFINITY, proxies);
+        dispatch!(self.level, simd => self.group.overlaps(simd, pairs))
     }
 
     fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor) {

@@ -7,7 +7,7 @@ use super::{EMPTY, JOB, Visitor};
 use crate::parallel;
 
 /// How many boxes a block holds.
-pub(super) const WIDTH: usize = 8;
+pub const WIDTH: usize = 8;
 
 /// All lanes of a block.
 pub(super) const ALL: u32 = (1 << WIDTH) - 1;
@@ -22,10 +22,11 @@ pub struct Block {
 
 impl Block {
     /// Eight boxes that overlap nothing.
-    pub(super) const EMPTY: Self = Self { min: [[f32::INFINITY; WIDTH]; 3], max: [[f32::NEG_INFINITY; WIDTH]; 3] };
+    pub(in crate::broad_phase) const EMPTY: Self =
+        Self { min: [[f32::INFINITY; WIDTH]; 3], max: [[f32::NEG_INFINITY; WIDTH]; 3] };
 
     #[inline(always)]
-    pub(super) fn set(&mut self, lane: usize, aabb: &Aabb3d) {
+    pub(in crate::broad_phase) fn set(&mut self, lane: usize, aabb: &Aabb3d) {
         let (min, max) = (aabb.min.to_array(), aabb.max.to_array());
         for axis in 0..3 {
             self.min[axis][lane] = min[axis];
@@ -34,7 +35,7 @@ impl Block {
     }
 
     #[inline(always)]
-    pub(super) fn get(&self, lane: usize) -> Aabb3d {
+    pub(in crate::broad_phase) fn get(&self, lane: usize) -> Aabb3d {
         let corner = |side: &[[f32; WIDTH]; 3]| Vec3A::new(side[0][lane], side[1][lane], side[2][lane]);
         Aabb3d { min: corner(&self.min), max: corner(&self.max) }
     }

@@ -56,8 +56,8 @@ use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::Level;
 
 use super::{BroadPhase, BroadPhaseStats, EVERYWHERE, Pair, Proxies, ProxyId, Visitor, overlap};
-pub(super) use levels::Block;
 use levels::Levels;
+pub(super) use levels::{Block, WIDTH};
 use list::{List, Packed, unpack};
 use near::NearPairs;
 use order::Order;

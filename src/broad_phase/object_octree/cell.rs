@@ -20,9 +20,11 @@ pub struct Cell {
     objects: Vec<u32>,
     /// How many of `objects` count against N.
     counted: u32,
-    /// The last turn in which this cell was tested as a neighbour, and in which it was known to list the object.
-    pub(super) tested: u64,
+    /// The last turn in which this cell was known to list the object, and in which it was searched for pairs.
     pub(super) held: u64,
+    pub(super) searched: u64,
+    /// Of a split node: while fewer objects than this have left its leaves, these list too many to merge.
+    pub(super) surplus: u32,
     /// Does the node wait for a split or a merge?
     pub(super) queued: bool,
 }
@@ -94,6 +96,12 @@ impl Cell {
     #[must_use]
     pub fn overlaps(&self, aabb: &Aabb3d) -> bool {
         aabb.min.cmplt(self.hi).all() && aabb.max.cmpge(self.lo).all()
+    }
+
+    /// Is all of a box in the cell?
+    #[inline]
+    pub(super) fn holds(&self, aabb: &Aabb3d) -> bool {
+        (aabb.min.cmpge(self.lo) & aabb.max.cmplt(self.hi)).all()
     }
 
     /// Is a point in the cell?

@@ -4,16 +4,11 @@
 //! outcome is that of restructuring after each object, since the shape is canonical, with no node split only to be
 //! merged again in the same tick.
 
-use std::sync::LazyLock;
-
 use bevy::math::bounding::Aabb3d;
 use smallvec::SmallVec;
 
 use super::{Cell, Entry, ObjectOctree, StayRegion};
-use crate::{
-    broad_phase::{Proxies, overlap},
-    octree::{Direction, NodeId},
-};
+use crate::{broad_phase::Proxies, octree::NodeId};
 
 impl ObjectOctree {
     /// Brings lists and nodes up to date with all changes.
@@ -46,15 +41,15 @@ impl ObjectOctree {
             entry.aabb = *aabb;
             return;
         }
-        // Neighbours are reached step by step, through space that the box overlaps now. That finds all of them only if
-        // the box still overlaps where it was; and counts against N stay right only if its size class is the same.
-        if entry.levels != levels || !overlap(&entry.aabb, aabb) {
+        // Counts against N stay right only if the size class is the same.
+        if entry.levels != levels {
             self.depart(object);
             return self.arrive(object, aabb);
         }
-        let before = std::mem::replace(&mut entry.aabb, *aabb);
+        entry.aabb = *aabb;
+        let top = self.holder(object, aabb);
         self.leave(object, aabb);
-        self.enter_neighbors(object, &before, aabb);
+        self.enter_below(top, object, aabb);
         self.unsettle(object);
     }
 
@@ -75,26 +70,16 @@ impl ObjectOctree {
         }
     }
 
-    /// The report's second check: from each leaf that lists the object, looks at the neighbours in the directions in
-    /// which the box advanced, and enters the object in those that it overlaps now, from where the search goes on.
-    /// Marks on the cells keep a neighbour that several leaves share from being tested twice.
-    fn enter_neighbors(&mut self, object: u32, before: &Aabb3d, now: &Aabb3d) {
-        let turn = self.turn;
-        let directions = advance_directions(before, now);
-        let mut place = 0;
-        while let Some(&leaf) = self.entries[object as usize].leaves.get(place) {
-            place += 1;
-            for &direction in directions {
-                let Some(neighbor) = self.tree.neighbor(leaf, direction) else { continue };
-                let cell = self.tree.data_mut(neighbor);
-                if cell.tested != turn {
-                    cell.tested = turn;
-                    if cell.overlaps(now) {
-                        self.enter_below(neighbor, object, now);
-                    }
-                }
-            }
+    /// The lowest node above one of an object's leaves that holds all of a box: the second check begins there. (The
+    /// report goes from neighbour to neighbour instead; see `ARCHITECTURE.md` for what that costs.)
+    fn holder(&self, object: u32, aabb: &Aabb3d) -> NodeId {
+        let Some(&leaf) = self.entries[object as usize].leaves.first() else { return NodeId::ROOT };
+        let mut node = leaf;
+        while !self.tree.data(node).holds(aabb) {
+            let Some(parent) = self.tree.parent(node) else { break };
+            node = parent;
         }
+        node
     }
 
     /// Enters an object that is in no leaf.
@@ -172,47 +157,4 @@ impl ObjectOctree {
 #[inline]
 pub(super) const fn must_split(cell: &Cell, max_objects: u32, max_depth: u32) -> bool {
     cell.counted() > max_objects && cell.generation() < max_depth
-}
-
-/// The directions that lead into the space that the box `now` covers and `before` did not: every combination of the
-/// faces that moved outward. For a box that moves without growing these are the report's seven directions of the
-/// octant that it moves toward, less those along an axis on which it does not move.
-fn advance_directions(before: &Aabb3d, now: &Aabb3d) -> &'static [Direction] {
-    static DIRECTIONS: LazyLock<[Vec<Direction>; 64]> = LazyLock::new(|| {
-        std::array::from_fn(|faces| {
-            let advanced = |axis: usize, sign: i8| match sign {
-                0 => true,
-                1 => faces >> axis & 1 != 0,
-                _ => faces >> (axis + 3) & 1 != 0,
-            };
-            let leads_there = |direction: &Direction| {
-                direction.signs().into_iter().enumerate().all(|(axis, sign)| advanced(axis, sign))
-            };
-            Direction::ALL.into_iter().filter(leads_there).collect()
-        })
-    });
-    let upward = now.max.cmpgt(before.max).bitmask() as usize;
-    let downward = now.min.cmplt(before.min).bitmask() as usize;
-    &DIRECTIONS[downward << 3 | upward]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use bevy::math::Vec3;
-
-    #[test]
-    fn a_box_that_moves_advances_into_the_octant_of_its_motion() {
-        let before = Aabb3d::new(Vec3::ZERO, Vec3::ONE);
-        let to = |offset: Vec3| Aabb3d::new(offset, Vec3::ONE);
-        assert_eq!(advance_directions(&before, &before), []);
-        assert_eq!(advance_directions(&before, &to(Vec3::X)), ["R".parse().unwrap()]);
-        let mut seven: Vec<_> = crate::octree::directions_toward(Vec3::new(1.0, -1.0, 1.0)).to_vec();
-        let mut found = advance_directions(&before, &to(Vec3::new(0.1, -0.1, 0.1))).to_vec();
-        seven.sort_by_key(|direction| direction.index());
-        found.sort_by_key(|direction| direction.index());
-        assert_eq!(found, seven);
-        let grown = Aabb3d::new(Vec3::ZERO, Vec3::splat(2.0));
-        assert_eq!(advance_directions(&before, &grown).len(), 26);
-    }
 }

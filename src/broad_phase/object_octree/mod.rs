@@ -38,8 +38,17 @@
 //!
 //! An update looks at the objects that moved and at no others. One comparison of a box with its *stay region*, the
 //! region within which its list of leaves cannot change, spares most of them any further work. Those that are left
-//! visit their leaves, and the neighbours of these in the directions in which the box advanced. Memory is linear in
-//! the objects.
+//! visit their leaves, and whatever is below the lowest node that holds all of the box. A node is looked at for a merge
+//! only when so many objects have left its leaves that it may have to. Pairs are searched for in leaves that list an
+//! object that moved; its box is compared with eight others at a time. Memory is linear in the objects.
+//!
+//! # When to use it
+//!
+//! For its shape: leaves tile space, and how deep they lie says where objects crowd, whatever the history; with
+//! [`tree`](ObjectOctree::tree) and [`leaves_of`](ObjectOctree::leaves_of) that is a map to build on. For speed, prefer
+//! the [linear octree](super::LinearOctree): on scenes in which all objects move this one takes about twice its time at
+//! 8 000 objects and three to four times at 64 000, for it reads boxes and leaves in no order of memory. Where one object in ten moves,
+//! both execute as many instructions, and this one still takes about twice the time.
 
 mod cell;
 mod maintain;
@@ -54,6 +63,7 @@ mod validate;
 mod tests;
 
 use bevy::math::bounding::Aabb3d;
+use fearless_simd::Level;
 use smallvec::SmallVec;
 
 use super::{BroadPhase, BroadPhaseStats, Pair, Proxies, ProxyId, Visitor, group::Group};
@@ -84,6 +94,8 @@ pub struct ObjectOctree {
     unsettled: Vec<u32>,
     /// Emptied lists, for reuse.
     spare: Vec<Vec<u32>>,
+    /// The vector instructions that this machine has.
+    level: Level,
     /// The objects of the leaf that is searched.
     group: Group,
 }
@@ -138,6 +150,7 @@ impl ObjectOctree {
             shrunk: Vec::new(),
             unsettled: Vec::new(),
             spare: Vec::new(),
+            level: Level::new(),
             group: Group::default(),
         }
     }

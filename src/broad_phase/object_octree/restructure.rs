@@ -13,10 +13,11 @@ impl ObjectOctree {
         self.settle();
     }
 
-    /// Puts a node that may have to merge in the queue.
+    /// Puts a node in the queue that may have to merge, since an object left one of its leaves.
     pub(super) fn queue_merge(&mut self, node: NodeId) {
         let cell = self.tree.data_mut(node);
-        if !cell.queued {
+        cell.surplus = cell.surplus.saturating_sub(1);
+        if cell.surplus == 0 && !cell.queued {
             cell.queued = true;
             self.shrunk.push(node);
         }
@@ -46,9 +47,14 @@ impl ObjectOctree {
     /// many, or the children are not all leaves.
     fn mergeable(&mut self, node: NodeId) -> Option<(Vec<u32>, u32)> {
         let children = self.tree.children(node);
+        if children.len() == 0 || children.clone().any(|child| self.tree.is_split(child)) {
+            return None;
+        }
         let limit = self.settings.max_objects - self.settings.merge_slack;
-        let merges = |child| !self.tree.is_split(child) && self.tree.data(child).counted() <= limit;
-        if children.len() == 0 || !children.clone().all(merges) {
+        // What one of them lists may be too much already.
+        let most = children.clone().map(|child| self.tree.data(child).counted()).max().unwrap_or(0);
+        if most > limit {
+            self.tree.data_mut(node).surplus = most - limit;
             return None;
         }
         let generation = self.tree.data(node).generation();
@@ -63,10 +69,11 @@ impl ObjectOctree {
                     counted += u32::from(self.entries[object as usize].counts_in(generation));
                 }
             }
-            if counted > limit {
-                self.recycle(objects);
-                return None;
-            }
+        }
+        if counted > limit {
+            self.tree.data_mut(node).surplus = counted - limit;
+            self.recycle(objects);
+            return None;
         }
         Some((objects, counted))
     }
@@ -102,7 +109,12 @@ impl ObjectOctree {
     }
 
     fn split(&mut self, leaf: NodeId) {
+        // Objects will leave the new leaves without their grandparent being told.
+        if let Some(parent) = self.tree.parent(leaf) {
+            self.tree.data_mut(parent).surplus = 0;
+        }
         let cell = self.tree.data_mut(leaf);
+        cell.surplus = 0;
         let objects = cell.take_list();
         let frame = cell.frame();
         let children = self.tree.split(leaf);
