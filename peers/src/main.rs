@@ -10,6 +10,7 @@
 //! | setting | reason |
 //! |---|---|
 //! | release profile, one codegen unit per crate, as in the workspace's `Cargo.toml` | what this crate's own programs are built with; no crate is built otherwise than the others |
+//! | thin link-time optimisation for published figures: `CARGO_PROFILE_RELEASE_LTO=thin` | calls across crates are inlined for all; not in the profile, where it would make every example slow to build |
 //! | no `target-cpu` | what users get; who detects wider instructions at run time may use them |
 //! | parry, rapier, obvhs and rstar at their newest versions, Avian and `bevy_rapier` at the newest for Bevy 0.19 | the best that there is |
 //! | no peer's `parallel` feature, Bevy without `multi_threaded` | one thread each; a second one is another question |

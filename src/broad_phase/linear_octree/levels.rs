@@ -188,7 +188,7 @@ impl Levels {
     pub(super) fn refit(&mut self) {
         for height in 1..self.levels.len() {
             let (below, above) = self.levels.split_at_mut(height);
-            let chunks = above[0].chunks_mut(JOB / WIDTH).zip(below[height - 1].chunks(JOB));
+            let chunks = above[0].chunks_mut(JOB).zip(below[height - 1].chunks(JOB * WIDTH));
             parallel::for_each(chunks, |(above, below)| {
                 for (block, eight) in above.iter_mut().zip(below.chunks(WIDTH)) {
                     for (lane, child) in eight.iter().enumerate() {

@@ -55,7 +55,6 @@ mod tests;
 use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::Level;
 
-use super::{BroadPhase, BroadPhaseStats, EVERYWHERE, Pair, Proxies, ProxyId, Visitor, overlap};
 use levels::Levels;
 pub(super) use levels::{Block, WIDTH};
 use list::{List, Packed, unpack};
@@ -63,6 +62,7 @@ use near::NearPairs;
 use order::Order;
 use skin::Anchor;
 
+use super::{BroadPhase, BroadPhaseStats, EVERYWHERE, Pair, Proxies, ProxyId, Visitor, overlap};
 use crate::parallel;
 
 /// No slot.
