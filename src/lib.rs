@@ -55,6 +55,7 @@ pub mod collision_index;
 pub mod components;
 pub mod contacts;
 pub mod counters;
+pub mod filters;
 pub mod motion;
 pub mod narrow_phase;
 pub mod octree;
@@ -75,6 +76,9 @@ pub mod prelude {
         components::{CollisionShape, Cube, WorldAabb},
         contacts::{CollisionEnded, CollisionStarted, Contacts},
         counters::CollisionCounters,
+        filters::{
+            CollisionLayer, CollisionLayers, IgnoreCollisions, PairHook, PairHookPlugin, Sensor, StaticCollider,
+        },
         motion::{CollisionClock, MotionSettings, PositionTrack, Step, Velocity},
         narrow_phase::Shape,
         plugin::{CollisionSystems, NarrowPhaseSettings, OctreePlugins},

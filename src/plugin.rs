@@ -12,6 +12,7 @@ use crate::{
     components::{BroadPhaseProxy, CollisionShape, Cube, WorldAabb},
     contacts::{CollisionEnded, CollisionStarted, Contacts, NarrowPhasePlugin, ReportPlugin},
     counters::CollisionCounters,
+    filters::FilterPlugin,
     motion::{CollisionClock, MotionPlugin, MotionSettings, Velocity},
     narrow_phase::NarrowPhase,
     response::{Bounce, BouncePlugin},
@@ -64,6 +65,7 @@ impl PluginGroup for OctreePlugins {
             .add(MotionPlugin(self.schedule))
             .add(BoundsPlugin(self.schedule))
             .add(BroadPhasePlugin(self.schedule))
+            .add(FilterPlugin(self.schedule))
             .add(NarrowPhasePlugin(self.schedule))
             .add(BouncePlugin(self.schedule))
             .add(ReportPlugin(self.schedule));
