@@ -16,6 +16,7 @@ use bevy::{
     prelude::*,
 };
 use bevy_octree::{
+    components::BroadPhaseProxy,
     narrow_phase::{Placed, Workspace},
     prelude::*,
 };
@@ -316,7 +317,6 @@ fn contacts_do_not_depend_on_flushes() {
         for _ in 0..rng.usize(..4) {
             let gone = objects.swap_remove(rng.usize(..objects.len()));
             app.world_mut().despawn(gone);
-            // A handle is handed out again after two updates: its new owner must not inherit contacts.
             for _ in 0..round % 4 {
                 update_spatial_index(app.world_mut());
             }
@@ -329,6 +329,24 @@ fn contacts_do_not_depend_on_flushes() {
         // The log checks that each contact starts and ends once.
         assert_eq!(contacts(&app), brute_force_contacts(&mut app));
     }
+}
+
+#[test]
+fn a_handle_that_is_used_again_between_two_ticks_brings_no_contact_with_it() {
+    let mut app = app(Method::default());
+    let spawn = |app: &mut App| app.world_mut().spawn(CollisionShape::default()).id();
+    let (stays, goes) = (spawn(&mut app), spawn(&mut app));
+    tick(&mut app, 1);
+    let handle = get::<BroadPhaseProxy>(&app, goes).id();
+    app.world_mut().despawn(goes);
+    for _ in 0..2 {
+        update_spatial_index(app.world_mut());
+    }
+    let comes = spawn(&mut app);
+    tick(&mut app, 1);
+    assert_eq!(get::<BroadPhaseProxy>(&app, comes).id(), handle);
+    assert_eq!(messages_about(&app, pair(stays, goes)), (1, 1));
+    assert_eq!(messages_about(&app, pair(stays, comes)), (1, 0));
 }
 
 #[test]

@@ -96,10 +96,10 @@ pub(super) fn cast_ray(
     // Relative to the shape, so that a place far from the world's origin costs no exactness.
     let pose = Pose::from_parts(Vec3::ZERO, at.rotation.normalize());
     let ray = query::Ray::new(origin - at.translation, *direction);
-    let met = shape.cast_ray_and_get_normal(&pose, &ray, max_distance, true)?;
+    let met = shape.cast_ray_and_get_normal(&pose, &ray, max_distance.min(f32::MAX), true)?;
     let distance = met.time_of_impact;
     // No normal inside.
-    let normal = Vec3::from(met.normal).try_normalize().filter(|_| distance > 0.0).unwrap_or(-*direction);
+    let normal = met.normal.try_normalize().filter(|_| distance > 0.0).unwrap_or(-*direction);
     let normal = if normal.dot(*direction) > 0.0 { -normal } else { normal };
     let is_within = distance >= 0.0 && distance <= max_distance;
     is_within.then(|| Impact { distance, point: origin + direction * distance, normal })
@@ -108,20 +108,19 @@ pub(super) fn cast_ray(
 /// The point of a shape that is closest to another; that one itself, if it is inside.
 pub(super) fn closest_point(shape: &SharedShape, at: &Transform, point: Vec3) -> Vec3 {
     let pose = Pose::from_parts(Vec3::ZERO, at.rotation.normalize());
-    at.translation + Vec3::from(shape.project_point(&pose, point - at.translation, true).point)
+    at.translation + shape.project_point(&pose, point - at.translation, true).point
 }
 
 /// Where a shape on its way meets another that it does not touch at the start.
 pub(super) fn sweep(moving: Placed, direction: Dir3, max_distance: f32, target: Placed) -> Option<Impact> {
-    let options = ShapeCastOptions::with_max_time_of_impact(max_distance);
-    let start = moving.transform.translation;
+    let options = ShapeCastOptions::with_max_time_of_impact(max_distance.min(f32::MAX));
     let hit =
         ask(moving, target, |a, at_a, b, at_b| query::cast_shapes(at_a, *direction, a, at_b, Vec3::ZERO, b, options))??;
     let distance = hit.time_of_impact;
     // The second witness is in the target's own coordinates.
-    let place = target.transform.translation - start;
-    let point = start + place + target.transform.rotation.normalize() * Vec3::from(hit.witness2);
-    let normal = target.transform.rotation.normalize() * Vec3::from(hit.normal2);
+    let rotation = target.transform.rotation.normalize();
+    let point = target.transform.translation + rotation * hit.witness2;
+    let normal = rotation * hit.normal2;
     let normal = normal.try_normalize().unwrap_or(-*direction);
     let normal = if normal.dot(*direction) > 0.0 { -normal } else { normal };
     Some(Impact { distance, point, normal })

@@ -17,7 +17,7 @@ const FLAT: f64 = 1e-7;
 pub struct Impact {
     /// How far along the way; 0 if it starts in touch.
     pub distance: f32,
-    /// A point of the shape that is met, in the world.
+    /// A point of the shape that is met, in the world; for shapes that overlap from the start, one where they meet.
     pub point: Vec3,
     /// A unit vector that points away from the shape that is met, and never along the way: against the way itself if it
     /// starts inside, where nothing better is known.
