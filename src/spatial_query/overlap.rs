@@ -89,7 +89,7 @@ impl SpatialQuery<'_> {
     }
 
     /// The entities whose *boxes* are in a view frustum, as far as its planes tell: see
-    /// [`Region`](crate::broad_phase::Region).
+    /// [`Region`].
     pub fn frustum_intersections<F: Flow>(
         &self,
         frustum: &ViewFrustum,
