@@ -1,7 +1,7 @@
 //! World boxes from transforms and shapes.
 
 use bevy::{
-    ecs::{entity_disabling::Disabled, schedule::InternedScheduleLabel},
+    ecs::{entity_disabling::Disabled, schedule::InternedScheduleLabel, system::RegisteredSystemError},
     prelude::*,
 };
 
@@ -32,6 +32,12 @@ impl Plugin for BoundsPlugin {
 /// Boxes are grown by the tolerance: when that changes, so do all of them.
 fn outdate_all(mut proxies: Query<&mut BroadPhaseProxy>) {
     proxies.iter_mut().for_each(|mut proxy| proxy.set_changed());
+}
+
+/// Brings all boxes up to date, at any moment.
+pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
+    world.run_system_cached(update_roots)?;
+    world.run_system_cached(update_children)
 }
 
 type Bounded<'a> = (Entity, &'a CollisionShape, &'a Transform, &'a mut WorldAabb, &'a mut BroadPhaseProxy);

@@ -1,7 +1,7 @@
 //! The broad phase as a resource: entities in, candidate pairs out.
 
 use bevy::{
-    ecs::{entity_disabling::Disabled, schedule::InternedScheduleLabel},
+    ecs::{entity_disabling::Disabled, schedule::InternedScheduleLabel, system::RegisteredSystemError},
     prelude::*,
 };
 
@@ -156,6 +156,11 @@ impl Plugin for BroadPhasePlugin {
         .add_observer(on_disabled)
         .add_observer(on_enabled);
     }
+}
+
+/// Takes up all boxes that changed, at any moment.
+pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
+    world.run_system_cached(maintain)
 }
 
 type ChangedBoxes<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy, FilterParts<'a>);

@@ -86,7 +86,8 @@ impl Contacts {
         let (mut before, mut now) = (self.before.iter().peekable(), self.pairs.iter().peekable());
         loop {
             let order = match (before.peek(), now.peek()) {
-                (Some(old), Some(new)) => old.pair.cmp(&new.pair),
+                // A handle may be another entity's by now, if the index was brought up to date between two ticks.
+                (Some(old), Some(new)) => (old.pair, old.a, old.b).cmp(&(new.pair, new.a, new.b)),
                 (Some(_), None) => Ordering::Less,
                 (None, Some(_)) => Ordering::Greater,
                 (None, None) => return,

@@ -41,6 +41,8 @@
 //! | [`CollisionIndex`](collision_index::CollisionIndex) | the boxes, the broad phase, queries |
 //! | [`CollisionCounters`](counters::CollisionCounters) | what happened, in numbers |
 //!
+//! [`SpatialQuery`](spatial_query::SpatialQuery) is the way to ask: rays, moving shapes, overlaps, what is near.
+//!
 //! [`OctreePlugins`] brings all of it; [`CollisionSystems`] are the sets to order systems of one's own by. The parts
 //! also work without Bevy's ECS: [`octree`], [`broad_phase`] and [`narrow_phase`].
 //!
@@ -63,6 +65,7 @@ mod parallel;
 pub mod plugin;
 pub mod response;
 pub mod scene;
+pub mod spatial_query;
 pub mod trace;
 
 pub use bounds::BoundsPlugin;
@@ -83,6 +86,7 @@ pub mod prelude {
         narrow_phase::Shape,
         plugin::{CollisionSystems, NarrowPhaseSettings, OctreePlugins},
         response::{Bounce, BouncePlugin},
+        spatial_query::{PointHit, RayHit, ShapeHit, SpatialQuery, SpatialQueryFilter, update_spatial_index},
     };
 }
 

@@ -17,7 +17,7 @@ const BIAS: f32 = 1e-3;
 /// The contact of two convex shapes made of polygons, cuboids among them.
 pub(super) fn contact(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> {
     let meeting = mean_hit(pair, workspace);
-    edge_polygon::fill_all(pair, workspace);
+    edge_polygon::fill_all(pair, workspace)?;
     let [a, b] = &workspace.surfaces;
     let bias = BIAS * (pair.box_a.radius + pair.box_b.radius);
     let (normal, gap) = least_overlap(a, b, bias)?;

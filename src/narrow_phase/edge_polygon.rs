@@ -87,8 +87,16 @@ fn fill<'a>(pair: &Pair<'a>, workspace: &mut Workspace) -> Option<[&'a PolygonMe
 }
 
 /// Puts both meshes in place, with all edges and faces.
-pub(super) fn fill_all(pair: &Pair, workspace: &mut Workspace) {
-    let _ = fill_region(pair, Region::EVERYWHERE, workspace);
+pub(super) fn fill_all<'a>(pair: &Pair<'a>, workspace: &mut Workspace) -> Option<[&'a PolygonMesh; 2]> {
+    fill_region(pair, Region::EVERYWHERE, workspace)
+}
+
+/// Puts the second mesh in place, with all edges and faces.
+pub(super) fn fill_second_all<'a>(
+    pair: &Pair<'a>,
+    workspace: &'a mut Workspace,
+) -> Option<(&'a PolygonMesh, &'a Surface)> {
+    fill_second(pair, &Region::EVERYWHERE, workspace)
 }
 
 fn fill_region<'a>(pair: &Pair<'a>, region: Region, workspace: &mut Workspace) -> Option<[&'a PolygonMesh; 2]> {

@@ -60,6 +60,12 @@
 //! mesh (but for meshes at a scale of their own that meet Rapier shapes). Two cuboids take in the
 //! order of 15 ns if turned alike, and 75 ns if not.
 //!
+//! # Rays, sweeps, distances
+//!
+//! [`NarrowPhase::cast_ray`], [`NarrowPhase::sweep`] and [`NarrowPhase::closest_point`] answer for the same shapes, exactly.
+//! The first time of impact of two shapes made of polygons is the least of those of corners and faces, both ways, and of
+//! edges, each the solution of a linear equation: nothing is iterated, and nothing has to be convex.
+//!
 //! # Rapier
 //!
 //! With the feature `rapier`, a `bevy_rapier3d` collider is a shape too, and parry decides all
@@ -84,15 +90,20 @@ mod pair;
 #[cfg(feature = "rapier")]
 mod parry;
 mod polygon_mesh;
+mod proximity;
+mod ray;
 mod separation;
 mod shape;
 mod stage;
 mod surface;
+mod sweep;
 mod topology;
 #[cfg(feature = "rapier")]
 mod triangulate;
 mod workspace;
 
+#[cfg(test)]
+mod cast_tests;
 #[cfg(all(test, feature = "rapier"))]
 mod parry_tests;
 #[cfg(test)]
@@ -104,6 +115,7 @@ pub use decide::{Exactness, NarrowPhase};
 pub use error::{BoundsError, ShapeError, ToleranceError};
 pub use pair::Placed;
 pub use polygon_mesh::PolygonMesh;
+pub use ray::Impact;
 pub use shape::Shape;
 pub use stage::{Stage, StageCount, StageCounters};
 pub use workspace::Workspace;

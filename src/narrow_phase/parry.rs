@@ -2,11 +2,11 @@
 
 use std::sync::{Once, OnceLock};
 
-use bevy::math::{Vec3, Vec3A};
+use bevy::math::{Dir3, Vec3, Vec3A};
 use bevy::transform::components::Transform;
 use bevy_rapier3d::geometry::Collider;
 use bevy_rapier3d::parry::math::Pose;
-use bevy_rapier3d::parry::query::{self, Unsupported};
+use bevy_rapier3d::parry::query::{self, ShapeCastOptions, Unsupported};
 use bevy_rapier3d::parry::shape::{self, SharedShape, TriMesh};
 
 use super::contact::LocalContact;
@@ -14,7 +14,7 @@ use super::edge_polygon;
 use super::oriented_box::effective_scale;
 use super::pair::Pair;
 use super::triangulate::triangulate;
-use super::{BoundsError, Placed, PolygonMesh, Shape, Workspace};
+use super::{BoundsError, Impact, Placed, PolygonMesh, Shape, Workspace};
 
 /// Half extents beyond this stand for infinity: parry gives endless shapes boxes of this order.
 const ENDLESS: f32 = f32::MAX / 8.0;
@@ -83,6 +83,53 @@ pub(super) fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalConta
         point: contact.point1.midpoint(contact.point2).into(),
         depth: (-contact.dist).max(0.0),
     })
+}
+
+/// Where a ray meets a shape. Solids are solid.
+pub(super) fn cast_ray(
+    shape: &SharedShape,
+    at: &Transform,
+    origin: Vec3,
+    direction: Dir3,
+    max_distance: f32,
+) -> Option<Impact> {
+    // Relative to the shape, so that a place far from the world's origin costs no exactness.
+    let pose = Pose::from_parts(Vec3::ZERO, at.rotation.normalize());
+    let ray = query::Ray::new(origin - at.translation, *direction);
+    let met = shape.cast_ray_and_get_normal(&pose, &ray, max_distance.min(f32::MAX), true)?;
+    let distance = met.time_of_impact;
+    // No normal inside.
+    let normal = met.normal.try_normalize().filter(|_| distance > 0.0).unwrap_or(-*direction);
+    let normal = if normal.dot(*direction) > 0.0 { -normal } else { normal };
+    let is_within = distance >= 0.0 && distance <= max_distance;
+    is_within.then(|| Impact { distance, point: origin + direction * distance, normal })
+}
+
+/// The point of a shape that is closest to another; that one itself, if it is inside.
+pub(super) fn closest_point(shape: &SharedShape, at: &Transform, point: Vec3) -> Vec3 {
+    let pose = Pose::from_parts(Vec3::ZERO, at.rotation.normalize());
+    at.translation + shape.project_point(&pose, point - at.translation, true).point
+}
+
+/// Where a shape on its way meets another that it does not touch at the start.
+pub(super) fn sweep(moving: Placed, direction: Dir3, max_distance: f32, target: Placed) -> Option<Impact> {
+    let options = ShapeCastOptions::with_max_time_of_impact(max_distance.min(f32::MAX));
+    let hit =
+        ask(moving, target, |a, at_a, b, at_b| query::cast_shapes(at_a, *direction, a, at_b, Vec3::ZERO, b, options))??;
+    let distance = hit.time_of_impact;
+    // The second witness is in the target's own coordinates.
+    let rotation = target.transform.rotation.normalize();
+    let point = target.transform.translation + rotation * hit.witness2;
+    let normal = rotation * hit.normal2;
+    let normal = normal.try_normalize().unwrap_or(-*direction);
+    let normal = if normal.dot(*direction) > 0.0 { -normal } else { normal };
+    Some(Impact { distance, point, normal })
+}
+
+/// A shape of Rapier's that is one of ours.
+pub(super) fn own(shape: &SharedShape) -> Option<Shape> {
+    let cuboid = shape.as_cuboid().map(|cuboid| Shape::Cuboid { half_size: cuboid.half_extents });
+    cuboid.or_else(|| shape.as_ball().map(|ball| Shape::Sphere { radius: ball.radius }))
 }
 
 /// Whether a closed mesh is around a Rapier shape: parry knows meshes as surfaces without an

@@ -70,12 +70,12 @@ pub(super) struct Edge {
 /// A polygon in place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Face {
-    polygon: u32,
+    pub polygon: u32,
     /// A unit vector; zero for a polygon that a scale of zero flattened to a segment or point,
     /// which its border is enough to describe.
     pub normal: Vec3A,
     /// The corners lie between `plane - thickness` and `plane + thickness` along the normal.
-    plane: f32,
+    pub plane: f32,
     thickness: f32,
     region: Region,
 }
@@ -220,30 +220,11 @@ impl Surface {
     }
 
     /// Whether the mesh winds around a point that is not on its surface (closer than rounding).
-    ///
-    /// Sums the solid angles under which the polygons are seen from the point, by the formula of
-    /// Van Oosterom and Strackee (1983). No direction is special, and so no ray can graze an edge.
     pub fn encloses(&self, mesh: &PolygonMesh, point: Vec3A) -> bool {
-        if !mesh.is_closed() {
-            return false;
-        }
-        // The angles of a fan of triangles are signed, and add up for polygons that are not convex
-        // too.
-        let mut half_angles = 0.0;
-        for corners in mesh.polygons() {
-            let seen = |vertex: u32| (self.vertices[vertex as usize] - point).normalize_or_zero();
-            let a = seen(corners[0]);
-            for pair in corners[1..].windows(2) {
-                let (b, c) = (seen(pair[0]), seen(pair[1]));
-                let cosines = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
-                half_angles += a.dot(b.cross(c)).atan2(cosines);
-            }
-        }
-        // Once around is 4π, or 2π in half angles.
-        f32::abs(half_angles) > std::f32::consts::PI
+        winds_around(mesh, |vertex| self.vertices[vertex as usize] - point)
     }
 
-    fn border(&self, corners: &[u32]) -> impl Iterator<Item = [Vec3A; 2]> {
+    pub fn border(&self, corners: &[u32]) -> impl Iterator<Item = [Vec3A; 2]> {
         let next = corners.iter().cycle().skip(1);
         let at = |vertex: &u32| self.vertices[*vertex as usize];
         corners.iter().zip(next).map(move |(a, b)| [at(a), at(b)])
@@ -251,7 +232,7 @@ impl Surface {
 
     /// Whether a point in the plane of a polygon is inside its border, by the even-odd rule.
     #[inline]
-    fn covers(&self, corners: &[u32], normal: Vec3A, point: Vec3A) -> bool {
+    pub fn covers(&self, corners: &[u32], normal: Vec3A, point: Vec3A) -> bool {
         // Seen along the axis that shows most of it.
         let (x, y) = match normal.abs().max_position() {
             0 => (1, 2),
@@ -267,6 +248,31 @@ impl Surface {
         }
         inside
     }
+}
+
+/// Whether a mesh winds around a point that is not on its surface (closer than rounding), by the ways from there to its
+/// vertices.
+///
+/// Sums the solid angles under which the polygons are seen from the point, by the formula of
+/// Van Oosterom and Strackee (1983). No direction is special, and so no ray can graze an edge.
+pub(super) fn winds_around(mesh: &PolygonMesh, way_to: impl Fn(u32) -> Vec3A) -> bool {
+    if !mesh.is_closed() {
+        return false;
+    }
+    // The angles of a fan of triangles are signed, and add up for polygons that are not convex
+    // too.
+    let mut half_angles = 0.0;
+    for corners in mesh.polygons() {
+        let seen = |vertex: u32| way_to(vertex).normalize_or_zero();
+        let a = seen(corners[0]);
+        for pair in corners[1..].windows(2) {
+            let (b, c) = (seen(pair[0]), seen(pair[1]));
+            let cosines = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
+            half_angles += a.dot(b.cross(c)).atan2(cosines);
+        }
+    }
+    // Once around is 4π, or 2π in half angles.
+    f32::abs(half_angles) > std::f32::consts::PI
 }
 
 /// The direction of a vector whose length may underflow; zero for zero.

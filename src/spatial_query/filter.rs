@@ -1,0 +1,70 @@
+//! Which entities a query is to see.
+
+use std::fmt;
+
+use bevy::{ecs::entity::EntityHashSet, prelude::*};
+
+/// Which entities a query is to see: all, unless told otherwise. Borrows what it is told, so that it costs nothing to make
+/// and to copy.
+///
+/// ```
+/// use bevy::{ecs::entity::EntityHashSet, prelude::*};
+/// use bevy_octree::prelude::*;
+///
+/// fn sees_a_foe(origin: Vec3, party: &EntityHashSet, foes: Query<(), With<Velocity>>, spatial: SpatialQuery) -> bool {
+///     let is_foe = |entity| foes.contains(entity);
+///     let filter = SpatialQueryFilter::default().excluding(party).only(&is_foe);
+///     spatial.cast_ray(Ray3d::new(origin, Dir3::X), 100.0, &filter).is_some()
+/// }
+/// ```
+#[derive(Clone, Copy, Default)]
+pub struct SpatialQueryFilter<'a> {
+    except: Option<Entity>,
+    excluded: Option<&'a EntityHashSet>,
+    predicate: Option<Predicate<'a>>,
+}
+
+type Predicate<'a> = &'a (dyn Fn(Entity) -> bool + Sync);
+
+impl<'a> SpatialQueryFilter<'a> {
+    /// All entities.
+    pub const ALL: Self = Self { except: None, excluded: None, predicate: None };
+
+    /// All entities but one: the one that asks, most of the time.
+    #[must_use]
+    pub const fn except(entity: Entity) -> Self {
+        Self { except: Some(entity), ..Self::ALL }
+    }
+
+    /// None of these either. Replaces an earlier set.
+    #[must_use]
+    pub const fn excluding(self, entities: &'a EntityHashSet) -> Self {
+        Self { excluded: Some(entities), ..self }
+    }
+
+    /// Only those for which `predicate` holds. Replaces an earlier predicate.
+    ///
+    /// It is asked before the exact tests, about no more entities than these would look at.
+    #[must_use]
+    pub const fn only(self, predicate: &'a (dyn Fn(Entity) -> bool + Sync)) -> Self {
+        Self { predicate: Some(predicate), ..self }
+    }
+
+    /// Does an entity pass? The cheapest questions come first.
+    #[must_use]
+    pub fn accepts(&self, entity: Entity) -> bool {
+        self.except != Some(entity)
+            && self.excluded.is_none_or(|excluded| !excluded.contains(&entity))
+            && self.predicate.is_none_or(|predicate| predicate(entity))
+    }
+}
+
+impl fmt::Debug for SpatialQueryFilter<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SpatialQueryFilter")
+            .field("except", &self.except)
+            .field("excluded", &self.excluded)
+            .field("has_predicate", &self.predicate.is_some())
+            .finish()
+    }
+}

@@ -1,0 +1,39 @@
+//! The index brought up to date at any moment.
+
+use bevy::prelude::*;
+
+use crate::{bounds, collision_index};
+
+/// Computes the boxes of all entities that changed, and takes them up in the
+/// [`CollisionIndex`](crate::collision_index::CollisionIndex), now: entities spawned, moved, reshaped or reparented since
+/// the last tick are where they are from then on. No time passes, nothing moves, and no contact starts or ends: that is
+/// left to the next tick, whose results are the same with and without.
+///
+/// A system, a command, or a function to call:
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_octree::prelude::*;
+///
+/// fn spawn(mut commands: Commands) {
+///     commands.spawn((Cube, Transform::from_xyz(5.0, 0.0, 0.0)));
+/// }
+///
+/// fn look(spatial: SpatialQuery) {
+///     let hit = spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &SpatialQueryFilter::default());
+///     assert_eq!(hit.map(|hit| hit.distance), Some(4.5));
+/// }
+///
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, OctreePlugins::default()));
+/// app.add_systems(Update, (spawn, update_spatial_index, look).chain());
+/// app.update();
+/// ```
+///
+/// Costs as much as the sets `Bounds` and `Maintenance` of a tick, linear in the entities that changed; the next tick
+/// then searches anew for all pairs, those of resting entities included. Does nothing without the plugins.
+pub fn update_spatial_index(world: &mut World) {
+    if let Err(error) = bounds::refresh(world).and_then(|()| collision_index::refresh(world)) {
+        tracing::warn!("the spatial index could not be brought up to date: {error}");
+    }
+}

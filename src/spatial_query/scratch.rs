@@ -1,0 +1,24 @@
+//! Memory that outlives a query, one per thread.
+
+use std::cell::Cell;
+
+use crate::{broad_phase::Hit, narrow_phase::Workspace};
+
+/// Buffers of the exact tests and of queries for several.
+#[derive(Default)]
+pub(super) struct Scratch {
+    pub workspace: Workspace,
+    pub hits: Vec<Hit>,
+}
+
+thread_local! {
+    static SCRATCH: Cell<Option<Box<Scratch>>> = const { Cell::new(None) };
+}
+
+/// Lends this thread's buffers. A query within a query, from a caller's callback, gets new ones.
+pub(super) fn with<T>(f: impl FnOnce(&mut Scratch) -> T) -> T {
+    let mut scratch = SCRATCH.take().unwrap_or_default();
+    let result = f(&mut scratch);
+    SCRATCH.set(Some(scratch));
+    result
+}
