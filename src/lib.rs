@@ -73,7 +73,10 @@ pub mod prelude {
         broad_phase::{Method, ObjectOctreeSettings},
         collision_index::{BroadPhaseSettings, CandidatePairs, CollisionIndex},
         components::{CollisionShape, Cube, WorldAabb},
-        contacts::{CollisionEnded, CollisionStarted, Contacts},
+        contacts::{
+            CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted,
+            Collisions, Contacts, EventScope,
+        },
         counters::CollisionCounters,
         motion::{CollisionClock, MotionSettings, PositionTrack, Step, Velocity},
         narrow_phase::Shape,
