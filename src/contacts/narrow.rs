@@ -41,14 +41,21 @@ fn test_candidates(
     let tests = settings.tests();
     tracking.refresh(&event_settings, enabled.iter().filter_map(BroadPhaseProxy::id));
     contacts.clear_found();
-    for &pair in candidates.iter() {
-        let Some([a, b]) = placed(&index, pair) else { continue };
-        if tracking.wants(pair) {
-            if let Some(geometry) = tests.contact(a, b, &mut workspace) {
-                contacts.found.push(pair);
+    if tracking.is_idle() {
+        contacts.found.extend(
+            candidates
+                .iter()
+                .filter(|pair| placed(&index, **pair).is_some_and(|[a, b]| tests.intersects(a, b, &mut workspace))),
+        );
+    } else {
+        for &pair in candidates.iter() {
+            let Some([a, b]) = placed(&index, pair) else { continue };
+            if tracking.wants(pair) {
+                let Some(geometry) = tests.contact(a, b, &mut workspace) else { continue };
                 contacts.found_geometry.push((pair, geometry));
+            } else if !tests.intersects(a, b, &mut workspace) {
+                continue;
             }
-        } else if tests.intersects(a, b, &mut workspace) {
             contacts.found.push(pair);
         }
     }

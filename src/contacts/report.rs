@@ -33,16 +33,15 @@ fn write_messages(
     mut ended: MessageWriter<CollisionEnded>,
 ) {
     let counters = &mut counters.tick;
-    let mut count = |old: Option<&ContactPair>, new: Option<&ContactPair>| {
-        counters.started += u64::from(old.is_none());
-        counters.ended += u64::from(new.is_none());
-    };
-    let mut write = |old: Option<&ContactPair>, new: Option<&ContactPair>| match (old, new) {
+    let mut written = [0, 0];
+    let write = |old: Option<&ContactPair>, new: Option<&ContactPair>| match (old, new) {
         (Some(old), None) => {
             ended.write(old.seen_with(&contacts.tracked_before).into());
+            written[0] += 1;
         }
         (None, Some(new)) => {
             started.write(new.seen_with(&contacts.tracked).into());
+            written[1] += 1;
         }
         _ => {}
     };
@@ -50,14 +49,16 @@ fn write_messages(
     let key = |contact: &ContactPair| contact.pair;
     let scopes = [scope_before.replace(settings.messages).unwrap_or(settings.messages), settings.messages];
     if scopes == [EventScope::All; 2] {
-        compare(before.iter(), now.iter(), key, |old, new| {
-            count(old, new);
-            write(old, new);
-        });
+        compare(before.iter(), now.iter(), key, write);
+        [counters.ended, counters.started] = written;
     } else {
         let before_in_scope = in_scope(scopes[0], before, &contacts.tracked_before);
         compare(before_in_scope, in_scope(scopes[1], now, &contacts.tracked), key, write);
-        compare(before.iter(), now.iter(), key, count);
+        // The counters are about contacts, whoever is told.
+        compare(before.iter(), now.iter(), key, |old, new| {
+            counters.started += u64::from(old.is_none());
+            counters.ended += u64::from(new.is_none());
+        });
     }
 }
 
