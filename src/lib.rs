@@ -41,7 +41,7 @@
 //! | [`CollisionStarted`](contacts::CollisionStarted), [`CollisionEnded`](contacts::CollisionEnded) | messages, and events for observers, about pairs that came into contact, or no longer are |
 //! | [`CandidatePairs`](collision_index::CandidatePairs) | pairs for the exact tests, which systems may thin out |
 //! | [`CollisionIndex`](collision_index::CollisionIndex) | the boxes, the broad phase, queries |
-//! | [`CollisionCounters`](counters::CollisionCounters) | what happened, in numbers |
+//! | [`CollisionCounters`](counters::CollisionCounters) | what happened, in numbers; through Bevy's diagnostics by the [`CollisionDiagnosticsPlugin`](diagnostics::CollisionDiagnosticsPlugin) |
 //!
 //! [`OctreePlugins`] brings all of it; [`CollisionSystems`] are the sets to order systems of one's own by. The parts
 //! also work without Bevy's ECS: [`octree`], [`broad_phase`] and [`narrow_phase`].
@@ -57,6 +57,7 @@ pub mod collision_index;
 pub mod components;
 pub mod contacts;
 pub mod counters;
+pub mod diagnostics;
 pub mod motion;
 pub mod narrow_phase;
 pub mod octree;
