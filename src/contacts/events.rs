@@ -97,8 +97,8 @@ pub struct CollisionEventSettings {
     /// The contacts that messages are written for: by default, all. [`EventScope::Enabled`] are those of which one
     /// entity or both have opted in.
     pub messages: EventScope,
-    /// The entities that events are triggered for: by default, those that have opted in. Each event costs in the order
-    /// of a hundred nanoseconds, observers or not.
+    /// The entities that events are triggered for: by default, those that have opted in. Observers are
+    /// looked for once for each event, and there may be none: [`EventScope::All`] is not free.
     pub observers: EventScope,
     /// The contacts of which the geometry is computed, in every tick in which one of the two entities moves: by
     /// default, those of which one entity or both have opted in. It is computed for every contact that an event is
