@@ -6,9 +6,10 @@ use bevy::{
 };
 
 use crate::{
-    broad_phase::{BroadPhase, Method, Pair, ProxyId, SpatialIndex},
+    broad_phase::{BroadPhase, Method, Pair, PairFilter, ProxyId, SpatialIndex},
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     counters::CollisionCounters,
+    filters::{self, FilterParts},
     narrow_phase::{NarrowPhase, Shape},
     plugin::{CollisionSystems, NarrowPhaseSettings},
 };
@@ -67,12 +68,30 @@ impl CollisionIndex {
         self.index.proxies().contains(id).then(|| &self.bodies[id.index()])
     }
 
+    /// Says which pairs an entity makes. Nothing happens if it is gone.
+    pub(crate) fn set_filter(&mut self, id: ProxyId, filter: PairFilter) {
+        // The only error is that there is no such entity any more.
+        let _ = self.index.set_filter(id, filter);
+    }
+
+    /// Has the pairs of an entity sought anew.
+    pub(crate) fn look_again(&mut self, id: ProxyId) {
+        self.index.touch(id);
+    }
+
     pub(crate) fn remove(&mut self, id: ProxyId) {
         self.index.remove(id);
     }
 
     /// Takes up an entity's box of this tick. A box that is refused takes the entity out of the index.
-    fn take_up(&mut self, entity: Entity, aabb: &WorldAabb, proxy: &mut BroadPhaseProxy, shape: ShapeChange) {
+    fn take_up(
+        &mut self,
+        entity: Entity,
+        aabb: &WorldAabb,
+        proxy: &mut BroadPhaseProxy,
+        shape: ShapeChange,
+        filter: impl FnOnce() -> PairFilter,
+    ) {
         let known = proxy.id.filter(|id| self.index.set(*id, &aabb.0).is_ok());
         let Some(id) = known.or_else(|| self.index.insert(aabb.0).ok()) else {
             if let Some(id) = proxy.id.take() {
@@ -84,6 +103,7 @@ impl CollisionIndex {
             if let Some(old) = proxy.id.replace(id) {
                 self.index.remove(old);
             }
+            self.set_filter(id, filter());
             let body = Body { entity, pose: proxy.pose, shape: shape.shape.clone() };
             match self.bodies.get_mut(id.index()) {
                 Some(place) => *place = body,
@@ -138,7 +158,7 @@ impl Plugin for BroadPhasePlugin {
     }
 }
 
-type ChangedBoxes<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy);
+type ChangedBoxes<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy, FilterParts<'a>);
 
 fn maintain(
     mut index: ResMut<CollisionIndex>,
@@ -154,9 +174,9 @@ fn maintain(
     } else if narrow.is_changed() {
         index.index.touch_all();
     }
-    for (entity, aabb, shape, mut proxy) in &mut boxes {
+    for (entity, aabb, shape, mut proxy, filter) in &mut boxes {
         let change = ShapeChange { shape: &shape.0, changed: shape.is_changed() };
-        index.take_up(entity, aabb, proxy.bypass_change_detection(), change);
+        index.take_up(entity, aabb, proxy.bypass_change_detection(), change, || filters::filter(filter));
     }
     index.index.update();
     counters.tick.objects = index.index.proxies().len() as u64;

@@ -58,6 +58,7 @@ pub mod components;
 pub mod contacts;
 pub mod counters;
 pub mod diagnostics;
+pub mod filters;
 pub mod motion;
 pub mod narrow_phase;
 pub mod octree;
@@ -81,6 +82,9 @@ pub mod prelude {
             Collisions, Contacts, EventScope,
         },
         counters::CollisionCounters,
+        filters::{
+            CollisionLayer, CollisionLayers, IgnoreCollisions, PairHook, PairHookPlugin, Sensor, StaticCollider,
+        },
         motion::{CollisionClock, MotionSettings, PositionTrack, Step, Velocity},
         narrow_phase::Shape,
         plugin::{CollisionSystems, NarrowPhaseSettings, OctreePlugins},

@@ -15,6 +15,7 @@ use crate::{
         NarrowPhasePlugin, ReportPlugin,
     },
     counters::CollisionCounters,
+    filters::FilterPlugin,
     motion::{CollisionClock, MotionPlugin, MotionSettings, Velocity},
     narrow_phase::NarrowPhase,
     response::{Bounce, BouncePlugin},
@@ -67,6 +68,7 @@ impl PluginGroup for OctreePlugins {
             .add(MotionPlugin(self.schedule))
             .add(BoundsPlugin(self.schedule))
             .add(BroadPhasePlugin(self.schedule))
+            .add(FilterPlugin(self.schedule))
             .add(NarrowPhasePlugin(self.schedule))
             .add(BouncePlugin(self.schedule))
             .add(ReportPlugin(self.schedule));

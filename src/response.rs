@@ -4,8 +4,9 @@ use bevy::{ecs::schedule::InternedScheduleLabel, prelude::*};
 
 use crate::{
     collision_index::CollisionIndex,
-    contacts::Contacts,
+    contacts::{ContactPair, Contacts},
     counters::CollisionCounters,
+    filters::Sensor,
     motion::Velocity,
     narrow_phase::{Placed, Workspace},
     plugin::{CollisionSystems, NarrowPhaseSettings},
@@ -45,14 +46,22 @@ impl Plugin for BouncePlugin {
     }
 }
 
+/// Contacts in which neither is a sensor.
+fn solid(contacts: &Contacts, sensors: &Query<(), With<Sensor>>) -> impl Iterator<Item = ContactPair> {
+    let some = !sensors.is_empty();
+    let is_sensor = move |entity| some && sensors.contains(entity);
+    contacts.iter().copied().filter(move |contact| !is_sensor(contact.a) && !is_sensor(contact.b))
+}
+
 fn reverse(
     contacts: Res<Contacts>,
+    sensors: Query<(), With<Sensor>>,
     mut moving: Query<(&mut Velocity, &Bounce)>,
     mut counters: ResMut<CollisionCounters>,
     mut colliding: Local<Vec<Entity>>,
 ) {
     colliding.clear();
-    colliding.extend(contacts.iter().flat_map(|contact| [contact.a, contact.b]));
+    colliding.extend(solid(&contacts, &sensors).flat_map(|contact| [contact.a, contact.b]));
     colliding.sort_unstable();
     colliding.dedup();
     for &entity in &*colliding {
@@ -72,13 +81,14 @@ fn share(restitution: f32) -> f32 {
 
 fn reflect(
     contacts: Res<Contacts>,
+    sensors: Query<(), With<Sensor>>,
     index: Res<CollisionIndex>,
     settings: Res<NarrowPhaseSettings>,
     mut moving: Query<(&mut Velocity, Option<&Bounce>)>,
     mut counters: ResMut<CollisionCounters>,
     mut workspace: Local<Workspace>,
 ) {
-    for contact in contacts.iter() {
+    for contact in solid(&contacts, &sensors) {
         let responses = [contact.a, contact.b].map(|entity| match moving.get(entity) {
             Ok((_, Some(Bounce::Reflect { restitution }))) => Some(share(*restitution)),
             _ => None,

@@ -47,6 +47,10 @@ impl BroadPhase for Auto {
         }
     }
 
+    fn asks_filters(&self) -> bool {
+        self.engine().asks_filters()
+    }
+
     fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor) {
         self.engine().traverse(proxies, visitor);
     }

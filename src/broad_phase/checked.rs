@@ -3,7 +3,7 @@
 use bevy::math::{Vec3, bounding::Aabb3d};
 use proptest::prelude::*;
 
-use super::{BroadPhase, LinearOctree, ObjectOctree, Pair, Proxies, ProxyId, SpatialIndex, overlap};
+use super::{BroadPhase, LinearOctree, ObjectOctree, Pair, PairFilter, Proxies, ProxyId, SpatialIndex, overlap};
 
 /// An index that is compared with brute force after every tick.
 pub(super) struct Checked {
@@ -34,7 +34,7 @@ fn brute_force(proxies: &Proxies) -> Vec<Pair> {
     let mut pairs = Vec::new();
     for (place, (a, box_a)) in all.iter().enumerate() {
         for (b, box_b) in &all[place + 1..] {
-            if overlap(box_a, box_b) {
+            if overlap(box_a, box_b) && proxies.admits(*a, *b) {
                 pairs.push(Pair::new(*a, *b));
             }
         }
@@ -50,6 +50,7 @@ pub(super) enum Step {
     Teleport { which: usize, to: [i16; 3] },
     Resize { which: usize, size: u16 },
     Touch { which: usize },
+    Filter { which: usize, bits: u8 },
     Remove { which: usize },
     Tick,
 }
@@ -64,6 +65,7 @@ pub(super) fn a_step() -> impl Strategy<Value = Step> {
         2 => (any::<usize>(), at()).prop_map(|(which, to)| Step::Teleport { which, to }),
         1 => (any::<usize>(), size()).prop_map(|(which, size)| Step::Resize { which, size }),
         1 => any::<usize>().prop_map(|which| Step::Touch { which }),
+        1 => (any::<usize>(), any::<u8>()).prop_map(|(which, bits)| Step::Filter { which, bits }),
         2 => any::<usize>().prop_map(|which| Step::Remove { which }),
         4 => Just(Step::Tick),
     ]
@@ -96,6 +98,13 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
             Step::Touch { which } => {
                 if let Some((id, ..)) = objects.get(which % count) {
                     checked.index.touch(*id);
+                }
+            }
+            Step::Filter { which, bits } => {
+                if let Some((id, ..)) = objects.get(which % count) {
+                    let [memberships, filters] = [bits & 3, bits >> 2 & 3].map(u32::from);
+                    let filter = PairFilter { memberships, filters, is_static: bits >> 4 & 1 == 1 };
+                    checked.index.set_filter(*id, filter).unwrap();
                 }
             }
             Step::Remove { which } => {

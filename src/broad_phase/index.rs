@@ -4,7 +4,7 @@ use std::{any::Any, fmt};
 
 use bevy::math::bounding::Aabb3d;
 
-use super::{BoxError, BroadPhase, BroadPhaseStats, Method, PairSet, Proxies, ProxyId, Visitor};
+use super::{BoxError, BroadPhase, BroadPhaseStats, Method, PairFilter, PairSet, Proxies, ProxyId, Visitor};
 
 /// An index over the boxes of objects: boxes in, overlapping pairs out, queries on the side.
 ///
@@ -99,6 +99,15 @@ impl SpatialIndex {
         self.proxies.touch_all();
     }
 
+    /// Says what an object is, and what it may meet; by default, everything. Overlapping boxes of objects that do not
+    /// admit each other make no pair. O(1); the object counts as moved if this is a change.
+    ///
+    /// # Errors
+    /// An unknown handle is refused, and nothing changes.
+    pub fn set_filter(&mut self, id: ProxyId, filter: PairFilter) -> Result<(), BoxError> {
+        self.proxies.set_filter(id, filter)
+    }
+
     /// Removes an object. False if there is none. O(1).
     pub fn remove(&mut self, id: ProxyId) -> bool {
         self.proxies.remove(id)
@@ -130,6 +139,9 @@ impl SpatialIndex {
         if !self.searched {
             let found = self.pairs.begin(&self.proxies);
             self.pairs_tested = self.engine.find_pairs(&self.proxies, found);
+            if self.proxies.are_filtered() && !self.engine.asks_filters() {
+                self.pairs.filter(&self.proxies);
+            }
             self.searched = true;
         }
         &self.pairs

@@ -95,6 +95,7 @@ mod auto;
 #[cfg(test)]
 mod checked;
 mod exhaustive;
+mod filter;
 mod group;
 mod index;
 pub mod linear_octree;
@@ -110,6 +111,7 @@ use bevy::math::{Vec3A, bounding::Aabb3d};
 
 pub use auto::Auto;
 pub use exhaustive::Exhaustive;
+pub use filter::PairFilter;
 pub use index::SpatialIndex;
 pub use linear_octree::LinearOctree;
 pub use method::{Method, UnknownMethod};
@@ -137,6 +139,12 @@ pub trait BroadPhase: Any + Send + Sync {
     /// of resting objects are kept by the caller and must not be given. Returns the number of pairs of boxes that it
     /// compared.
     fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64;
+
+    /// Does [`find_pairs`](Self::find_pairs) leave out pairs that do not [admit](Proxies::admits) each other? If not, as
+    /// by default, the caller takes them out.
+    fn asks_filters(&self) -> bool {
+        false
+    }
 
     /// Walks the index from coarse to fine: calls [`Visitor::enter`] with boxes that bound groups of objects, and
     /// [`Visitor::object`] with the objects of the groups that the visitor enters. Queries are written against this.

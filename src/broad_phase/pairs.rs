@@ -87,6 +87,11 @@ impl PairSet {
         (self.moving.capacity() + self.resting.capacity()) * size_of::<Pair>()
     }
 
+    /// Drops moving pairs whose objects do not admit each other.
+    pub(super) fn filter(&mut self, proxies: &Proxies) {
+        self.moving.retain(|pair| proxies.admits(pair.a, pair.b));
+    }
+
     /// Sorts last tick's pairs into those that rest now and those that a broad phase finds again, if they are still
     /// pairs; returns the list to push the latter to. Takes time only for pairs, and none where those that moved go
     /// on moving, and those that rest go on resting.

@@ -6,6 +6,8 @@ use bevy::{
 };
 use thiserror::Error;
 
+use super::PairFilter;
+
 /// The handle of one object's box in a [`SpatialIndex`](super::SpatialIndex).
 ///
 /// Handles are dense, from 0 up. A handle stays the same until its object is removed; after that it is not handed
@@ -98,6 +100,11 @@ const MOVED: u8 = 4;
 pub struct Proxies {
     boxes: Vec<Aabb3d>,
     flags: Vec<u8>,
+    /// Empty as long as no filter was set.
+    filters: Vec<PairFilter>,
+    /// Whose filter changed since the last update, and between the last two.
+    pending_filters: Vec<ProxyId>,
+    changed_filters: Vec<ProxyId>,
     pending: Vec<ProxyId>,
     moved: Vec<ProxyId>,
     /// Removed since the last update, removed before it, and free.
@@ -157,6 +164,34 @@ impl Proxies {
     #[must_use]
     pub fn boxes(&self) -> &[Aabb3d] {
         &self.boxes
+    }
+
+    /// What the object is, and what it may meet.
+    #[inline]
+    #[must_use]
+    pub fn filter(&self, id: ProxyId) -> PairFilter {
+        self.filters.get(id.index()).copied().unwrap_or_default()
+    }
+
+    /// Do two objects admit each other?
+    #[inline]
+    #[must_use]
+    pub fn admits(&self, a: ProxyId, b: ProxyId) -> bool {
+        self.filter(a).admits(&self.filter(b))
+    }
+
+    /// The objects whose filter changed between the last two updates; some may be gone, or listed more than once.
+    #[inline]
+    #[must_use]
+    pub fn changed_filters(&self) -> &[ProxyId] {
+        &self.changed_filters
+    }
+
+    /// Has a filter ever been set?
+    #[inline]
+    #[must_use]
+    pub const fn are_filtered(&self) -> bool {
+        !self.filters.is_empty()
     }
 
     /// Was the object inserted, moved or touched between the last two updates?
@@ -225,10 +260,12 @@ impl Proxies {
     /// The memory taken, in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
-        let lists = [&self.pending, &self.moved, &self.dying, &self.dead, &self.free];
+        let filters = [&self.pending_filters, &self.changed_filters];
+        let lists = [&self.pending, &self.moved, &self.dying, &self.dead, &self.free].into_iter().chain(filters);
         self.boxes.capacity() * size_of::<Aabb3d>()
             + self.flags.capacity()
-            + lists.iter().map(|list| list.capacity() * size_of::<ProxyId>()).sum::<usize>()
+            + self.filters.capacity() * size_of::<PairFilter>()
+            + lists.map(|list| list.capacity() * size_of::<ProxyId>()).sum::<usize>()
     }
 
     pub(super) fn insert(&mut self, aabb: Aabb3d) -> Result<ProxyId, BoxError> {
@@ -246,6 +283,9 @@ impl Proxies {
             }
         };
         self.flags[id.index()] = ALIVE;
+        if let Some(filter) = self.filters.get_mut(id.index()) {
+            *filter = PairFilter::default();
+        }
         self.mark(id);
         self.alive += 1;
         self.population_is_changing = true;
@@ -277,6 +317,22 @@ impl Proxies {
     #[cold]
     fn refusal(&self, id: ProxyId, aabb: &Aabb3d) -> BoxError {
         check_box(aabb).err().unwrap_or(BoxError::UnknownProxy(id))
+    }
+
+    /// Sets the filter of an object, which counts as moved if that is a change.
+    pub(super) fn set_filter(&mut self, id: ProxyId, filter: PairFilter) -> Result<(), BoxError> {
+        if !self.contains(id) {
+            return Err(BoxError::UnknownProxy(id));
+        }
+        if filter != self.filter(id) {
+            if self.filters.len() <= id.index() {
+                self.filters.resize(self.boxes.len(), PairFilter::default());
+            }
+            self.filters[id.index()] = filter;
+            self.pending_filters.push(id);
+            self.mark(id);
+        }
+        Ok(())
     }
 
     pub(super) fn touch(&mut self, id: ProxyId) -> bool {
@@ -327,6 +383,8 @@ impl Proxies {
             self.alive_moved += usize::from(*flags & ALIVE);
         }
         self.some_woke = moved_before == 0;
+        self.changed_filters.clear();
+        std::mem::swap(&mut self.changed_filters, &mut self.pending_filters);
         self.population_changed = std::mem::take(&mut self.population_is_changing);
         self.free.append(&mut self.dead);
         std::mem::swap(&mut self.dead, &mut self.dying);

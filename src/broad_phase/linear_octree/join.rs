@@ -36,15 +36,13 @@ struct Job {
 }
 
 impl Levels {
-    /// Appends the slots of each pair of overlapping boxes, the lower slot first. Returns how often a box was compared
-    /// with a block.
+    /// Appends the slots of each pair of overlapping boxes, the lower slot first.
     ///
     /// From the top down: pairs of boxes that overlap on one level are the pairs of blocks to look at on the next. Only
     /// the boxes of the one block that reach into the bounds of the other are compared with it; most pairs of blocks
     /// have none.
-    pub(super) fn self_join(&self, level: Level, work: &mut Workspace, found: &mut List) -> usize {
+    pub(super) fn self_join(&self, level: Level, work: &mut Workspace, found: &mut List) {
         let mut height = self.as_slice().len() - 1;
-        let mut compared = 0;
         let Workspace { pairs, next, jobs } = work;
         jobs.resize_with(jobs.len().max(1), Job::default);
         pairs.clear();
@@ -54,7 +52,7 @@ impl Levels {
         while height > 0 && pairs.as_slice().len() <= PAIRS_OF_JOB {
             next.clear();
             let rows = &mut jobs[0].rows;
-            compared += dispatch!(level, simd => self.join_blocks(simd, height, pairs.as_slice(), rows, next));
+            dispatch!(level, simd => self.join_blocks(simd, height, pairs.as_slice(), rows, next));
             std::mem::swap(pairs, next);
             height -= 1;
         }
@@ -63,19 +61,17 @@ impl Levels {
         if !parallel::is_on() || pairs.len() <= PAIRS_OF_JOB {
             let job = &mut jobs[0];
             job.pairs.resize_with(height, List::default);
-            return compared + self.join(level, height, pairs, &mut job.rows, &mut job.pairs, found);
+            return self.join(level, height, pairs, &mut job.rows, &mut job.pairs, found);
         }
         jobs.resize_with(jobs.len().max(pairs.len().div_ceil(PAIRS_OF_JOB)), Job::default);
         parallel::for_each(pairs.chunks(PAIRS_OF_JOB).zip(&mut *jobs), |(pairs, job)| {
             job.found.clear();
             job.pairs.resize_with(height, List::default);
-            job.compared = self.join(level, height, pairs, &mut job.rows, &mut job.pairs, &mut job.found);
+            self.join(level, height, pairs, &mut job.rows, &mut job.pairs, &mut job.found);
         });
         for job in &jobs[..pairs.len().div_ceil(PAIRS_OF_JOB)] {
             found.extend(job.found.as_slice());
-            compared += job.compared;
         }
-        compared
     }
 
     /// Joins pairs of blocks of one height, and all that is below them.
@@ -87,31 +83,22 @@ impl Levels {
         rows: &mut List,
         below: &mut [List],
         found: &mut List,
-    ) -> usize {
-        let mut compared = 0;
+    ) {
         for batch in pairs.chunks(BATCH) {
             match below.split_last_mut() {
-                None => compared += dispatch!(level, simd => self.join_blocks(simd, height, batch, rows, found)),
+                None => dispatch!(level, simd => self.join_blocks(simd, height, batch, rows, found)),
                 Some((next, below)) => {
                     next.clear();
-                    compared += dispatch!(level, simd => self.join_blocks(simd, height, batch, rows, next));
-                    compared += self.join(level, height - 1, next.as_slice(), rows, below, found);
+                    dispatch!(level, simd => self.join_blocks(simd, height, batch, rows, next));
+                    self.join(level, height - 1, next.as_slice(), rows, below, found);
                 }
             }
         }
-        compared
     }
 
     /// Appends all pairs of overlapping boxes in pairs of blocks, in two passes without branches.
     #[inline(always)]
-    fn join_blocks<S: Simd>(
-        &self,
-        simd: S,
-        height: usize,
-        pairs: &[Packed],
-        rows: &mut List,
-        found: &mut List,
-    ) -> usize {
+    fn join_blocks<S: Simd>(&self, simd: S, height: usize, pairs: &[Packed], rows: &mut List, found: &mut List) {
         let blocks = &self.as_slice()[height][..];
         rows.clear();
         rows.reserve(pairs.len());
@@ -134,7 +121,6 @@ impl Levels {
             let is_same = u32::from(slot / WIDTH as u32 == b).wrapping_neg();
             found.push_lanes(hits & (later | !is_same), pack(slot, b * WIDTH as u32), 1);
         }
-        rows.len()
     }
 
     /// Appends, for each of some slots, that slot and each other slot whose box overlaps its own. Returns how often a

@@ -258,6 +258,11 @@ impl BroadPhase for LinearOctree {
         if proxies.population_changed() {
             self.let_go_and_take_in(proxies);
         }
+        for id in proxies.changed_filters() {
+            if let Some(slot) = self.slot_of.get(id.index()).filter(|slot| **slot != NONE) {
+                self.near.renew(*slot);
+            }
+        }
         if self.owned != proxies.len() {
             self.order.forget();
             return self.refresh(proxies);
@@ -278,8 +283,9 @@ impl BroadPhase for LinearOctree {
         } else if !self.escaped.is_empty() {
             self.renew_escaped(proxies);
             // Those that jumped have made blocks large, in which all searches end.
-            let cost = self.escaped.len() as f64 * self.order.growth(self.tree.looseness());
-            if cost > proxies.len() as f64 {
+            let growth = self.order.growth(self.tree.looseness());
+            let is_dear = growth * self.escaped.len() as f64 > proxies.len() as f64;
+            if is_dear || (growth > TOO_LOOSE && self.near.are_all_wanted()) {
                 self.order.forget();
                 self.refresh(proxies);
             }
@@ -290,7 +296,12 @@ impl BroadPhase for LinearOctree {
         if proxies.moved().is_empty() {
             return 0;
         }
-        self.near.find(self.level, &self.tree);
+        let owners = &self.owners;
+        let admits = |a: u32, b: u32| {
+            let [a, b] = [a, b].map(|slot| ProxyId::new(owners[slot as usize]));
+            proxies.admits(a, b)
+        };
+        self.near.find(self.level, &self.tree, proxies.are_filtered().then_some(admits));
         let near = self.near.as_slice();
         let chunks = near.chunks(JOB);
         if !parallel::is_on() || chunks.len() <= 1 {
@@ -306,6 +317,10 @@ impl BroadPhase for LinearOctree {
             self.pairs_by_job = jobs;
         }
         self.near.as_slice().len() as u64
+    }
+
+    fn asks_filters(&self) -> bool {
+        true
     }
 
     fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor) {

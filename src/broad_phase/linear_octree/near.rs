@@ -123,34 +123,51 @@ impl NearPairs {
         self.blocks_searched > 4 * self.flags.len()
     }
 
-    /// Brings the pairs up to date.
-    pub(super) fn find(&mut self, level: Level, tree: &Levels) {
-        if self.fresh.len() * REFRESH_SHARE > self.flags.len() {
-            self.forget();
+    /// Will the next [`find`](Self::find) search the tree as a whole?
+    pub(super) fn are_all_wanted(&self) -> bool {
+        !self.are_known || self.fresh.len() * REFRESH_SHARE > self.flags.len()
+    }
+
+    /// Brings the pairs up to date. Pairs of slots that do not admit each other are left out.
+    pub(super) fn find(&mut self, level: Level, tree: &Levels, admits: Option<impl Fn(u32, u32) -> bool>) {
+        let known = if self.are_all_wanted() { self.find_all(level, tree) } else { self.renew_fresh(level, tree) };
+        if let Some(admits) = admits {
+            self.pairs.retain_from(known, admits);
         }
-        if !self.are_known {
-            self.are_known = true;
-            tree.self_join(level, &mut self.work, &mut self.pairs);
-            if !self.all_are_watched {
-                self.drop_unwatched();
-            }
-        } else if !self.fresh.is_empty() {
-            let flags = &self.flags;
-            self.pairs.retain_from(0, |a, b| (flags[a as usize] | flags[b as usize]) & FRESH == 0);
-            // In the order of space, one search finds in the cache what the last one has read.
-            self.fresh.sort_unstable();
-            let found = self.pairs.as_slice().len();
-            self.blocks_searched += tree.search(level, &self.fresh, &mut self.work, &mut self.pairs);
-            // Of two fresh ones, the lower finds the pair.
-            self.pairs.retain_from(found, |a, b| {
-                let (of_a, of_b) = (flags[a as usize], flags[b as usize]);
-                let is_first = (a < b) | (of_b & FRESH == 0);
-                is_first & (self.all_are_watched | ((of_a | of_b) & WATCHED != 0))
-            });
-            for slot in self.fresh.drain(..) {
-                self.flags[slot as usize] &= !FRESH;
-            }
+    }
+
+    /// Finds all pairs anew. Returns how many of the pairs were known before: none.
+    fn find_all(&mut self, level: Level, tree: &Levels) -> usize {
+        self.forget();
+        self.are_known = true;
+        tree.self_join(level, &mut self.work, &mut self.pairs);
+        if !self.all_are_watched {
+            self.drop_unwatched();
         }
+        0
+    }
+
+    /// Brings the pairs of fresh slots up to date. Returns how many of the pairs were known before.
+    fn renew_fresh(&mut self, level: Level, tree: &Levels) -> usize {
+        if self.fresh.is_empty() {
+            return self.pairs.as_slice().len();
+        }
+        let flags = &self.flags;
+        self.pairs.retain_from(0, |a, b| (flags[a as usize] | flags[b as usize]) & FRESH == 0);
+        // In the order of space, one search finds in the cache what the last one has read.
+        self.fresh.sort_unstable();
+        let known = self.pairs.as_slice().len();
+        self.blocks_searched += tree.search(level, &self.fresh, &mut self.work, &mut self.pairs);
+        // Of two fresh ones, the lower finds the pair.
+        self.pairs.retain_from(known, |a, b| {
+            let (of_a, of_b) = (flags[a as usize], flags[b as usize]);
+            let is_first = (a < b) | (of_b & FRESH == 0);
+            is_first & (self.all_are_watched | ((of_a | of_b) & WATCHED != 0))
+        });
+        for slot in self.fresh.drain(..) {
+            self.flags[slot as usize] &= !FRESH;
+        }
+        known
     }
 
     /// Is every slot there, and every fresh one listed? For tests.

@@ -71,6 +71,28 @@ fn a_far_away_object_does_not_spoil_the_order() {
 }
 
 #[test]
+fn objects_that_jump_do_not_leave_the_tree_loose() {
+    let mut rng = fastrand::Rng::with_seed(6);
+    let mut checked = checked();
+    let objects = swarm(&mut rng, 3000, 40.0, 0.0);
+    let half = Vec3::splat(0.5);
+    let ids: Vec<_> = objects.iter().map(|(at, _)| checked.index.insert(Aabb3d::new(*at, half)).unwrap()).collect();
+    checked.step();
+    for share in [300, 20, 8, 5, 2, 1] {
+        for (id, (at, _)) in ids.iter().step_by(share).zip(swarm(&mut rng, 3000, 40.0, 0.0)) {
+            checked.index.set(*id, &Aabb3d::new(at, half)).unwrap();
+        }
+        checked.index.update();
+        let octree: &LinearOctree = checked.index.engine_as().unwrap();
+        let growth = octree.order.growth(octree.tree.looseness());
+        let searches = octree.escaped.len().max(1) as f64;
+        assert!(growth * searches <= 3000.0, "one in {share}: {growth} times as loose, searched {searches} times");
+        assert!(growth <= TOO_LOOSE || !octree.near.are_all_wanted(), "one in {share}: {growth}");
+        checked.step();
+    }
+}
+
+#[test]
 fn resting_objects_are_not_searched_for() {
     let mut checked = checked();
     let ids: Vec<_> =

@@ -1,0 +1,259 @@
+//! Which entities may meet: layers, static entities, lists of entities to ignore, sensors, and a hook of one's own.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_octree::prelude::*;
+//!
+//! #[derive(Clone, Copy)]
+//! enum Team {
+//!     Red,
+//!     Blue,
+//! }
+//!
+//! impl CollisionLayer for Team {
+//!     fn index(self) -> u32 {
+//!         self as u32
+//!     }
+//! }
+//!
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, OctreePlugins::default()));
+//! for team in [Team::Red, Team::Red, Team::Blue] {
+//!     let other = if let Team::Red = team { Team::Blue } else { Team::Red };
+//!     app.world_mut().spawn((CollisionShape::default(), CollisionLayers::new([team], [other])));
+//! }
+//! app.update();
+//! app.world_mut().run_schedule(FixedPostUpdate);
+//! assert_eq!(app.world().resource::<Contacts>().len(), 2); // each red one with the blue one
+//! ```
+//!
+//! Layers and static entities are looked at in the broad phase: a pair that they rule out is gone before anything else
+//! sees it. Lists and hooks are asked about candidate pairs, before the exact tests.
+
+use bevy::{
+    ecs::{
+        entity::EntityHashSet,
+        lifecycle::HookContext,
+        schedule::InternedScheduleLabel,
+        system::{ReadOnlySystemParam, StaticSystemParam, SystemParamItem},
+        world::DeferredWorld,
+    },
+    prelude::*,
+};
+
+use crate::{
+    broad_phase::PairFilter,
+    collision_index::{CandidatePairs, CollisionIndex},
+    components::BroadPhaseProxy,
+    plugin::CollisionSystems,
+};
+
+/// One of 32 layers by name: for an enum of one's own.
+pub trait CollisionLayer {
+    /// The layer's number, 0 to 31. Larger ones are no layer at all.
+    fn index(self) -> u32;
+}
+
+/// The bits of some layers.
+fn mask(layers: impl IntoIterator<Item = impl CollisionLayer>) -> u32 {
+    layers.into_iter().fold(0, |mask, layer| mask | 1_u32.checked_shl(layer.index()).unwrap_or(0))
+}
+
+/// The layers that an entity is on, and those that it may meet. Two entities meet if each is on a layer that the other
+/// may meet. Without this component, an entity is on the first layer and may meet all.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Component, Debug, Default, PartialEq)]
+pub struct CollisionLayers {
+    /// The layers that the entity is on: a bit for each.
+    pub memberships: u32,
+    /// The layers that it may meet.
+    pub filters: u32,
+}
+
+impl Default for CollisionLayers {
+    fn default() -> Self {
+        let PairFilter { memberships, filters, .. } = PairFilter::default();
+        Self { memberships, filters }
+    }
+}
+
+impl CollisionLayers {
+    /// On no layer: meets nothing.
+    pub const NONE: Self = Self { memberships: 0, filters: 0 };
+    /// On all layers, and may meet all.
+    pub const ALL: Self = Self { memberships: u32::MAX, filters: u32::MAX };
+
+    /// On these layers, and may meet those.
+    #[must_use]
+    pub fn new(
+        memberships: impl IntoIterator<Item = impl CollisionLayer>,
+        filters: impl IntoIterator<Item = impl CollisionLayer>,
+    ) -> Self {
+        Self { memberships: mask(memberships), filters: mask(filters) }
+    }
+}
+
+/// An entity that does not meet others of its kind: walls, floors, scenery. Two static entities make no pair, however
+/// they overlap, and however they are moved.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Debug, Default, PartialEq)]
+pub struct StaticCollider;
+
+/// An entity whose contacts are reported, and that nothing bounces off.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Debug, Default, PartialEq)]
+pub struct Sensor;
+
+/// Entities that this one does not meet: its owner, its parts. Entities in the list that are gone, or have no shape, do
+/// no harm. It is immutable: insert a new list to change it.
+#[derive(Component, Clone, Debug, Default, PartialEq, Eq, Deref, Reflect)]
+#[reflect(Component, Debug, Default, PartialEq)]
+#[component(immutable, on_insert = look_again, on_discard = look_again)]
+pub struct IgnoreCollisions(#[entities] pub EntityHashSet);
+
+impl<const N: usize> From<[Entity; N]> for IgnoreCollisions {
+    fn from(entities: [Entity; N]) -> Self {
+        Self(entities.into_iter().collect())
+    }
+}
+
+/// Has the pairs of an entity sought anew, those in which nothing moved too.
+fn look_again(mut world: DeferredWorld, context: HookContext) {
+    let id = world.get::<BroadPhaseProxy>(context.entity).and_then(BroadPhaseProxy::id);
+    if let Some(id) = id
+        && let Some(mut index) = world.get_resource_mut::<CollisionIndex>()
+    {
+        index.look_again(id);
+    }
+}
+
+/// A veto of one's own on pairs, with access to the world: see [`PairHookPlugin`].
+pub trait PairHook: ReadOnlySystemParam + 'static {
+    /// May these two meet? Asked about each pair of overlapping boxes of which one moved, in a fixed order; the verdict
+    /// on a pair in which nothing moved stays as it was.
+    fn admits(hook: &SystemParamItem<'_, '_, Self>, a: Entity, b: Entity) -> bool;
+}
+
+/// Asks a [`PairHook`] about every candidate pair. Add it after [`OctreePlugins`](crate::OctreePlugins).
+///
+/// ```
+/// use bevy::{ecs::system::SystemParam, prelude::*};
+/// use bevy_octree::prelude::*;
+///
+/// #[derive(Component)]
+/// struct Ghost;
+///
+/// #[derive(SystemParam)]
+/// struct NoGhosts<'w, 's>(Query<'w, 's, (), With<Ghost>>);
+///
+/// impl PairHook for NoGhosts<'static, 'static> {
+///     fn admits(hook: &NoGhosts, a: Entity, b: Entity) -> bool {
+///         !hook.0.contains(a) && !hook.0.contains(b)
+///     }
+/// }
+///
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, OctreePlugins::default(), PairHookPlugin::<NoGhosts>::default()));
+/// app.world_mut().spawn((CollisionShape::default(), Ghost));
+/// app.world_mut().spawn(CollisionShape::default());
+/// app.world_mut().run_schedule(FixedPostUpdate);
+/// assert!(app.world().resource::<Contacts>().is_empty());
+/// ```
+#[derive(Clone, Debug)]
+pub struct PairHookPlugin<H> {
+    schedule: InternedScheduleLabel,
+    hook: std::marker::PhantomData<fn() -> H>,
+}
+
+impl<H> PairHookPlugin<H> {
+    /// For plugins that run in this schedule.
+    pub fn new(schedule: impl bevy::ecs::schedule::ScheduleLabel) -> Self {
+        Self { schedule: schedule.intern(), hook: std::marker::PhantomData }
+    }
+}
+
+/// For plugins that run in `FixedPostUpdate`, as they do by default.
+impl<H> Default for PairHookPlugin<H> {
+    fn default() -> Self {
+        Self::new(FixedPostUpdate)
+    }
+}
+
+impl<H: PairHook> Plugin for PairHookPlugin<H> {
+    fn build(&self, app: &mut App) {
+        app.add_systems(self.schedule, ask::<H>.in_set(PairFilterSystems));
+    }
+}
+
+fn ask<H: PairHook>(hook: StaticSystemParam<H>, index: Res<CollisionIndex>, mut candidates: ResMut<CandidatePairs>) {
+    candidates.retain(|pair| {
+        let [a, b] = index.entities(*pair);
+        H::admits(&hook, a, b)
+    });
+}
+
+/// Systems that take pairs out of the [`CandidatePairs`]: after [`BroadPhase`](CollisionSystems::BroadPhase), before
+/// [`NarrowPhase`](CollisionSystems::NarrowPhase).
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct PairFilterSystems;
+
+/// Layers, static entities, and lists of entities to ignore.
+#[derive(Clone, Debug)]
+pub struct FilterPlugin(pub(crate) InternedScheduleLabel);
+
+impl Plugin for FilterPlugin {
+    fn build(&self, app: &mut App) {
+        let some_ignore = |lists: Query<(), With<IgnoreCollisions>>| !lists.is_empty();
+        app.configure_sets(
+            self.0,
+            PairFilterSystems.after(CollisionSystems::BroadPhase).before(CollisionSystems::NarrowPhase),
+        )
+        .add_systems(
+            self.0,
+            (
+                follow_filters.after(CollisionSystems::Bounds).before(CollisionSystems::Maintenance),
+                ignore.in_set(PairFilterSystems).run_if(some_ignore),
+            ),
+        )
+        .register_type::<CollisionLayers>()
+        .register_type::<StaticCollider>()
+        .register_type::<Sensor>()
+        .register_type::<IgnoreCollisions>();
+    }
+}
+
+/// What an entity's components say about the pairs that it makes.
+pub(crate) type FilterParts<'a> = (Option<&'a CollisionLayers>, Has<StaticCollider>);
+
+pub(crate) fn filter((layers, is_static): (Option<&CollisionLayers>, bool)) -> PairFilter {
+    let CollisionLayers { memberships, filters } = layers.copied().unwrap_or_default();
+    PairFilter { memberships, filters, is_static }
+}
+
+type FiltersChanged = (With<BroadPhaseProxy>, Or<(Changed<CollisionLayers>, Added<StaticCollider>)>);
+
+/// Takes up changes of entities that are in the index already.
+fn follow_filters(
+    mut index: ResMut<CollisionIndex>,
+    all: Query<(&BroadPhaseProxy, FilterParts)>,
+    changed: Query<Entity, FiltersChanged>,
+    mut without_layers: RemovedComponents<CollisionLayers>,
+    mut no_longer_static: RemovedComponents<StaticCollider>,
+) {
+    for entity in changed.iter().chain(without_layers.read()).chain(no_longer_static.read()) {
+        if let Ok((proxy, parts)) = all.get(entity)
+            && let Some(id) = proxy.id()
+        {
+            index.set_filter(id, filter(parts));
+        }
+    }
+}
+
+/// Takes out pairs of which one entity ignores the other.
+fn ignore(lists: Query<&IgnoreCollisions>, index: Res<CollisionIndex>, mut candidates: ResMut<CandidatePairs>) {
+    candidates.retain(|pair| {
+        let [a, b] = index.entities(*pair);
+        let ignores = |one, other| lists.get(one).is_ok_and(|list| list.contains(&other));
+        !ignores(a, b) && !ignores(b, a)
+    });
+}
