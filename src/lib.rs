@@ -29,17 +29,19 @@
 //! | [`Velocity`](motion::Velocity) | moves it each tick; without one it is static, until something else moves it |
 //! | [`PositionTrack`](motion::PositionTrack) | moves it along keyframes instead |
 //! | [`Bounce`](response::Bounce) | changes its velocity on contact |
+//! | [`CollisionEventsEnabled`](contacts::CollisionEventsEnabled) | has its observers told of its contacts |
+//! | [`CollidingEntities`](contacts::CollidingEntities) | lists the entities that it touches |
 //! | [`Cube`](components::Cube) | shape, velocity and bounce in one: a moving cube |
 //!
 //! # What comes out
 //!
 //! | resource or message | what it tells |
 //! |---|---|
-//! | [`Contacts`](contacts::Contacts) | all pairs in contact |
-//! | [`CollisionStarted`](contacts::CollisionStarted), [`CollisionEnded`](contacts::CollisionEnded) | messages about pairs that came into contact, or no longer are |
+//! | [`Contacts`](contacts::Contacts) | all pairs in contact; by entity through the system parameter [`Collisions`](contacts::Collisions) |
+//! | [`CollisionStarted`](contacts::CollisionStarted), [`CollisionEnded`](contacts::CollisionEnded) | messages, and events for observers, about pairs that came into contact, or no longer are |
 //! | [`CandidatePairs`](collision_index::CandidatePairs) | pairs for the exact tests, which systems may thin out |
 //! | [`CollisionIndex`](collision_index::CollisionIndex) | the boxes, the broad phase, queries |
-//! | [`CollisionCounters`](counters::CollisionCounters) | what happened, in numbers |
+//! | [`CollisionCounters`](counters::CollisionCounters) | what happened, in numbers; through Bevy's diagnostics by the [`CollisionDiagnosticsPlugin`](diagnostics::CollisionDiagnosticsPlugin) |
 //!
 //! [`SpatialQuery`](spatial_query::SpatialQuery) is the way to ask: rays, moving shapes, overlaps, what is near.
 //!
@@ -57,6 +59,7 @@ pub mod collision_index;
 pub mod components;
 pub mod contacts;
 pub mod counters;
+pub mod diagnostics;
 pub mod filters;
 pub mod motion;
 pub mod narrow_phase;
@@ -77,7 +80,10 @@ pub mod prelude {
         broad_phase::{Method, ObjectOctreeSettings},
         collision_index::{BroadPhaseSettings, CandidatePairs, CollisionIndex},
         components::{CollisionShape, Cube, WorldAabb},
-        contacts::{CollisionEnded, CollisionStarted, Contacts},
+        contacts::{
+            CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted,
+            Collisions, Contacts, EventScope,
+        },
         counters::CollisionCounters,
         filters::{
             CollisionLayer, CollisionLayers, IgnoreCollisions, PairHook, PairHookPlugin, Sensor, StaticCollider,

@@ -10,7 +10,10 @@ use crate::{
     bounds::BoundsPlugin,
     collision_index::{BroadPhasePlugin, BroadPhaseSettings, CandidatePairs, CollisionIndex},
     components::{BroadPhaseProxy, CollisionShape, Cube, WorldAabb},
-    contacts::{CollisionEnded, CollisionStarted, Contacts, NarrowPhasePlugin, ReportPlugin},
+    contacts::{
+        CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted, Contacts,
+        NarrowPhasePlugin, ReportPlugin,
+    },
     counters::CollisionCounters,
     filters::FilterPlugin,
     motion::{CollisionClock, MotionPlugin, MotionSettings, Velocity},
@@ -86,7 +89,7 @@ impl PluginGroup for OctreePlugins {
 /// | `BroadPhase` | [`CollisionIndex`] → [`CandidatePairs`] |
 /// | `NarrowPhase` | [`CandidatePairs`] → [`Contacts`] |
 /// | `Response` | [`Contacts`] → [`Velocity`] |
-/// | `Report` | [`Contacts`] → [`CollisionStarted`], [`CollisionEnded`] |
+/// | `Report` | [`Contacts`] → [`CollisionStarted`], [`CollisionEnded`], [`CollidingEntities`]; observers of these run here |
 /// | `Last` | a place for systems that must run after all others |
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CollisionSystems {
@@ -130,6 +133,7 @@ impl Plugin for CollisionCorePlugin {
             .init_resource::<CollisionIndex>()
             .init_resource::<CandidatePairs>()
             .init_resource::<Contacts>()
+            .init_resource::<CollisionEventSettings>()
             .init_resource::<CollisionCounters>()
             .configure_sets(
                 self.0,
@@ -164,6 +168,9 @@ impl Plugin for CollisionCorePlugin {
             .register_type::<SceneDescription>()
             .register_type::<TestSet>()
             .register_type::<CollisionStarted>()
-            .register_type::<CollisionEnded>();
+            .register_type::<CollisionEnded>()
+            .register_type::<CollisionEventSettings>()
+            .register_type::<CollisionEventsEnabled>()
+            .register_type::<CollidingEntities>();
     }
 }

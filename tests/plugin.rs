@@ -325,19 +325,23 @@ fn everything_is_registered_for_reflection() {
         "motion::Velocity",
         "motion::track::PositionTrack",
         "response::Bounce",
+        "contacts::events::CollisionEventsEnabled",
+        "contacts::colliding_entities::CollidingEntities",
     ];
     // All but the index, which makes no sense without the entities behind it.
     let resources = [
         "collision_index::BroadPhaseSettings",
         "collision_index::CandidatePairs",
         "contacts::Contacts",
+        "contacts::events::CollisionEventSettings",
         "counters::CollisionCounters",
         "motion::CollisionClock",
         "motion::MotionSettings",
         "plugin::NarrowPhaseSettings",
     ];
     // The index is not made from reflected values: it makes no sense without the entities behind it.
-    let others = ["collision_index::CollisionIndex", "contacts::CollisionStarted", "contacts::CollisionEnded"];
+    let others =
+        ["collision_index::CollisionIndex", "contacts::events::CollisionStarted", "contacts::events::CollisionEnded"];
     let find = |name: &str| registry.get_with_type_path(&format!("bevy_octree::{name}"));
     let component = |name: &&str| find(name).and_then(|found| found.data::<ReflectComponent>()).is_some();
     let resource = |name: &&str| find(name).and_then(|found| found.data::<ReflectResource>()).is_some();

@@ -1,6 +1,9 @@
 //! Where, which way and how deep two shapes meet.
 
-use bevy::math::{Vec3, Vec3A};
+use bevy::{
+    math::{Vec3, Vec3A},
+    reflect::Reflect,
+};
 
 use super::edge_polygon::{self, Hit};
 use super::pair::{Pair, in_order};
@@ -12,7 +15,7 @@ use super::{NarrowPhase, Placed, Shape, Workspace, convex_contact};
 const MOST_STEPS: usize = 8;
 
 /// The geometry of a contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 pub struct Contact {
     /// A unit vector from the first shape to the second: to part the two, push the second along it.
     pub normal: Vec3,
@@ -21,6 +24,14 @@ pub struct Contact {
     /// How far the shapes overlap along the normal, in world units. Zero if they touch, or are
     /// apart by no more than the tolerance.
     pub depth: f32,
+}
+
+impl Contact {
+    /// The contact as the other shape sees it: with the normal turned around.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        Self { normal: -self.normal, ..self }
+    }
 }
 
 /// A contact in the frame of a pair.

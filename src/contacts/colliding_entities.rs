@@ -1,0 +1,44 @@
+//! The entities that an entity is in contact with, as a component of its own.
+
+use bevy::{
+    ecs::{entity::EntityHashSet, entity_disabling::Disabled},
+    prelude::*,
+};
+
+use super::Contacts;
+use crate::components::BroadPhaseProxy;
+
+/// The entities that this entity is in contact with. Add it to entities that are to have it; it is kept up to date in
+/// the set [`Report`](crate::CollisionSystems::Report), together with the messages.
+///
+/// It counts as [changed](bevy::ecs::query::Changed) only in ticks in which the set changed. Entities that are gone
+/// leave it in the tick in which their contact ends. In an entity without a shape it is empty. What others write to it
+/// is undone at the next tick.
+///
+/// The order in which it iterates is not that of the contacts: for that see
+/// [`Collisions::colliding_with`](super::Collisions::colliding_with).
+#[derive(Component, Clone, Debug, Default, PartialEq, Eq, Deref, Reflect)]
+#[reflect(Component, Clone, Debug, Default, PartialEq)]
+#[component(clone_behavior = Ignore)]
+pub struct CollidingEntities(pub EntityHashSet);
+
+type Lists<'a> = (Entity, &'a mut CollidingEntities, Option<&'a BroadPhaseProxy>);
+
+pub(super) fn is_in_use(lists: Query<(), (With<CollidingEntities>, Allow<Disabled>)>) -> bool {
+    !lists.is_empty()
+}
+
+/// A disabled entity touches nothing, and its list says so.
+pub(super) fn follow_contacts(contacts: Res<Contacts>, mut lists: Query<Lists, Allow<Disabled>>) {
+    for (entity, mut list, proxy) in &mut lists {
+        let others = || {
+            let own = proxy.and_then(BroadPhaseProxy::id).map(|id| contacts.of(id));
+            own.into_iter().flatten().map(|contact| contact.other(entity))
+        };
+        // No two contacts of an entity are with the same other.
+        if others().count() != list.len() || !others().all(|other| list.contains(&other)) {
+            list.0.clear();
+            list.0.extend(others());
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! Contacts: the exact verdict on every candidate pair, how it changes from tick to tick, and who is told.
+
+mod adjacency;
+mod colliding_entities;
+mod collisions;
+mod events;
+mod narrow;
+mod report;
+mod tracking;
+
+use std::{cmp::Ordering, sync::OnceLock};
+
+use bevy::prelude::*;
+
+use crate::{
+    broad_phase::{Pair, Proxies, ProxyId},
+    collision_index::CollisionIndex,
+    narrow_phase::Contact,
+};
+use adjacency::Adjacency;
+use tracking::TrackedContact;
+
+pub use colliding_entities::CollidingEntities;
+pub use collisions::{Collision, Collisions};
+pub use events::{CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted, EventScope};
+pub use narrow::NarrowPhasePlugin;
+pub use report::ReportPlugin;
+
+/// Two entities in contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+pub struct ContactPair {
+    /// Their handles in the [`CollisionIndex`].
+    pub pair: Pair,
+    /// The entity of `pair.a`.
+    pub a: Entity,
+    /// The entity of `pair.b`.
+    pub b: Entity,
+}
+
+impl ContactPair {
+    /// What tells a contact from others, and orders them. A handle alone does not: it may be another entity's by the next
+    /// tick, if the index was brought up to date between the two.
+    const fn key(&self) -> (Pair, Entity, Entity) {
+        (self.pair, self.a, self.b)
+    }
+}
+
+/// All pairs of entities in contact, in the order of their handles.
+///
+/// After [`NarrowPhase`](crate::CollisionSystems::NarrowPhase), those of this tick. [`Collisions`] looks at them by
+/// entity.
+#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[reflect(Resource, Debug, Default)]
+pub struct Contacts {
+    pairs: Vec<ContactPair>,
+    /// Those of the last tick, for comparison.
+    before: Vec<ContactPair>,
+    /// Those that were found, rather than kept, in this tick.
+    found: Vec<Pair>,
+    /// Those of which more is known, in the order of `pairs`; and of the last tick.
+    #[reflect(ignore)]
+    tracked: Vec<TrackedContact>,
+    #[reflect(ignore)]
+    tracked_before: Vec<TrackedContact>,
+    /// The geometry of those that were found, if it was asked for.
+    #[reflect(ignore)]
+    found_geometry: Vec<(Pair, Contact)>,
+    /// Made when it is first asked for in a tick.
+    #[reflect(ignore)]
+    by_object: OnceLock<Adjacency>,
+}
+
+impl Contacts {
+    /// All contacts, in the order of their pairs.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &ContactPair> {
+        self.pairs.iter()
+    }
+
+    /// The number of contacts.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Is nothing in contact?
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+    }
+
+    /// Is this pair in contact? O(log n).
+    #[must_use]
+    pub fn contains(&self, pair: Pair) -> bool {
+        self.find(pair).is_some()
+    }
+
+    /// Where the two of a pair meet, with the normal from `pair.a` to `pair.b`; `None` if they are not in contact, or
+    /// nobody [asked](CollisionEventSettings::geometry). O(log n).
+    #[must_use]
+    pub fn geometry(&self, pair: Pair) -> Option<&Contact> {
+        tracking::find(&self.tracked, pair).map(|tracked| &tracked.geometry)
+    }
+
+    fn find(&self, pair: Pair) -> Option<&ContactPair> {
+        self.pairs.binary_search_by_key(&pair, |contact| contact.pair).ok().map(|place| &self.pairs[place])
+    }
+
+    /// The contacts of one object, in the order of their pairs. O(1) for each, and O(contacts + objects) for the first
+    /// call in a tick.
+    fn of(&self, id: ProxyId) -> impl ExactSizeIterator<Item = &ContactPair> {
+        let adjacency = self.by_object.get_or_init(|| Adjacency::new(&self.pairs));
+        adjacency.of(id).iter().map(|place| &self.pairs[*place as usize])
+    }
+
+    /// Forgets what the last tick found.
+    fn clear_found(&mut self) {
+        self.found.clear();
+        self.found_geometry.clear();
+    }
+
+    /// Takes up the verdicts of a tick: `self.found` are the pairs that were found to be in contact; of last tick's
+    /// contacts, those between two resting objects stay.
+    fn take_up(&mut self, index: &CollisionIndex) {
+        let proxies = index.index().proxies();
+        std::mem::swap(&mut self.pairs, &mut self.before);
+        self.pairs.clear();
+        self.by_object.take();
+        self.found.sort_unstable();
+        let contact = |pair: Pair| {
+            let [a, b] = index.entities(pair);
+            ContactPair { pair, a, b }
+        };
+        let mut found = self.found.iter().copied().peekable();
+        for kept in self.before.iter().filter(|contact| rests(contact.pair, proxies)) {
+            while let Some(pair) = found.next_if(|pair| *pair < kept.pair) {
+                self.pairs.push(contact(pair));
+            }
+            self.pairs.push(*kept);
+        }
+        self.pairs.extend(found.map(contact));
+    }
+}
+
+fn rests(pair: Pair, proxies: &Proxies) -> bool {
+    proxies.is_resting(pair.a) && proxies.is_resting(pair.b)
+}
+
+/// Compares the contacts of two ticks, both in the order of their pairs: calls `visit` for each pair, with what is
+/// known of it in the one and in the other.
+fn compare<'a, T: 'a, K: Ord>(
+    before: impl Iterator<Item = &'a T>,
+    now: impl Iterator<Item = &'a T>,
+    key: impl Fn(&T) -> K,
+    mut visit: impl FnMut(Option<&'a T>, Option<&'a T>),
+) {
+    let (mut before, mut now) = (before.peekable(), now.peekable());
+    loop {
+        let order = match (before.peek(), now.peek()) {
+            (Some(old), Some(new)) => key(old).cmp(&key(new)),
+            (Some(_), None) => Ordering::Less,
+            (None, Some(_)) => Ordering::Greater,
+            (None, None) => return,
+        };
+        let old = if order.is_le() { before.next() } else { None };
+        let new = if order.is_ge() { now.next() } else { None };
+        visit(old, new);
+    }
+}

@@ -1,0 +1,126 @@
+//! Tells about contacts that started and ended.
+
+use bevy::{ecs::schedule::InternedScheduleLabel, prelude::*};
+
+use super::{
+    Collision, CollisionEnded, CollisionEventSettings, CollisionStarted, ContactPair, Contacts, EventScope,
+    colliding_entities::{follow_contacts, is_in_use},
+    compare,
+    tracking::{self, TrackedContact},
+};
+use crate::{counters::CollisionCounters, plugin::CollisionSystems};
+
+/// Messages and events about contacts that started and ended, and [`CollidingEntities`](super::CollidingEntities).
+#[derive(Clone, Debug)]
+pub struct ReportPlugin(pub(crate) InternedScheduleLabel);
+
+impl Plugin for ReportPlugin {
+    fn build(&self, app: &mut App) {
+        // Observers come last, so that they find everything else up to date, and see no change but their own.
+        let report = (write_messages, follow_contacts.run_if(is_in_use), trigger_events.run_if(anything_tracked));
+        app.add_message::<CollisionStarted>()
+            .add_message::<CollisionEnded>()
+            .add_systems(self.0, report.chain().in_set(CollisionSystems::Report));
+    }
+}
+
+fn write_messages(
+    contacts: Res<Contacts>,
+    settings: Res<CollisionEventSettings>,
+    mut scope_before: Local<Option<EventScope>>,
+    mut counters: ResMut<CollisionCounters>,
+    mut started: MessageWriter<CollisionStarted>,
+    mut ended: MessageWriter<CollisionEnded>,
+) {
+    let counters = &mut counters.tick;
+    let mut written = [0, 0];
+    let write = |old: Option<&ContactPair>, new: Option<&ContactPair>| match (old, new) {
+        (Some(old), None) => {
+            ended.write(old.seen_with(&contacts.tracked_before).into());
+            written[0] += 1;
+        }
+        (None, Some(new)) => {
+            started.write(new.seen_with(&contacts.tracked).into());
+            written[1] += 1;
+        }
+        _ => {}
+    };
+    let (before, now) = (&contacts.before[..], &contacts.pairs[..]);
+    let key = ContactPair::key;
+    let scopes = [scope_before.replace(settings.messages).unwrap_or(settings.messages), settings.messages];
+    if scopes == [EventScope::All; 2] {
+        compare(before.iter(), now.iter(), key, write);
+        [counters.ended, counters.started] = written;
+    } else {
+        let before_in_scope = in_scope(scopes[0], before, &contacts.tracked_before);
+        compare(before_in_scope, in_scope(scopes[1], now, &contacts.tracked), key, write);
+        // The counters are about contacts, whoever is told.
+        compare(before.iter(), now.iter(), key, |old, new| {
+            counters.started += u64::from(old.is_none());
+            counters.ended += u64::from(new.is_none());
+        });
+    }
+}
+
+/// The contacts that messages are about.
+fn in_scope<'a>(
+    scope: EventScope,
+    all: &'a [ContactPair],
+    tracked: &'a [TrackedContact],
+) -> impl Iterator<Item = &'a ContactPair> {
+    let (all, tracked) = match scope {
+        EventScope::All => (all, &[][..]),
+        EventScope::Enabled => (&[][..], tracked),
+    };
+    all.iter().chain(tracked.iter().filter(|tracked| tracked.enabled).map(|tracked| &tracked.contact))
+}
+
+impl ContactPair {
+    /// With what is known of it.
+    fn seen_with(&self, tracked: &[TrackedContact]) -> Collision {
+        let contact = tracking::find(tracked, self.pair).map(|tracked| tracked.geometry);
+        Collision { a: self.a, b: self.b, contact }
+    }
+}
+
+impl TrackedContact {
+    /// From one of its two sides.
+    fn seen_from(&self, side: usize) -> Collision {
+        let collision = Collision { a: self.contact.a, b: self.contact.b, contact: Some(self.geometry) };
+        if side == 0 { collision } else { collision.reversed() }
+    }
+}
+
+fn anything_tracked(contacts: Res<Contacts>) -> bool {
+    !(contacts.tracked.is_empty() && contacts.tracked_before.is_empty())
+}
+
+/// Triggers events: first those of all contacts that ended, then those of all that started, each in the order of the
+/// contacts, and for each contact first that of `a`.
+///
+/// All are decided before the first is triggered: an observer that despawns an entity, or opts it out, changes what is
+/// told in the next tick, and nothing in this one.
+fn trigger_events(world: &mut World, mut ended: Local<Vec<CollisionEnded>>, mut started: Local<Vec<CollisionStarted>>) {
+    let contacts = world.resource::<Contacts>();
+    let collect = |old: Option<&TrackedContact>, new: Option<&TrackedContact>| {
+        for side in [0, 1] {
+            let observed = |tracked: &&TrackedContact| tracked.observed[side];
+            match (old.filter(observed), new.filter(observed)) {
+                // It goes on for others, perhaps: the latest that is known.
+                (Some(old), None) => ended.push(new.unwrap_or(old).seen_from(side).into()),
+                (None, Some(new)) => started.push(new.seen_from(side).into()),
+                _ => {}
+            }
+        }
+    };
+    compare(contacts.tracked_before.iter(), contacts.tracked.iter(), |tracked| tracked.contact.key(), collect);
+    for event in ended.drain(..) {
+        world.trigger(event);
+        // What its observers asked for is done before those of the next.
+        world.flush();
+    }
+    for event in started.drain(..) {
+        world.trigger(event);
+        world.flush();
+    }
+}

@@ -1,0 +1,186 @@
+//! Counters and times per stage for Bevy's [`DiagnosticsStore`](bevy::diagnostic::DiagnosticsStore).
+
+use std::time::{Duration, Instant};
+
+use bevy::{
+    diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic},
+    ecs::schedule::{InternedScheduleLabel, ScheduleLabel},
+    prelude::*,
+};
+
+use crate::{
+    collision_index::CollisionIndex,
+    counters::{CollisionCounters, TickCounters},
+    plugin::CollisionSystems,
+};
+
+/// Measures what a tick takes, and hands it to Bevy's diagnostics, once per tick: the times of the stages as the
+/// resource [`StageTimes`] too. Not part of [`OctreePlugins`](crate::OctreePlugins); add it after them, with the same
+/// schedule.
+///
+/// ```
+/// use bevy::{diagnostic::{DiagnosticsStore, LogDiagnosticsPlugin}, prelude::*};
+/// use bevy_octree::{diagnostics::CollisionDiagnosticsPlugin, prelude::*};
+///
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, OctreePlugins::new(Update), CollisionDiagnosticsPlugin::new(Update)))
+///     .add_plugins(LogDiagnosticsPlugin::default());
+/// app.update();
+/// let store = app.world().resource::<DiagnosticsStore>();
+/// assert_eq!(store.get(&CollisionDiagnosticsPlugin::OBJECTS).and_then(|objects| objects.value()), Some(0.0));
+/// ```
+///
+/// A diagnostic that is disabled is not measured. [`NODES`](Self::NODES), [`LEAVES`](Self::LEAVES),
+/// [`DEPTH`](Self::DEPTH) and [`BYTES`](Self::BYTES) visit all nodes of the N-objects octree; for other broad phases
+/// they cost next to nothing.
+#[derive(Clone, Debug)]
+pub struct CollisionDiagnosticsPlugin(InternedScheduleLabel);
+
+impl CollisionDiagnosticsPlugin {
+    /// Entities in the index.
+    pub const OBJECTS: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/objects");
+    /// Entities that moved, came or went.
+    pub const MOVED: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/moved");
+    /// Pairs given to the exact tests.
+    pub const CANDIDATES: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/candidates");
+    /// Pairs in contact.
+    pub const CONTACTS: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/contacts");
+    /// Contacts that began, and contacts that ended, together.
+    pub const EVENTS: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/events");
+    /// Nodes of the broad phase's tree.
+    pub const NODES: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/nodes");
+    /// Leaves of that tree.
+    pub const LEAVES: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/leaves");
+    /// The largest generation of a node.
+    pub const DEPTH: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/depth");
+    /// Memory that the broad phase takes, in bytes.
+    pub const BYTES: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/bytes");
+
+    /// The time of each stage, in milliseconds, in the order in which they run.
+    pub const STAGE_TIMES: [DiagnosticPath; STAGES.len()] = [
+        DiagnosticPath::const_new("bevy_octree/time/motion"),
+        DiagnosticPath::const_new("bevy_octree/time/bounds"),
+        DiagnosticPath::const_new("bevy_octree/time/maintenance"),
+        DiagnosticPath::const_new("bevy_octree/time/broad_phase"),
+        DiagnosticPath::const_new("bevy_octree/time/narrow_phase"),
+        DiagnosticPath::const_new("bevy_octree/time/response"),
+        DiagnosticPath::const_new("bevy_octree/time/report"),
+    ];
+
+    /// Measures the ticks in `schedule`: that of the [`OctreePlugins`](crate::OctreePlugins).
+    #[must_use]
+    pub fn new(schedule: impl ScheduleLabel) -> Self {
+        Self(schedule.intern())
+    }
+}
+
+/// Of [`FixedPostUpdate`].
+impl Default for CollisionDiagnosticsPlugin {
+    fn default() -> Self {
+        Self::new(FixedPostUpdate)
+    }
+}
+
+impl Plugin for CollisionDiagnosticsPlugin {
+    fn build(&self, app: &mut App) {
+        for path in [Self::OBJECTS, Self::MOVED, Self::CANDIDATES, Self::CONTACTS, Self::EVENTS].into_iter().chain([
+            Self::NODES,
+            Self::LEAVES,
+            Self::DEPTH,
+        ]) {
+            app.register_diagnostic(Diagnostic::new(path));
+        }
+        app.register_diagnostic(Diagnostic::new(Self::BYTES).with_suffix(" B"));
+        for path in Self::STAGE_TIMES {
+            app.register_diagnostic(Diagnostic::new(path).with_suffix(" ms"));
+        }
+        app.init_resource::<StageTimes>()
+            .register_type::<StageTimes>()
+            .add_systems(self.0, begin.in_set(CollisionSystems::First))
+            .add_systems(self.0, measure.after(CollisionSystems::Last).before(CollisionCounters::end_tick));
+        let ends = STAGES.into_iter().skip(1).chain([CollisionSystems::Last]);
+        for (stage, (set, next)) in STAGES.into_iter().zip(ends).enumerate() {
+            let end = move |mut times: ResMut<StageTimes>| times.end(stage);
+            app.add_systems(self.0, end.after(set).before(next));
+        }
+    }
+}
+
+/// The stages that are timed, in the order in which they run.
+pub const STAGES: [CollisionSystems; 7] = [
+    CollisionSystems::Motion,
+    CollisionSystems::Bounds,
+    CollisionSystems::Maintenance,
+    CollisionSystems::BroadPhase,
+    CollisionSystems::NarrowPhase,
+    CollisionSystems::Response,
+    CollisionSystems::Report,
+];
+
+/// How long the stages of the last tick took, wall-clock: whatever runs between the end of a stage and that of the one
+/// before it counts.
+#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[reflect(Resource, Debug, Default)]
+pub struct StageTimes {
+    times: [Duration; STAGES.len()],
+    /// The end of the stage before.
+    #[reflect(ignore)]
+    last: Option<Instant>,
+}
+
+impl StageTimes {
+    /// The stages and their times, in the order in which they run.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = (CollisionSystems, Duration)> {
+        STAGES.into_iter().zip(self.times)
+    }
+
+    /// The time of one stage; `None` for a set that is not one of the [`STAGES`].
+    #[must_use]
+    pub fn get(&self, stage: CollisionSystems) -> Option<Duration> {
+        self.iter().find(|(other, _)| *other == stage).map(|(_, time)| time)
+    }
+
+    /// That of all stages together.
+    #[must_use]
+    pub fn sum(&self) -> Duration {
+        self.times.iter().sum()
+    }
+
+    fn end(&mut self, stage: usize) {
+        let now = Instant::now();
+        self.times[stage] = self.last.replace(now).map_or(Duration::ZERO, |last| now - last);
+    }
+}
+
+fn begin(mut times: ResMut<StageTimes>) {
+    times.last = Some(Instant::now());
+}
+
+fn measure(
+    index: Res<CollisionIndex>,
+    counters: Res<CollisionCounters>,
+    times: Res<StageTimes>,
+    mut diagnostics: Diagnostics,
+) {
+    use CollisionDiagnosticsPlugin as Paths;
+    let TickCounters { objects, moved, candidates, contacts, started, ended, .. } = counters.tick;
+    let events = started + ended;
+    for (path, count) in [
+        (Paths::OBJECTS, objects),
+        (Paths::MOVED, moved),
+        (Paths::CANDIDATES, candidates),
+        (Paths::CONTACTS, contacts),
+        (Paths::EVENTS, events),
+    ] {
+        diagnostics.add_measurement(&path, || count as f64);
+    }
+    let mut known = None;
+    let mut stats = || *known.get_or_insert_with(|| index.index().stats());
+    diagnostics.add_measurement(&Paths::NODES, || stats().nodes as f64);
+    diagnostics.add_measurement(&Paths::LEAVES, || stats().leaves as f64);
+    diagnostics.add_measurement(&Paths::DEPTH, || f64::from(stats().depth));
+    diagnostics.add_measurement(&Paths::BYTES, || stats().bytes as f64);
+    for (path, (_, time)) in Paths::STAGE_TIMES.iter().zip(times.iter()) {
+        diagnostics.add_measurement(path, || time.as_secs_f64() * 1e3);
+    }
+}

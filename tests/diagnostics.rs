@@ -1,0 +1,78 @@
+//! What a tick takes, as Bevy's diagnostics.
+
+#[expect(dead_code, reason = "shared with other tests")]
+mod common;
+
+use std::time::Duration;
+
+use bevy::{
+    diagnostic::{DiagnosticPath, DiagnosticsStore},
+    prelude::*,
+};
+use bevy_octree::{
+    diagnostics::{CollisionDiagnosticsPlugin as Paths, STAGES, StageTimes},
+    prelude::*,
+};
+use common::*;
+
+fn value(app: &App, path: &DiagnosticPath) -> Option<f64> {
+    app.world().resource::<DiagnosticsStore>().get(path).expect("it is registered").value()
+}
+
+#[test]
+fn diagnostics_are_the_counters_of_the_last_tick() {
+    for method in [Method::default(), Method::Octree(ObjectOctreeSettings::with_max_objects(1)), Method::Exhaustive] {
+        let mut app = app(method);
+        app.add_plugins(Paths::default());
+        assert_eq!(value(&app, &Paths::OBJECTS), None);
+        for x in 0..40 {
+            app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(0.9 * x as f32, 0.0, 0.0)));
+        }
+        for (moved, events) in [(40.0, 39.0), (0.0, 0.0)] {
+            tick(&mut app, 1);
+            let stats = index(&app).stats();
+            let expected = [
+                (Paths::OBJECTS, 40.0),
+                (Paths::MOVED, moved),
+                (Paths::CANDIDATES, events),
+                (Paths::CONTACTS, 39.0),
+                (Paths::EVENTS, events),
+                (Paths::NODES, stats.nodes as f64),
+                (Paths::LEAVES, stats.leaves as f64),
+                (Paths::DEPTH, f64::from(stats.depth)),
+                (Paths::BYTES, stats.bytes as f64),
+            ];
+            for (path, expected) in expected {
+                assert_eq!(value(&app, &path), Some(expected), "{path}");
+            }
+        }
+    }
+}
+
+/// A system that takes its time is found in the stage in which it runs.
+#[test]
+fn time_goes_to_the_stage_that_took_it() {
+    const NAP: Duration = Duration::from_millis(2);
+    for (stage, path) in STAGES.into_iter().zip(Paths::STAGE_TIMES) {
+        let mut app = app(Method::default());
+        app.add_plugins(Paths::default());
+        app.add_systems(FixedPostUpdate, (|| std::thread::sleep(NAP)).in_set(stage));
+        tick(&mut app, 1);
+        let times = app.world().resource::<StageTimes>();
+        assert!(times.get(stage).unwrap() >= NAP, "{stage:?}: {times:?}");
+        assert_eq!(times.iter().map(|(_, time)| time).sum::<Duration>(), times.sum());
+        let milliseconds = times.get(stage).unwrap().as_secs_f64() * 1e3;
+        assert_eq!(value(&app, &path), Some(milliseconds), "{stage:?}");
+        assert_eq!(times.get(CollisionSystems::Last), None);
+    }
+}
+
+#[test]
+fn a_disabled_diagnostic_is_not_measured() {
+    let mut app = app(Method::default());
+    app.add_plugins(Paths::default());
+    let mut store = app.world_mut().resource_mut::<DiagnosticsStore>();
+    store.get_mut(&Paths::NODES).unwrap().is_enabled = false;
+    tick(&mut app, 3);
+    assert_eq!((value(&app, &Paths::NODES), value(&app, &Paths::OBJECTS)), (None, Some(0.0)));
+}
