@@ -5,35 +5,31 @@
 use std::{path::PathBuf, process::ExitCode};
 
 use bevy_octree::{
-    scene::stress::{StressScene, StressSimulation},
+    scene::stress::StressSimulation,
     trace::{EXTENSION, TraceWriter},
 };
 use clap::Parser;
 use outcome::{Outcome, exit};
 use progress::Progress;
+use which_scene::WhichScene;
 
 #[path = "common/outcome.rs"]
 mod outcome;
 #[path = "common/progress.rs"]
 mod progress;
+#[path = "common/which_scene.rs"]
+mod which_scene;
 
 /// Records a stress scene as a trace: the boxes of all objects, frame by frame, in Broadmark's .aabbs format.
 ///
 /// Prints one line about the file. The same arguments give the same file on any machine.
 #[derive(Parser)]
 struct Arguments {
-    /// Which scene: brownian, freefall, gravity, planes, static90, sizes or clusters.
-    #[arg(long)]
-    scene: StressScene,
-    /// How many objects there are.
-    #[arg(long, default_value_t = 10_000, allow_negative_numbers = true)]
-    objects: usize,
+    #[command(flatten)]
+    which: WhichScene,
     /// How many frames follow the initial boxes. The file takes 32 bytes for each object and frame.
     #[arg(long, default_value_t = 100, allow_negative_numbers = true)]
     frames: u32,
-    /// Another seed gives another scene of the same kind.
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
-    seed: u64,
     /// The file to write; if it exists, it is replaced. By default, the scene's name with the ending .aabbs.
     #[arg(long)]
     out: Option<PathBuf>,
@@ -44,7 +40,7 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Outcome {
-    let &Arguments { scene, objects, frames, seed, .. } = arguments;
+    let &Arguments { which: WhichScene { scene, objects, seed }, frames, .. } = arguments;
     let path = arguments.out.clone().unwrap_or_else(|| PathBuf::from(scene.name()).with_extension(EXTENSION));
     let mut writer = TraceWriter::create(&path, scene.name(), "box", objects)?;
     let mut simulation = StressSimulation::new(scene, objects, seed);

@@ -15,6 +15,7 @@ use progress::Progress;
 use quantile::quantile;
 use stress_app::{Setup, StressApp};
 use threads::use_threads;
+use which_scene::WhichScene;
 
 #[path = "common/outcome.rs"]
 mod outcome;
@@ -28,6 +29,8 @@ mod stage_times;
 mod stress_app;
 #[path = "common/threads.rs"]
 mod threads;
+#[path = "common/which_scene.rs"]
+mod which_scene;
 
 /// The time of a frame at 60 frames per second, in milliseconds.
 const BUDGET_MS: f64 = 16.6;
@@ -47,21 +50,14 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// the stage that takes most with its share.
 #[derive(Parser)]
 struct Arguments {
-    /// Which scene: brownian, freefall, gravity, planes, static90, sizes or clusters.
-    #[arg(long)]
-    scene: StressScene,
-    /// How many objects there are.
-    #[arg(long, default_value_t = 10_000, allow_negative_numbers = true)]
-    objects: usize,
+    #[command(flatten)]
+    which: WhichScene,
     /// How many frames to measure. The first update, in which all entities come in, is none of them.
     #[arg(long, default_value_t = NonZero::new(120).unwrap_or(NonZero::<u32>::MIN), allow_negative_numbers = true)]
     frames: NonZero<u32>,
     /// How many threads work on systems and in the library.
     #[arg(long, default_value_t = NonZero::<usize>::MIN, allow_negative_numbers = true)]
     threads: NonZero<usize>,
-    /// Another seed gives another scene of the same kind.
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
-    seed: u64,
     /// The broad phase: `object` for the report's N-objects octree, `exhaustive`, or any other that the library knows.
     /// The library's default if not given.
     #[arg(long)]
@@ -80,7 +76,8 @@ fn run(arguments: &Arguments) -> Outcome {
     use_threads(arguments.threads)?;
     let method = arguments.method.clone().unwrap_or_default();
     method.check()?;
-    let mut setup = Setup { scene: arguments.scene, objects: arguments.objects, seed: arguments.seed, method };
+    let WhichScene { scene, objects, seed } = arguments.which;
+    let mut setup = Setup { scene, objects, seed, method };
     let frames = arguments.frames.get();
     if arguments.find_limit {
         let limit = find_limit(&setup, frames)?;
