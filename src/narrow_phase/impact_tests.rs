@@ -60,7 +60,7 @@ fn is_rapiers(moving: &Moving) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 384, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 384, ..ProptestConfig::default() })]
 
     #[test]
     fn shapes_that_do_not_turn((one, at_one) in placed(), (two, at_two) in placed(), way in vectors(6.0), other in vectors(6.0)) {
