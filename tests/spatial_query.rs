@@ -405,8 +405,8 @@ fn pairs_within_a_distance_are_those_of_brute_force() {
         let (objects, tests) = (everything(&mut app), app.world().resource::<NarrowPhaseSettings>().0);
         ask(&mut app, move |spatial| {
             let mut workspace = Workspace::default();
-            let is_first = |entity: Entity| entity.index_u32() % 3 == 0;
-            let is_second = |entity: Entity| entity.index_u32() % 2 == 0;
+            let is_first = |entity: Entity| entity.index_u32().is_multiple_of(3);
+            let is_second = |entity: Entity| entity.index_u32().is_multiple_of(2);
             let (first, second) = (ALL.only(&is_first), ALL.only(&is_second));
             for limit in [0.0, 0.3, 2.0, f32::INFINITY] {
                 let mut expected = vec![];
