@@ -17,8 +17,9 @@ use crate::{
 /// The place is taken from the [`Transform`]s of the entity and its ancestors, not from `GlobalTransform`, which is up
 /// to date only after transform propagation: boxes are right in the tick in which something moved.
 ///
-/// An entity whose box cannot be computed (a transform that is not finite, an unbounded shape) is left out of
-/// collision detection, with a warning in the log, until its transform or shape changes again.
+/// An entity whose box cannot be computed (a transform that is not finite, its own or an ancestor's; an unbounded shape)
+/// is left out of collision detection, with a warning in the log, until its transform, an ancestor's, or its shape
+/// changes again.
 #[derive(Clone, Debug)]
 pub struct BoundsPlugin(pub(crate) InternedScheduleLabel);
 

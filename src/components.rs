@@ -16,7 +16,8 @@ use crate::{
 };
 
 /// The shape of an entity. An entity that has one takes part in collision detection; one that loses it, or is
-/// despawned, no longer does, from that moment on.
+/// despawned, no longer does, from that moment on. A shape that is overwritten is changed; one that is removed and
+/// inserted again, even within a frame, starts anew: its contacts end and start.
 ///
 /// An entity with a shape and no [`Velocity`] is *static*: while its [`Transform`] stays
 /// unchanged, it is looked at by nothing.
