@@ -6,7 +6,7 @@ use bevy::{
 };
 
 use crate::{
-    broad_phase::{BroadPhase, Method, Pair, PairFilter, ProxyId, SpatialIndex},
+    broad_phase::{BroadPhase, Method, Pair, PairFilter, PairKinds, ProxyId, SpatialIndex},
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     counters::CollisionCounters,
     filters::{self, FilterParts},
@@ -132,6 +132,9 @@ struct ShapeChange<'a> {
 pub struct BroadPhaseSettings {
     /// How overlapping boxes are searched for.
     pub method: Method,
+    /// Which kinds of pairs are sought at all, by which of the two is a
+    /// [`StaticCollider`](crate::filters::StaticCollider). Contacts of a kind that is no longer sought end.
+    pub pair_kinds: PairKinds,
 }
 
 /// The pairs that the exact tests look at in this tick: those whose boxes overlap and of which at least one entity
@@ -179,6 +182,7 @@ fn maintain(
     } else if narrow.is_changed() {
         index.index.touch_all();
     }
+    index.index.set_pair_kinds(settings.pair_kinds);
     for (entity, aabb, shape, mut proxy, filter) in &mut boxes {
         let change = ShapeChange { shape: &shape.0, changed: shape.is_changed() };
         index.take_up(entity, aabb, proxy.bypass_change_detection(), change, || filters::filter(filter));

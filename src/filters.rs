@@ -27,8 +27,9 @@
 //! assert_eq!(app.world().resource::<Contacts>().len(), 2); // each red one with the blue one
 //! ```
 //!
-//! Layers and static entities are looked at in the broad phase: a pair that they rule out is gone before anything else
-//! sees it. Lists and hooks are asked about candidate pairs, before the exact tests.
+//! Layers and static entities are looked at in the broad phase, as are the kinds of pairs in its
+//! [settings](crate::collision_index::BroadPhaseSettings::pair_kinds): a pair that they rule out is gone before anything
+//! else sees it. Lists and hooks are asked about candidate pairs, before the exact tests.
 
 use bevy::{
     ecs::{
@@ -99,7 +100,8 @@ impl CollisionLayers {
 }
 
 /// An entity that does not meet others of its kind: walls, floors, scenery. Two static entities make no pair, however
-/// they overlap, and however they are moved.
+/// they overlap, and however they are moved; unless the
+/// [`PairKinds`](crate::collision_index::BroadPhaseSettings::pair_kinds) say otherwise.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
 pub struct StaticCollider;

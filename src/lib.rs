@@ -77,7 +77,7 @@ pub use plugin::{CollisionSystems, OctreePlugins};
 /// What most users need.
 pub mod prelude {
     pub use crate::{
-        broad_phase::{Method, ObjectOctreeSettings},
+        broad_phase::{Method, ObjectOctreeSettings, PairKinds},
         collision_index::{BroadPhaseSettings, CandidatePairs, CollisionIndex},
         components::{CollisionShape, Cube, WorldAabb},
         contacts::{
