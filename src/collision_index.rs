@@ -68,8 +68,10 @@ impl CollisionIndex {
         self.index.proxies().contains(id).then(|| &self.bodies[id.index()])
     }
 
-    /// Says which pairs an entity makes. Nothing happens if it is gone.
-    pub(crate) fn set_filter(&mut self, id: ProxyId, filter: PairFilter) {
+    /// Changes which pairs an entity makes. Nothing happens if it is gone.
+    pub(crate) fn change_filter(&mut self, id: ProxyId, change: impl FnOnce(&mut PairFilter)) {
+        let mut filter = self.index.proxies().filter(id);
+        change(&mut filter);
         // The only error is that there is no such entity any more.
         let _ = self.index.set_filter(id, filter);
     }
@@ -103,7 +105,7 @@ impl CollisionIndex {
             if let Some(old) = proxy.id.replace(id) {
                 self.index.remove(old);
             }
-            self.set_filter(id, filter());
+            self.change_filter(id, |old| *old = filter());
             let body = Body { entity, pose: proxy.pose, shape: shape.shape.clone() };
             match self.bodies.get_mut(id.index()) {
                 Some(place) => *place = body,

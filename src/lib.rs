@@ -29,6 +29,8 @@
 //! | [`Velocity`](motion::Velocity) | moves it each tick; without one it is static, until something else moves it |
 //! | [`PositionTrack`](motion::PositionTrack) | moves it along keyframes instead |
 //! | [`Bounce`](response::Bounce) | changes its velocity on contact |
+//! | [`CollisionLayers`](filters::CollisionLayers) | says which others it may meet; [more of the kind](filters) |
+//! | [`InCollisionWorld`](worlds::InCollisionWorld) | puts it in a world of its own, apart from all others |
 //! | [`CollisionEventsEnabled`](contacts::CollisionEventsEnabled) | has its observers told of its contacts |
 //! | [`CollidingEntities`](contacts::CollidingEntities) | lists the entities that it touches |
 //! | [`Cube`](components::Cube) | shape, velocity and bounce in one: a moving cube |
@@ -70,6 +72,7 @@ pub mod response;
 pub mod scene;
 pub mod spatial_query;
 pub mod trace;
+pub mod worlds;
 
 pub use bounds::BoundsPlugin;
 pub use plugin::{CollisionSystems, OctreePlugins};
@@ -93,6 +96,7 @@ pub mod prelude {
         plugin::{CollisionSystems, NarrowPhaseSettings, OctreePlugins},
         response::{Bounce, BouncePlugin},
         spatial_query::{PointHit, RayHit, ShapeHit, SpatialQuery, SpatialQueryFilter, update_spatial_index},
+        worlds::{CollisionWorld, InCollisionWorld},
     };
 }
 

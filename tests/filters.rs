@@ -1,6 +1,9 @@
 //! Layers, static entities, lists of entities to ignore, sensors and hooks.
 
-use bevy::{ecs::system::SystemParam, prelude::*};
+use bevy::{
+    ecs::{schedule::ScheduleLabel, system::SystemParam},
+    prelude::*,
+};
 use bevy_octree::prelude::*;
 
 fn app() -> App {
@@ -138,6 +141,30 @@ fn kinds_count_where_nothing_else_is_filtered() {
         assert_eq!(with_kinds(&mut app, PairKinds { moving_static: false, ..default() }), all);
     }
 }
+
+#[test]
+fn what_is_removed_many_frames_before_the_next_tick_is_gone() {
+    // Frames without a tick: the messages about removed components are kept for two of them.
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, OctreePlugins::new(Ticks)));
+    app.init_schedule(Ticks);
+    let tick = |app: &mut App| {
+        app.world_mut().run_schedule(Ticks);
+        app.world().resource::<Contacts>().len()
+    };
+    let layers = cube(&mut app, CollisionLayers::NONE);
+    let walls = cubes(&mut app, 2, StaticCollider);
+    assert_eq!(tick(&mut app), 0);
+    app.world_mut().entity_mut(layers).remove::<CollisionLayers>();
+    app.world_mut().entity_mut(walls[0]).remove::<StaticCollider>();
+    for _ in 0..5 {
+        app.update();
+    }
+    assert_eq!(tick(&mut app), 3);
+}
+
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+struct Ticks;
 
 #[test]
 fn entities_that_are_ignored_do_not_meet_while_they_are() {

@@ -51,7 +51,7 @@ fn make_a_pair(proxies: &Proxies, a: ProxyId, b: ProxyId) -> bool {
         (true, true) => kinds.static_static,
         _ => kinds.moving_static,
     };
-    is_sought && a.memberships & b.filters > 0 && b.memberships & a.filters > 0
+    is_sought && a.world == b.world && a.memberships & b.filters > 0 && b.memberships & a.filters > 0
 }
 
 /// One step of a random history. Places are in units of a 64th, so that borders are met exactly, and often.
@@ -118,7 +118,8 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
             Step::Filter { which, bits } => {
                 if let Some((id, ..)) = objects.get(which % count) {
                     let [memberships, filters] = [bits & 3, bits >> 2 & 3].map(u32::from);
-                    let filter = PairFilter { memberships, filters, is_static: bits >> 4 & 1 == 1 };
+                    let world = if bits >> 5 == 0 { 7 } else { PairFilter::DEFAULT_WORLD };
+                    let filter = PairFilter { memberships, filters, is_static: bits >> 4 & 1 == 1, world };
                     checked.index.set_filter(*id, filter).unwrap();
                 }
             }

@@ -26,21 +26,26 @@ pub struct PairFilter {
     pub filters: u32,
     /// Which of the [`PairKinds`] the object's pairs are. By default, static objects do not meet each other.
     pub is_static: bool,
+    /// The number of the world that the object is in. Objects of different worlds do not meet.
+    pub world: u32,
 }
 
 impl Default for PairFilter {
-    /// On the first layer, and admits everything.
+    /// On the first layer of the default world, and admits everything.
     fn default() -> Self {
-        Self { memberships: 1, filters: u32::MAX, is_static: false }
+        Self { memberships: 1, filters: u32::MAX, is_static: false, world: Self::DEFAULT_WORLD }
     }
 }
 
 impl PairFilter {
-    /// Do two objects admit each other? Each must be on a layer that the other may meet.
+    /// The world of all objects that were given no other.
+    pub const DEFAULT_WORLD: u32 = u32::MAX;
+
+    /// Do two objects admit each other? They must be in the same world, and each on a layer that the other may meet.
     #[inline]
     #[must_use]
     pub const fn admits(&self, other: &Self) -> bool {
-        self.memberships & other.filters != 0 && other.memberships & self.filters != 0
+        self.world == other.world && self.memberships & other.filters != 0 && other.memberships & self.filters != 0
     }
 }
 
@@ -93,12 +98,14 @@ mod tests {
     #[test]
     fn both_must_admit() {
         let any = PairFilter::default();
-        let on = |memberships, filters| PairFilter { memberships, filters, is_static: false };
+        let on = |memberships, filters| PairFilter { memberships, filters, ..any };
         assert!(any.admits(&any));
         assert!(on(2, 4).admits(&on(4, 2)));
         assert!(!on(2, 4).admits(&on(4, 1)));
         assert!(!on(2, 1).admits(&on(4, 2)));
         assert!(!on(0, u32::MAX).admits(&any), "an object on no layer meets nothing");
+        let elsewhere = PairFilter { world: 7, ..any };
+        assert!(elsewhere.admits(&elsewhere) && !elsewhere.admits(&any) && !any.admits(&elsewhere));
     }
 
     #[test]
