@@ -91,7 +91,7 @@ fn last_keyframe(scene: &SceneDescription) -> u64 {
 fn play(scene: &SceneDescription, ticks: u64, method: Method) -> Outcome<CollisionReport> {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-        .insert_resource(BroadPhaseSettings { method })
+        .insert_resource(BroadPhaseSettings { method, ..default() })
         .insert_resource(MotionSettings { step: Step::Seconds(scene.tick_length()?.as_secs_f32()) });
     scene.spawn(&mut app.world_mut().commands())?;
     app.world_mut().flush();

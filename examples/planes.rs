@@ -74,7 +74,7 @@ fn run(arguments: &Arguments) -> Outcome {
 fn measure(scene: &SceneDescription, method: &Method, steps: u32, max_objects: u32) -> Outcome<TickCounters> {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-        .insert_resource(BroadPhaseSettings { method: method.clone() })
+        .insert_resource(BroadPhaseSettings { method: method.clone(), ..default() })
         .insert_resource(MotionSettings { step: Step::Seconds(scene.tick_length()?.as_secs_f32()) });
     scene.spawn(&mut app.world_mut().commands())?;
     app.world_mut().flush();

@@ -6,7 +6,7 @@ use bevy::{
 };
 
 use crate::{
-    broad_phase::{BroadPhase, Method, Pair, PairFilter, ProxyId, SpatialIndex},
+    broad_phase::{BroadPhase, Method, Pair, PairFilter, PairKinds, ProxyId, SpatialIndex},
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     counters::CollisionCounters,
     filters::{self, FilterParts},
@@ -120,8 +120,10 @@ impl CollisionIndex {
         }
     }
 
-    /// Says which pairs an entity makes. Nothing happens if it is gone.
-    pub(crate) fn set_filter(&mut self, id: ProxyId, filter: PairFilter) {
+    /// Changes which pairs an entity makes. Nothing happens if it is gone.
+    pub(crate) fn change_filter(&mut self, id: ProxyId, change: impl FnOnce(&mut PairFilter)) {
+        let mut filter = self.index.proxies().filter(id);
+        change(&mut filter);
         // The only error is that there is no such entity any more.
         let _ = self.index.set_filter(id, filter);
     }
@@ -156,7 +158,7 @@ impl CollisionIndex {
             if let Some(old) = proxy.id.replace(id) {
                 self.index.remove(old);
             }
-            self.set_filter(id, filter());
+            self.change_filter(id, |old| *old = filter());
             let body = Body { entity, pose: proxy.pose, shape: shape.shape.clone() };
             match self.bodies.get_mut(id.index()) {
                 Some(place) => *place = body,
@@ -186,6 +188,9 @@ struct ShapeChange<'a> {
 pub struct BroadPhaseSettings {
     /// How overlapping boxes are searched for.
     pub method: Method,
+    /// Which kinds of pairs are sought at all, by which of the two is a
+    /// [`StaticCollider`](crate::filters::StaticCollider). Contacts of a kind that is no longer sought end.
+    pub pair_kinds: PairKinds,
 }
 
 /// The pairs that the exact tests look at in this tick: those whose boxes overlap and of which at least one entity
@@ -236,6 +241,7 @@ fn maintain(
     } else if narrow.is_changed() {
         index.index.touch_all();
     }
+    index.index.set_pair_kinds(settings.pair_kinds);
     for ((entity, aabb, shape, mut proxy), filter, swept) in &mut boxes {
         let change = ShapeChange { shape: &shape.0, changed: shape.is_changed() };
         index.take_up(entity, aabb, proxy.bypass_change_detection(), change, swept, || filters::filter(filter));

@@ -27,25 +27,27 @@
 //! assert_eq!(app.world().resource::<Contacts>().len(), 2); // each red one with the blue one
 //! ```
 //!
-//! Layers and static entities are looked at in the broad phase: a pair that they rule out is gone before anything else
-//! sees it. Lists and hooks are asked about candidate pairs, before the exact tests.
+//! Layers, static entities and [worlds] are looked at in the broad phase, as are the kinds of pairs in its
+//! [settings](crate::collision_index::BroadPhaseSettings::pair_kinds): a pair that they rule out is gone before anything
+//! else sees it. Lists and hooks are asked about candidate pairs, before the exact tests.
 
 use bevy::{
     ecs::{
         entity::EntityHashSet,
         lifecycle::HookContext,
         schedule::InternedScheduleLabel,
-        system::{ReadOnlySystemParam, StaticSystemParam, SystemId, SystemParamItem},
+        system::{ReadOnlySystemParam, RegisteredSystemError, StaticSystemParam, SystemId, SystemParamItem},
         world::DeferredWorld,
     },
     prelude::*,
 };
 
 use crate::{
-    broad_phase::{Pair, PairFilter},
+    broad_phase::{Pair, PairFilter, ProxyId},
     collision_index::{CandidatePairs, CollisionIndex},
     components::BroadPhaseProxy,
     plugin::CollisionSystems,
+    worlds::{self, CollisionWorld, InCollisionWorld},
 };
 
 /// One of 32 layers by name: for an enum of one's own.
@@ -63,6 +65,7 @@ pub(crate) fn mask(layers: impl IntoIterator<Item = impl CollisionLayer>) -> u32
 /// may meet. Without this component, an entity is on the first layer and may meet all.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
+#[component(on_remove = has_no_layers)]
 pub struct CollisionLayers {
     /// The layers that the entity is on: a bit for each.
     pub memberships: u32,
@@ -99,9 +102,11 @@ impl CollisionLayers {
 }
 
 /// An entity that does not meet others of its kind: walls, floors, scenery. Two static entities make no pair, however
-/// they overlap, and however they are moved.
+/// they overlap, and however they are moved; unless the
+/// [`PairKinds`](crate::collision_index::BroadPhaseSettings::pair_kinds) say otherwise.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
+#[component(on_insert = is_static, on_remove = is_not_static)]
 pub struct StaticCollider;
 
 /// An entity whose contacts are reported, and that nothing bounces off.
@@ -123,13 +128,41 @@ impl<const N: usize> From<[Entity; N]> for IgnoreCollisions {
 }
 
 /// Has the pairs of an entity sought anew, those in which nothing moved too.
-fn look_again(mut world: DeferredWorld, context: HookContext) {
+fn look_again(world: DeferredWorld, context: HookContext) {
+    in_index(world, context, CollisionIndex::look_again);
+}
+
+// What hooks say is taken up at once, whenever the next tick may be. Before its first tick, an entity is not in the index,
+// which then looks at its components.
+
+fn has_no_layers(world: DeferredWorld, context: HookContext) {
+    change_filter(world, context, |filter| set_layers(filter, CollisionLayers::default()));
+}
+
+fn is_static(world: DeferredWorld, context: HookContext) {
+    change_filter(world, context, |filter| filter.is_static = true);
+}
+
+fn is_not_static(world: DeferredWorld, context: HookContext) {
+    change_filter(world, context, |filter| filter.is_static = false);
+}
+
+pub(crate) fn change_filter(world: DeferredWorld, context: HookContext, change: impl FnOnce(&mut PairFilter)) {
+    in_index(world, context, |index, id| index.change_filter(id, change));
+}
+
+fn in_index(mut world: DeferredWorld, context: HookContext, act: impl FnOnce(&mut CollisionIndex, ProxyId)) {
     let id = world.get::<BroadPhaseProxy>(context.entity).and_then(BroadPhaseProxy::id);
     if let Some(id) = id
         && let Some(mut index) = world.get_resource_mut::<CollisionIndex>()
     {
-        index.look_again(id);
+        act(&mut index, id);
     }
+}
+
+fn set_layers(filter: &mut PairFilter, layers: CollisionLayers) {
+    let CollisionLayers { memberships, filters } = layers;
+    *filter = PairFilter { memberships, filters, ..*filter };
 }
 
 /// A veto of one's own on pairs, with access to the world: see [`PairHookPlugin`].
@@ -231,7 +264,7 @@ pub(crate) fn may_meet(world: &mut World, pair: Pair) -> bool {
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PairFilterSystems;
 
-/// Layers, static entities, and lists of entities to ignore.
+/// Layers, static entities, lists of entities to ignore, and worlds.
 #[derive(Clone, Debug)]
 pub struct FilterPlugin(pub(crate) InternedScheduleLabel);
 
@@ -245,40 +278,43 @@ impl Plugin for FilterPlugin {
         .add_systems(
             self.0,
             (
-                follow_filters.after(CollisionSystems::Bounds).before(CollisionSystems::Maintenance),
+                follow_layers.after(CollisionSystems::Bounds).before(CollisionSystems::Maintenance),
                 ignore.in_set(PairFilterSystems).run_if(some_ignore),
             ),
         )
         .register_type::<CollisionLayers>()
         .register_type::<StaticCollider>()
         .register_type::<Sensor>()
-        .register_type::<IgnoreCollisions>();
+        .register_type::<IgnoreCollisions>()
+        .register_type::<InCollisionWorld>()
+        .register_type::<CollisionWorld>();
     }
 }
 
 /// What an entity's components say about the pairs that it makes.
-pub(crate) type FilterParts<'a> = (Option<&'a CollisionLayers>, Has<StaticCollider>);
+pub(crate) type FilterParts<'a> = (Option<&'a CollisionLayers>, Has<StaticCollider>, Option<&'a InCollisionWorld>);
 
-pub(crate) fn filter((layers, is_static): (Option<&CollisionLayers>, bool)) -> PairFilter {
+pub(crate) fn filter(
+    (layers, is_static, world): (Option<&CollisionLayers>, bool, Option<&InCollisionWorld>),
+) -> PairFilter {
     let CollisionLayers { memberships, filters } = layers.copied().unwrap_or_default();
-    PairFilter { memberships, filters, is_static }
+    let world = world.map_or(PairFilter::DEFAULT_WORLD, |world| worlds::number(world.0));
+    PairFilter { memberships, filters, is_static, world }
 }
 
-type FiltersChanged = (With<BroadPhaseProxy>, Or<(Changed<CollisionLayers>, Added<StaticCollider>)>);
+/// Takes up the layers of all entities whose layers changed, at any moment.
+pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
+    world.run_system_cached(follow_layers)
+}
 
-/// Takes up changes of entities that are in the index already.
-fn follow_filters(
+/// Takes up layers that changed of entities that are in the index already.
+fn follow_layers(
     mut index: ResMut<CollisionIndex>,
-    all: Query<(&BroadPhaseProxy, FilterParts)>,
-    changed: Query<Entity, FiltersChanged>,
-    mut without_layers: RemovedComponents<CollisionLayers>,
-    mut no_longer_static: RemovedComponents<StaticCollider>,
+    changed: Query<(&BroadPhaseProxy, &CollisionLayers), Changed<CollisionLayers>>,
 ) {
-    for entity in changed.iter().chain(without_layers.read()).chain(no_longer_static.read()) {
-        if let Ok((proxy, parts)) = all.get(entity)
-            && let Some(id) = proxy.id()
-        {
-            index.set_filter(id, filter(parts));
+    for (proxy, layers) in &changed {
+        if let Some(id) = proxy.id() {
+            index.change_filter(id, |filter| set_layers(filter, *layers));
         }
     }
 }

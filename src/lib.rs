@@ -30,6 +30,8 @@
 //! | [`PositionTrack`](motion::PositionTrack) | moves it along keyframes instead |
 //! | [`Bounce`](response::Bounce) | changes its velocity on contact |
 //! | [`Swept`](swept::Swept) | has it looked at all along its way, however fast it is |
+//! | [`CollisionLayers`](filters::CollisionLayers) | says which others it may meet; [more of the kind](filters) |
+//! | [`InCollisionWorld`](worlds::InCollisionWorld) | puts it in a world of its own, apart from all others |
 //! | [`CollisionEventsEnabled`](contacts::CollisionEventsEnabled) | has its observers told of its contacts |
 //! | [`CollidingEntities`](contacts::CollidingEntities) | lists the entities that it touches |
 //! | [`Cube`](components::Cube) | shape, velocity and bounce in one: a moving cube |
@@ -72,6 +74,7 @@ pub mod scene;
 pub mod spatial_query;
 pub mod swept;
 pub mod trace;
+pub mod worlds;
 
 pub use bounds::BoundsPlugin;
 pub use plugin::{CollisionSystems, OctreePlugins};
@@ -79,7 +82,7 @@ pub use plugin::{CollisionSystems, OctreePlugins};
 /// What most users need.
 pub mod prelude {
     pub use crate::{
-        broad_phase::{Method, ObjectOctreeSettings},
+        broad_phase::{Method, ObjectOctreeSettings, PairKinds},
         collision_index::{BroadPhaseSettings, CandidatePairs, CollisionIndex},
         components::{CollisionShape, Cube, WorldAabb},
         contacts::{
@@ -96,6 +99,7 @@ pub mod prelude {
         response::{Bounce, BouncePlugin},
         spatial_query::{PairHit, PointHit, RayHit, ShapeHit, SpatialQuery, SpatialQueryFilter, update_spatial_index},
         swept::Swept,
+        worlds::{CollisionWorld, InCollisionWorld},
     };
 }
 

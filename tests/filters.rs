@@ -1,6 +1,9 @@
 //! Layers, static entities, lists of entities to ignore, sensors and hooks.
 
-use bevy::{ecs::system::SystemParam, prelude::*};
+use bevy::{
+    ecs::{schedule::ScheduleLabel, system::SystemParam},
+    prelude::*,
+};
 use bevy_octree::prelude::*;
 
 fn app() -> App {
@@ -97,6 +100,71 @@ fn static_entities_do_not_meet_each_other_however_they_move() {
     app.world_mut().entity_mut(wall).remove::<StaticCollider>();
     assert_eq!(contacts(&mut app), 1);
 }
+
+const NO_PAIRS: PairKinds = PairKinds { moving_moving: false, moving_static: false, static_static: false };
+
+fn with_kinds(app: &mut App, pair_kinds: PairKinds) -> usize {
+    app.world_mut().resource_mut::<BroadPhaseSettings>().pair_kinds = pair_kinds;
+    contacts(app)
+}
+
+#[test]
+fn kinds_of_pairs_come_and_go_though_nothing_moves() {
+    for (method, count) in
+        [(Method::Linear, 2), (Method::Octree(default()), 2), (Method::Exhaustive, 2), (default(), 60)]
+    {
+        let mut app = app();
+        app.insert_resource(BroadPhaseSettings { method, ..default() });
+        cubes(&mut app, count, StaticCollider);
+        cubes(&mut app, 3, ());
+        let (fixed, mixed, moving) = (count * (count - 1) / 2, 3 * count, 3);
+        for _ in 0..2 {
+            assert_eq!(with_kinds(&mut app, PairKinds::default()), mixed + moving);
+            assert_eq!(with_kinds(&mut app, PairKinds { static_static: true, ..NO_PAIRS }), fixed);
+            assert_eq!(with_kinds(&mut app, PairKinds { static_static: true, ..default() }), fixed + mixed + moving);
+            assert_eq!(contacts(&mut app), fixed + mixed + moving, "nothing changes while nothing does");
+            assert_eq!(with_kinds(&mut app, PairKinds { moving_static: false, ..default() }), moving);
+            assert_eq!(with_kinds(&mut app, PairKinds { moving_moving: false, ..default() }), mixed);
+            assert_eq!(with_kinds(&mut app, NO_PAIRS), 0);
+        }
+    }
+}
+
+#[test]
+fn kinds_count_where_nothing_else_is_filtered() {
+    for count in [3, 80] {
+        let mut app = app();
+        cubes(&mut app, count, ());
+        let all = count * (count - 1) / 2;
+        assert_eq!(contacts(&mut app), all);
+        assert_eq!(with_kinds(&mut app, PairKinds { moving_moving: false, ..default() }), 0);
+        assert_eq!(with_kinds(&mut app, PairKinds { moving_static: false, ..default() }), all);
+    }
+}
+
+#[test]
+fn what_is_removed_many_frames_before_the_next_tick_is_gone() {
+    // Frames without a tick: the messages about removed components are kept for two of them.
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, OctreePlugins::new(Ticks)));
+    app.init_schedule(Ticks);
+    let tick = |app: &mut App| {
+        app.world_mut().run_schedule(Ticks);
+        app.world().resource::<Contacts>().len()
+    };
+    let layers = cube(&mut app, CollisionLayers::NONE);
+    let walls = cubes(&mut app, 2, StaticCollider);
+    assert_eq!(tick(&mut app), 0);
+    app.world_mut().entity_mut(layers).remove::<CollisionLayers>();
+    app.world_mut().entity_mut(walls[0]).remove::<StaticCollider>();
+    for _ in 0..5 {
+        app.update();
+    }
+    assert_eq!(tick(&mut app), 3);
+}
+
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+struct Ticks;
 
 #[test]
 fn entities_that_are_ignored_do_not_meet_while_they_are() {

@@ -10,7 +10,7 @@ const TICKS_PER_SECOND: f32 = 64.0;
 pub fn app_with(set: &TestSet, method: Method) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-        .insert_resource(BroadPhaseSettings { method })
+        .insert_resource(BroadPhaseSettings { method, ..default() })
         .insert_resource(MotionSettings { step: Step::Seconds(1.0 / TICKS_PER_SECOND) });
     app.finish();
     app.cleanup();

@@ -42,7 +42,7 @@ impl StressApp {
         let simulation = StressSimulation::new(setup.scene, setup.objects, setup.seed);
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-            .insert_resource(BroadPhaseSettings { method: setup.method.clone() })
+            .insert_resource(BroadPhaseSettings { method: setup.method.clone(), ..default() })
             .add_systems(Update, (step, follow).chain().in_set(CollisionSystems::Motion));
         StageTimes::install(&mut app, Update);
         app.finish();

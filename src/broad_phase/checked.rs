@@ -3,7 +3,9 @@
 use bevy::math::{Vec3, bounding::Aabb3d};
 use proptest::prelude::*;
 
-use super::{BroadPhase, LinearOctree, ObjectOctree, Pair, PairFilter, Proxies, ProxyId, SpatialIndex, overlap};
+use super::{
+    BroadPhase, LinearOctree, ObjectOctree, Pair, PairFilter, PairKinds, Proxies, ProxyId, SpatialIndex, overlap,
+};
 
 /// An index that is compared with brute force after every tick.
 pub(super) struct Checked {
@@ -34,12 +36,22 @@ fn brute_force(proxies: &Proxies) -> Vec<Pair> {
     let mut pairs = Vec::new();
     for (place, (a, box_a)) in all.iter().enumerate() {
         for (b, box_b) in &all[place + 1..] {
-            if overlap(box_a, box_b) && proxies.admits(*a, *b) {
+            if overlap(box_a, box_b) && make_a_pair(proxies, *a, *b) {
                 pairs.push(Pair::new(*a, *b));
             }
         }
     }
     pairs
+}
+
+fn make_a_pair(proxies: &Proxies, a: ProxyId, b: ProxyId) -> bool {
+    let (a, b, kinds) = (proxies.filter(a), proxies.filter(b), proxies.pair_kinds());
+    let is_sought = match (a.is_static, b.is_static) {
+        (false, false) => kinds.moving_moving,
+        (true, true) => kinds.static_static,
+        _ => kinds.moving_static,
+    };
+    is_sought && a.world == b.world && a.memberships & b.filters > 0 && b.memberships & a.filters > 0
 }
 
 /// One step of a random history. Places are in units of a 64th, so that borders are met exactly, and often.
@@ -51,6 +63,7 @@ pub(super) enum Step {
     Resize { which: usize, size: u16 },
     Touch { which: usize },
     Filter { which: usize, bits: u8 },
+    Kinds { bits: u8 },
     Remove { which: usize },
     Tick,
 }
@@ -66,6 +79,8 @@ pub(super) fn a_step() -> impl Strategy<Value = Step> {
         1 => (any::<usize>(), size()).prop_map(|(which, size)| Step::Resize { which, size }),
         1 => any::<usize>().prop_map(|which| Step::Touch { which }),
         1 => (any::<usize>(), any::<u8>()).prop_map(|(which, bits)| Step::Filter { which, bits }),
+        // Most often the default.
+        1 => (0_u8..16).prop_map(|bits| Step::Kinds { bits: if bits < 8 { bits } else { 3 } }),
         2 => any::<usize>().prop_map(|which| Step::Remove { which }),
         4 => Just(Step::Tick),
     ]
@@ -103,9 +118,14 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
             Step::Filter { which, bits } => {
                 if let Some((id, ..)) = objects.get(which % count) {
                     let [memberships, filters] = [bits & 3, bits >> 2 & 3].map(u32::from);
-                    let filter = PairFilter { memberships, filters, is_static: bits >> 4 & 1 == 1 };
+                    let world = if bits >> 5 == 0 { 7 } else { PairFilter::DEFAULT_WORLD };
+                    let filter = PairFilter { memberships, filters, is_static: bits >> 4 & 1 == 1, world };
                     checked.index.set_filter(*id, filter).unwrap();
                 }
+            }
+            Step::Kinds { bits } => {
+                let [moving_moving, moving_static, static_static] = [0, 1, 2].map(|bit| bits >> bit & 1 == 1);
+                checked.index.set_pair_kinds(PairKinds { moving_moving, moving_static, static_static });
             }
             Step::Remove { which } => {
                 if !objects.is_empty() {

@@ -24,25 +24,70 @@ pub struct PairFilter {
     pub memberships: u32,
     /// The layers that it may meet.
     pub filters: u32,
-    /// Static objects do not meet each other.
+    /// Which of the [`PairKinds`] the object's pairs are. By default, static objects do not meet each other.
     pub is_static: bool,
+    /// The number of the world that the object is in. Objects of different worlds do not meet.
+    pub world: u32,
 }
 
 impl Default for PairFilter {
-    /// On the first layer, and admits everything.
+    /// On the first layer of the default world, and admits everything.
     fn default() -> Self {
-        Self { memberships: 1, filters: u32::MAX, is_static: false }
+        Self { memberships: 1, filters: u32::MAX, is_static: false, world: Self::DEFAULT_WORLD }
     }
 }
 
 impl PairFilter {
-    /// Do two objects admit each other? Each must be on a layer that the other may meet, and one must not be static.
+    /// The world of all objects that were given no other.
+    pub const DEFAULT_WORLD: u32 = u32::MAX;
+
+    /// Do two objects admit each other? They must be in the same world, and each on a layer that the other may meet.
     #[inline]
     #[must_use]
     pub const fn admits(&self, other: &Self) -> bool {
-        self.memberships & other.filters != 0
-            && other.memberships & self.filters != 0
-            && !(self.is_static && other.is_static)
+        self.world == other.world && self.memberships & other.filters != 0 && other.memberships & self.filters != 0
+    }
+}
+
+/// Which kinds of pairs are sought at all: by default, all but those of two static objects.
+///
+/// ```
+/// use bevy::math::{Vec3, bounding::Aabb3d};
+/// use bevy_octree::broad_phase::{PairFilter, PairKinds, SpatialIndex};
+///
+/// let mut index = SpatialIndex::default();
+/// for is_static in [true, true, false, false] {
+///     let object = index.insert(Aabb3d::new(Vec3::ZERO, Vec3::ONE))?;
+///     index.set_filter(object, PairFilter { is_static, ..PairFilter::default() })?;
+/// }
+/// assert_eq!(index.find_pairs().len(), 5);
+/// index.set_pair_kinds(PairKinds { moving_moving: false, ..PairKinds::default() });
+/// assert_eq!(index.find_pairs().len(), 4); // each moving one with each static one
+/// # Ok::<(), bevy_octree::broad_phase::BoxError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
+pub struct PairKinds {
+    /// Pairs of which neither is [static](PairFilter::is_static).
+    pub moving_moving: bool,
+    /// Pairs of which one is static.
+    pub moving_static: bool,
+    /// Pairs of which both are static.
+    pub static_static: bool,
+}
+
+impl Default for PairKinds {
+    fn default() -> Self {
+        Self { moving_moving: true, moving_static: true, static_static: false }
+    }
+}
+
+impl PairKinds {
+    /// Are pairs of two such objects sought?
+    #[inline]
+    #[must_use]
+    pub const fn include(self, a: &PairFilter, b: &PairFilter) -> bool {
+        let by_static = [self.moving_moving, self.moving_static, self.static_static];
+        by_static[a.is_static as usize + b.is_static as usize]
     }
 }
 
@@ -51,15 +96,30 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_must_admit_and_one_must_not_be_static() {
+    fn both_must_admit() {
         let any = PairFilter::default();
-        let on = |memberships, filters| PairFilter { memberships, filters, is_static: false };
+        let on = |memberships, filters| PairFilter { memberships, filters, ..any };
         assert!(any.admits(&any));
         assert!(on(2, 4).admits(&on(4, 2)));
         assert!(!on(2, 4).admits(&on(4, 1)));
         assert!(!on(2, 1).admits(&on(4, 2)));
         assert!(!on(0, u32::MAX).admits(&any), "an object on no layer meets nothing");
-        let fixed = PairFilter { is_static: true, ..any };
-        assert!(fixed.admits(&any) && any.admits(&fixed) && !fixed.admits(&fixed));
+        let elsewhere = PairFilter { world: 7, ..any };
+        assert!(elsewhere.admits(&elsewhere) && !elsewhere.admits(&any) && !any.admits(&elsewhere));
+    }
+
+    #[test]
+    fn each_kind_can_be_had_alone() {
+        let moving = PairFilter::default();
+        let fixed = PairFilter { is_static: true, ..moving };
+        let included = |kinds: PairKinds| {
+            [(moving, moving), (moving, fixed), (fixed, moving), (fixed, fixed)].map(|(a, b)| kinds.include(&a, &b))
+        };
+        assert_eq!(included(PairKinds::default()), [true, true, true, false]);
+        let none = PairKinds { moving_moving: false, moving_static: false, static_static: false };
+        assert_eq!(included(none), [false; 4]);
+        assert_eq!(included(PairKinds { moving_moving: true, ..none }), [true, false, false, false]);
+        assert_eq!(included(PairKinds { moving_static: true, ..none }), [false, true, true, false]);
+        assert_eq!(included(PairKinds { static_static: true, ..none }), [false, false, false, true]);
     }
 }

@@ -4,7 +4,7 @@ use std::{any::Any, fmt};
 
 use bevy::math::bounding::Aabb3d;
 
-use super::{BoxError, BroadPhase, BroadPhaseStats, Method, PairFilter, PairSet, Proxies, ProxyId, Visitor};
+use super::{BoxError, BroadPhase, BroadPhaseStats, Method, PairFilter, PairKinds, PairSet, Proxies, ProxyId, Visitor};
 
 /// An index over the boxes of objects: boxes in, overlapping pairs out, queries on the side.
 ///
@@ -106,6 +106,12 @@ impl SpatialIndex {
     /// An unknown handle is refused, and nothing changes.
     pub fn set_filter(&mut self, id: ProxyId, filter: PairFilter) -> Result<(), BoxError> {
         self.proxies.set_filter(id, filter)
+    }
+
+    /// Says which kinds of pairs are sought. Nothing happens if they are those already; otherwise all objects count as
+    /// moved, and O(n).
+    pub fn set_pair_kinds(&mut self, kinds: PairKinds) {
+        self.proxies.set_pair_kinds(kinds);
     }
 
     /// Removes an object. False if there is none. O(1).

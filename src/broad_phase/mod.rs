@@ -111,7 +111,7 @@ use bevy::math::{Vec3A, bounding::Aabb3d};
 
 pub use auto::Auto;
 pub use exhaustive::Exhaustive;
-pub use filter::PairFilter;
+pub use filter::{PairFilter, PairKinds};
 pub use index::SpatialIndex;
 pub use linear_octree::LinearOctree;
 pub use method::{Method, UnknownMethod};

@@ -6,7 +6,7 @@ use bevy::{
 };
 use thiserror::Error;
 
-use super::PairFilter;
+use super::{PairFilter, PairKinds};
 
 /// The handle of one object's box in a [`SpatialIndex`](super::SpatialIndex).
 ///
@@ -102,6 +102,7 @@ pub struct Proxies {
     flags: Vec<u8>,
     /// Empty as long as no filter was set.
     filters: Vec<PairFilter>,
+    kinds: PairKinds,
     /// Whose filter changed since the last update, and between the last two.
     pending_filters: Vec<ProxyId>,
     changed_filters: Vec<ProxyId>,
@@ -173,25 +174,35 @@ impl Proxies {
         self.filters.get(id.index()).copied().unwrap_or_default()
     }
 
-    /// Do two objects admit each other?
+    /// The kinds of pairs that are sought.
+    #[inline]
+    #[must_use]
+    pub const fn pair_kinds(&self) -> PairKinds {
+        self.kinds
+    }
+
+    /// Do two objects make a pair, if their boxes overlap? They admit each other, and are of a kind that is sought.
     #[inline]
     #[must_use]
     pub fn admits(&self, a: ProxyId, b: ProxyId) -> bool {
-        self.filter(a).admits(&self.filter(b))
+        let (a, b) = (self.filter(a), self.filter(b));
+        a.admits(&b) & self.kinds.include(&a, &b)
     }
 
-    /// The objects whose filter changed between the last two updates; some may be gone, or listed more than once.
+    /// The objects whose filter changed between the last two updates; some may be gone, or listed more than once. All
+    /// objects, if the [kinds of pairs](Self::pair_kinds) changed.
     #[inline]
     #[must_use]
     pub fn changed_filters(&self) -> &[ProxyId] {
         &self.changed_filters
     }
 
-    /// Has a filter ever been set?
+    /// Need pairs be asked whether they [admit](Self::admits) each other? Not as long as no filter was set, for then all
+    /// objects are alike.
     #[inline]
     #[must_use]
     pub const fn are_filtered(&self) -> bool {
-        !self.filters.is_empty()
+        !self.filters.is_empty() || !self.kinds.moving_moving
     }
 
     /// Was the object inserted, moved or touched between the last two updates?
@@ -333,6 +344,15 @@ impl Proxies {
             self.mark(id);
         }
         Ok(())
+    }
+
+    /// Sets the kinds of pairs that are sought. All objects count as moved if that is a change.
+    pub(super) fn set_pair_kinds(&mut self, kinds: PairKinds) {
+        if kinds != self.kinds {
+            self.kinds = kinds;
+            self.touch_all();
+            self.pending_filters.clone_from(&self.pending);
+        }
     }
 
     pub(super) fn touch(&mut self, id: ProxyId) -> bool {

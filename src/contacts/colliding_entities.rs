@@ -15,12 +15,14 @@ use crate::components::BroadPhaseProxy;
 /// leave it in the tick in which their contact ends. In an entity without a shape it is empty. What others write to it
 /// is undone at the next tick.
 ///
+/// Where entities are copied into another world, as from a scene, those in the set are mapped to their copies.
+///
 /// The order in which it iterates is not that of the contacts: for that see
 /// [`Collisions::colliding_with`](super::Collisions::colliding_with).
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq, Deref, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[component(clone_behavior = Ignore)]
-pub struct CollidingEntities(pub EntityHashSet);
+pub struct CollidingEntities(#[entities] pub EntityHashSet);
 
 type Lists<'a> = (Entity, &'a mut CollidingEntities, Option<&'a BroadPhaseProxy>);
 
@@ -40,5 +42,21 @@ pub(super) fn follow_contacts(contacts: Res<Contacts>, mut lists: Query<Lists, A
             list.0.clear();
             list.0.extend(others());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::ecs::entity::EntityHashMap;
+
+    use super::*;
+
+    #[test]
+    fn entities_are_mapped() {
+        let mut world = World::new();
+        let [a, b, copy_of_a] = [(); 3].map(|()| world.spawn_empty().id());
+        let mut list = CollidingEntities(EntityHashSet::from_iter([a, b]));
+        CollidingEntities::map_entities(&mut list, &mut EntityHashMap::from_iter([(a, copy_of_a)]));
+        assert_eq!(list, CollidingEntities(EntityHashSet::from_iter([copy_of_a, b])));
     }
 }

@@ -7,9 +7,10 @@ use bevy::{ecs::entity::EntityHashSet, prelude::*};
 use crate::{
     broad_phase::PairFilter,
     filters::{self, CollisionLayer},
+    worlds,
 };
 
-/// Which entities a query is to see: all, unless told otherwise. Borrows what it is told, so that it costs nothing to make
+/// Which entities a query is to see: all of the default world, unless told otherwise. Borrows what it is told, so that it costs nothing to make
 /// and to copy.
 ///
 /// ```
@@ -22,19 +23,33 @@ use crate::{
 ///     spatial.cast_ray(Ray3d::new(origin, Dir3::X), 100.0, &filter).is_some()
 /// }
 /// ```
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 pub struct SpatialQueryFilter<'a> {
+    world: u32,
     layers: Option<u32>,
     except: Option<Entity>,
     excluded: Option<&'a EntityHashSet>,
     predicate: Option<Predicate<'a>>,
 }
 
+impl Default for SpatialQueryFilter<'_> {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
 type Predicate<'a> = &'a (dyn Fn(Entity) -> bool + Sync);
 
 impl<'a> SpatialQueryFilter<'a> {
-    /// All entities.
-    pub const ALL: Self = Self { layers: None, except: None, excluded: None, predicate: None };
+    /// All entities that are in no [`CollisionWorld`](crate::worlds::CollisionWorld), and so in the default world.
+    pub const ALL: Self =
+        Self { world: PairFilter::DEFAULT_WORLD, layers: None, except: None, excluded: None, predicate: None };
+
+    /// Those that are [in this world](crate::worlds::InCollisionWorld), instead of the default one.
+    #[must_use]
+    pub const fn in_world(self, world: Entity) -> Self {
+        Self { world: worlds::number(world), ..self }
+    }
 
     /// All entities but one: the one that asks, most of the time.
     #[must_use]
@@ -71,7 +86,8 @@ impl<'a> SpatialQueryFilter<'a> {
     /// Does an entity pass that the broad phase knows as `object`? The cheapest questions come first.
     #[must_use]
     pub fn accepts(&self, entity: Entity, object: &PairFilter) -> bool {
-        self.layers.is_none_or(|layers| layers & object.memberships != 0)
+        self.world == object.world
+            && self.layers.is_none_or(|layers| layers & object.memberships != 0)
             && self.except != Some(entity)
             && self.excluded.is_none_or(|excluded| !excluded.contains(&entity))
             && self.predicate.is_none_or(|predicate| predicate(entity))
@@ -81,6 +97,7 @@ impl<'a> SpatialQueryFilter<'a> {
 impl fmt::Debug for SpatialQueryFilter<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("SpatialQueryFilter")
+            .field("world", &self.world)
             .field("layers", &self.layers)
             .field("except", &self.except)
             .field("excluded", &self.excluded)

@@ -2,11 +2,11 @@
 
 use bevy::prelude::*;
 
-use crate::{bounds, collision_index};
+use crate::{bounds, collision_index, filters};
 
 /// Computes the boxes of all entities that changed, and takes them up in the
-/// [`CollisionIndex`](crate::collision_index::CollisionIndex), now: entities spawned, moved, reshaped or reparented since
-/// the last tick are where they are from then on. No time passes, nothing moves, and no contact starts or ends: that is
+/// [`CollisionIndex`](crate::collision_index::CollisionIndex), now: entities spawned, moved, reshaped, reparented or put
+/// on other layers since the last tick are where they are from then on. No time passes, nothing moves, and no contact starts or ends: that is
 /// left to the next tick, whose results are the same with and without.
 ///
 /// A system, a command, or a function to call:
@@ -33,7 +33,9 @@ use crate::{bounds, collision_index};
 /// Costs as much as the sets `Bounds` and `Maintenance` of a tick, linear in the entities that changed; the next tick
 /// then searches anew for all pairs, those of resting entities included. Does nothing without the plugins.
 pub fn update_spatial_index(world: &mut World) {
-    if let Err(error) = bounds::refresh(world).and_then(|()| collision_index::refresh(world)) {
+    if let Err(error) =
+        bounds::refresh(world).and_then(|()| filters::refresh(world)).and_then(|()| collision_index::refresh(world))
+    {
         tracing::warn!("the spatial index could not be brought up to date: {error}");
     }
 }
