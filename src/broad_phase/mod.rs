@@ -194,3 +194,11 @@ pub struct BroadPhaseStats {
     /// Memory taken, in bytes, that of the [`Proxies`] not included.
     pub bytes: usize,
 }
+
+impl BroadPhaseStats {
+    /// How full the leaves are: the mean number of entries per leaf; 0 where there are no leaves.
+    #[must_use]
+    pub fn fill(&self) -> f64 {
+        self.entries as f64 / self.leaves.max(1) as f64
+    }
+}
