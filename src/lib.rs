@@ -43,6 +43,8 @@
 //! | [`CollisionIndex`](collision_index::CollisionIndex) | the boxes, the broad phase, queries |
 //! | [`CollisionCounters`](counters::CollisionCounters) | what happened, in numbers; through Bevy's diagnostics by the [`CollisionDiagnosticsPlugin`](diagnostics::CollisionDiagnosticsPlugin) |
 //!
+//! With the feature `debug_draw`, the module `debug_draw` shows all of it by Bevy's gizmos.
+//!
 //! [`SpatialQuery`](spatial_query::SpatialQuery) is the way to ask: rays, moving shapes, overlaps, what is near.
 //!
 //! [`OctreePlugins`] brings all of it; [`CollisionSystems`] are the sets to order systems of one's own by. The parts
@@ -59,6 +61,8 @@ pub mod collision_index;
 pub mod components;
 pub mod contacts;
 pub mod counters;
+#[cfg(feature = "debug_draw")]
+pub mod debug_draw;
 pub mod diagnostics;
 pub mod filters;
 pub mod motion;
@@ -76,6 +80,8 @@ pub use plugin::{CollisionSystems, OctreePlugins};
 
 /// What most users need.
 pub mod prelude {
+    #[cfg(feature = "debug_draw")]
+    pub use crate::debug_draw::{CollisionDebugPlugin, CollisionGizmos, DebugDraw, LeafColors, QueryGizmos};
     pub use crate::{
         broad_phase::{Method, ObjectOctreeSettings},
         collision_index::{BroadPhaseSettings, CandidatePairs, CollisionIndex},

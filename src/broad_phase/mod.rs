@@ -150,6 +150,12 @@ pub trait BroadPhase: Any + Send + Sync {
     /// [`Visitor::object`] with the objects of the groups that the visitor enters. Queries are written against this.
     fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor);
 
+    /// Calls `found` with every leaf of the tree, in no particular order: where objects crowd, or a picture of the tree. With
+    /// nothing where there is no tree, as by default.
+    fn for_each_leaf(&self, found: &mut dyn FnMut(Leaf)) {
+        let _ = found;
+    }
+
     /// The linear octree at work, if there is one: queries search its blocks directly, which is faster. An
     /// implementation that hands its work on to another should hand on this too.
     fn as_linear(&self) -> Option<&LinearOctree> {
@@ -179,6 +185,18 @@ pub trait Visitor {
 
 /// The cell of a broad phase that does not divide space.
 pub const EVERYWHERE: Aabb3d = Aabb3d { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
+
+/// A leaf of a [`BroadPhase`]'s tree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leaf {
+    /// Its part of space. Of the N-objects octree, the cell, without the reach to infinity of the outermost ones; of the
+    /// linear octree, the bounds of a block of skins.
+    pub bounds: Aabb3d,
+    /// Its generation; 0 for a lone root. All leaves of the linear octree have the same.
+    pub generation: u32,
+    /// How many objects it lists.
+    pub objects: u32,
+}
 
 /// Figures about a [`BroadPhase`]; all zero where it has nothing of the kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
