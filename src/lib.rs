@@ -43,7 +43,8 @@
 //! | [`CollisionIndex`](collision_index::CollisionIndex) | the boxes, the broad phase, queries |
 //! | [`CollisionCounters`](counters::CollisionCounters) | what happened, in numbers; through Bevy's diagnostics by the [`CollisionDiagnosticsPlugin`](diagnostics::CollisionDiagnosticsPlugin) |
 //!
-//! With the feature `debug_draw`, the module `debug_draw` shows all of it by Bevy's gizmos.
+//! With the feature `debug_draw`, the module `debug_draw` shows all of it by Bevy's gizmos; with `picking`, the module
+//! `picking` has pointers pick shapes.
 //!
 //! [`SpatialQuery`](spatial_query::SpatialQuery) is the way to ask: rays, moving shapes, overlaps, what is near.
 //!
@@ -69,6 +70,8 @@ pub mod motion;
 pub mod narrow_phase;
 pub mod octree;
 mod parallel;
+#[cfg(feature = "picking")]
+pub mod picking;
 pub mod plugin;
 pub mod response;
 pub mod scene;
@@ -82,6 +85,8 @@ pub use plugin::{CollisionSystems, OctreePlugins};
 pub mod prelude {
     #[cfg(feature = "debug_draw")]
     pub use crate::debug_draw::{CollisionDebugPlugin, CollisionGizmos, DebugDraw, LeafColors, QueryGizmos};
+    #[cfg(feature = "picking")]
+    pub use crate::picking::{CollisionPickable, CollisionPickingPlugin, CollisionPickingSettings};
     pub use crate::{
         broad_phase::{Method, ObjectOctreeSettings},
         collision_index::{BroadPhaseSettings, CandidatePairs, CollisionIndex},
