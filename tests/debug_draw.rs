@@ -315,7 +315,8 @@ fn every_frame_shows_the_last_tick() {
 #[test]
 fn without_gizmos_the_plugin_does_nothing() {
     let mut app = app(Method::default());
-    app.add_plugins(CollisionDebugPlugin);
+    app.add_plugins(CollisionDebugPlugin)
+        .add_systems(Update, |gizmos: Option<Gizmos<CollisionGizmos>>| assert!(gizmos.is_none()));
     spawn(&mut app, 0.0);
     tick(&mut app, 2);
     assert_eq!(counters(&app).objects, 1);

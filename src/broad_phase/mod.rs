@@ -150,8 +150,8 @@ pub trait BroadPhase: Any + Send + Sync {
     /// [`Visitor::object`] with the objects of the groups that the visitor enters. Queries are written against this.
     fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor);
 
-    /// Calls `found` with every leaf of the tree, in no particular order: where objects crowd, or a picture of the tree. With
-    /// nothing where there is no tree, as by default.
+    /// Calls `found` with every leaf of the tree, in no particular order: for a picture of it, or to know where objects
+    /// crowd. By default, there is no tree, and no leaf.
     fn for_each_leaf(&self, found: &mut dyn FnMut(Leaf)) {
         let _ = found;
     }
