@@ -70,13 +70,11 @@ pub struct CollisionPickingSettings {
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 pub struct CollisionPickable;
 
-type Target<'a> = (Option<&'a Pickable>, Has<CollisionPickable>, Option<&'a CollisionLayers>);
-
 fn pick(
     rays: Res<RayMap>,
     settings: Res<CollisionPickingSettings>,
     cameras: Query<(&Camera, Has<CollisionPickable>, Option<&CollisionLayers>)>,
-    targets: Query<Target>,
+    targets: Query<(Option<&Pickable>, Has<CollisionPickable>)>,
     spatial: SpatialQuery,
     mut found: Local<Vec<RayHit>>,
     mut output: MessageWriter<PointerHits>,
@@ -87,17 +85,16 @@ fn pick(
             continue;
         }
         let is_seen = |entity| {
-            let Ok((pickable, marked, own)) = targets.get(entity) else { return false };
-            let memberships = own.copied().unwrap_or_default().memberships;
+            let Ok((pickable, marked)) = targets.get(entity) else { return false };
             pickable.is_none_or(|pickable| pickable.should_block_lower || pickable.is_hoverable)
                 && (marked || !settings.require_markers)
-                && layers.is_none_or(|layers| layers.filters & memberships != 0)
         };
         let blocks = |hit: &RayHit| {
-            let pickable = targets.get(hit.entity).ok().and_then(|(pickable, ..)| pickable);
+            let pickable = targets.get(hit.entity).ok().and_then(|(pickable, _)| pickable);
             pickable.is_none_or(|pickable| pickable.should_block_lower)
         };
-        let filter = SpatialQueryFilter::ALL.only(&is_seen);
+        let all = layers.map_or(SpatialQueryFilter::ALL, |layers| SpatialQueryFilter::ALL.on_mask(layers.filters));
+        let filter = all.only(&is_seen);
         let Some(first) = spatial.cast_ray(ray, f32::INFINITY, &filter) else { continue };
         found.clear();
         if blocks(&first) {

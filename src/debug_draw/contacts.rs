@@ -12,7 +12,7 @@ use crate::{
 /// Draws all contacts; those without geometry only if both entities are still there.
 pub(super) fn draw_contacts(mut gizmos: Gizmos<CollisionGizmos>, collisions: Collisions, boxes: Query<&WorldAabb>) {
     let CollisionGizmos { contacts: Some(color), .. } = *gizmos.config_ext else { return };
-    for Collision { a, b, contact } in collisions.iter() {
+    for Collision { a, b, contact, .. } in collisions.iter() {
         if let Some(Contact { normal, point, .. }) = contact {
             surface_point(&mut gizmos, point, normal, color);
         } else if let Ok([a, b]) = boxes.get_many([a, b]) {
