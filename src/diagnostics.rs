@@ -30,9 +30,9 @@ use crate::{
 /// assert_eq!(store.get(&CollisionDiagnosticsPlugin::OBJECTS).and_then(|objects| objects.value()), Some(0.0));
 /// ```
 ///
-/// A diagnostic that is disabled is not measured. [`NODES`](Self::NODES), [`LEAVES`](Self::LEAVES),
-/// [`DEPTH`](Self::DEPTH) and [`BYTES`](Self::BYTES) visit all nodes of the N-objects octree; for other broad phases
-/// they cost next to nothing.
+/// A diagnostic that is disabled is not measured. Any of [`NODES`](Self::NODES), [`LEAVES`](Self::LEAVES),
+/// [`DEPTH`](Self::DEPTH), [`FILL`](Self::FILL) and [`BYTES`](Self::BYTES) takes a walk over all nodes of the N-objects
+/// octree, one per tick for all of them; for other broad phases they cost next to nothing.
 #[derive(Clone, Debug)]
 pub struct CollisionDiagnosticsPlugin(InternedScheduleLabel);
 
@@ -53,6 +53,9 @@ impl CollisionDiagnosticsPlugin {
     pub const LEAVES: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/leaves");
     /// The largest generation of a node.
     pub const DEPTH: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/depth");
+    /// How full the leaves are, in entries per leaf (mean): an object counts once for each leaf that lists it. 0 where
+    /// there are no leaves.
+    pub const FILL: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/fill");
     /// Memory that the broad phase takes, in bytes.
     pub const BYTES: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/bytes");
 
@@ -87,6 +90,7 @@ impl Plugin for CollisionDiagnosticsPlugin {
             Self::NODES,
             Self::LEAVES,
             Self::DEPTH,
+            Self::FILL,
         ]) {
             app.register_diagnostic(Diagnostic::new(path));
         }
@@ -179,6 +183,7 @@ fn measure(
     diagnostics.add_measurement(&Paths::NODES, || stats().nodes as f64);
     diagnostics.add_measurement(&Paths::LEAVES, || stats().leaves as f64);
     diagnostics.add_measurement(&Paths::DEPTH, || f64::from(stats().depth));
+    diagnostics.add_measurement(&Paths::FILL, || stats().fill());
     diagnostics.add_measurement(&Paths::BYTES, || stats().bytes as f64);
     for (path, (_, time)) in Paths::STAGE_TIMES.iter().zip(times.iter()) {
         diagnostics.add_measurement(path, || time.as_secs_f64() * 1e3);

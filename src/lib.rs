@@ -46,6 +46,9 @@
 //! | [`CollisionIndex`](collision_index::CollisionIndex) | the boxes, the broad phase, queries |
 //! | [`CollisionCounters`](counters::CollisionCounters) | what happened, in numbers; through Bevy's diagnostics by the [`CollisionDiagnosticsPlugin`](diagnostics::CollisionDiagnosticsPlugin) |
 //!
+//! With the feature `debug_draw`, the module `debug_draw` shows all of it by Bevy's gizmos; with `picking`, the module
+//! `picking` has pointers pick shapes.
+//!
 //! [`SpatialQuery`](spatial_query::SpatialQuery) is the way to ask: rays, moving shapes, overlaps, what is near.
 //!
 //! [`OctreePlugins`] brings all of it; [`CollisionSystems`] are the sets to order systems of one's own by. The parts
@@ -62,12 +65,16 @@ pub mod collision_index;
 pub mod components;
 pub mod contacts;
 pub mod counters;
+#[cfg(feature = "debug_draw")]
+pub mod debug_draw;
 pub mod diagnostics;
 pub mod filters;
 pub mod motion;
 pub mod narrow_phase;
 pub mod octree;
 mod parallel;
+#[cfg(feature = "picking")]
+pub mod picking;
 pub mod plugin;
 pub mod response;
 pub mod scene;
@@ -81,6 +88,10 @@ pub use plugin::{CollisionSystems, OctreePlugins};
 
 /// What most users need.
 pub mod prelude {
+    #[cfg(feature = "debug_draw")]
+    pub use crate::debug_draw::{CollisionDebugPlugin, CollisionGizmos, DebugDraw, LeafColors, QueryGizmos};
+    #[cfg(feature = "picking")]
+    pub use crate::picking::{CollisionPickable, CollisionPickingPlugin, CollisionPickingSettings};
     pub use crate::{
         broad_phase::{Method, ObjectOctreeSettings, PairKinds},
         collision_index::{BroadPhaseSettings, CandidatePairs, CollisionIndex},

@@ -1,6 +1,6 @@
 //! The broad phase that chooses by itself.
 
-use super::{BroadPhase, BroadPhaseStats, Exhaustive, LinearOctree, Pair, Proxies, Visitor};
+use super::{BroadPhase, BroadPhaseStats, Exhaustive, Leaf, LinearOctree, Pair, Proxies, Visitor};
 
 /// With more objects than this, a sorted index is worth its upkeep.
 const MANY: usize = 64;
@@ -53,6 +53,10 @@ impl BroadPhase for Auto {
 
     fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor) {
         self.engine().traverse(proxies, visitor);
+    }
+
+    fn for_each_leaf(&self, found: &mut dyn FnMut(Leaf)) {
+        self.engine().for_each_leaf(found);
     }
 
     fn as_linear(&self) -> Option<&LinearOctree> {

@@ -4,7 +4,8 @@ use bevy::math::{Vec3, bounding::Aabb3d};
 use proptest::prelude::*;
 
 use super::{
-    BroadPhase, LinearOctree, ObjectOctree, Pair, PairFilter, PairKinds, Proxies, ProxyId, SpatialIndex, overlap,
+    BroadPhase, LinearOctree, ObjectOctree, Pair, PairFilter, PairKinds, Proxies, ProxyId, SpatialIndex, check_box,
+    overlap,
 };
 
 /// An index that is compared with brute force after every tick.
@@ -25,9 +26,23 @@ impl Checked {
         if let Some(octree) = self.index.engine_as::<LinearOctree>() {
             octree.assert_well_formed(self.index.proxies());
         }
+        self.assert_leaves();
         let mut found: Vec<Pair> = self.index.find_pairs().iter().collect();
         found.sort_unstable();
         assert_eq!(found, brute_force(self.index.proxies()));
+    }
+
+    /// The leaves are boxes, and list what the figures say.
+    fn assert_leaves(&self) {
+        let stats = self.index.stats();
+        let mut leaves = Vec::new();
+        self.index.for_each_leaf(|leaf| leaves.push(leaf));
+        assert_eq!(leaves.iter().map(|leaf| leaf.objects as usize).sum::<usize>(), stats.entries);
+        assert!(leaves.len() <= stats.leaves);
+        for leaf in &leaves {
+            assert_eq!(check_box(&leaf.bounds), Ok(()));
+            assert!(leaf.generation <= stats.depth, "{leaf:?}");
+        }
     }
 }
 

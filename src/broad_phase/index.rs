@@ -4,7 +4,9 @@ use std::{any::Any, fmt};
 
 use bevy::math::bounding::Aabb3d;
 
-use super::{BoxError, BroadPhase, BroadPhaseStats, Method, PairFilter, PairKinds, PairSet, Proxies, ProxyId, Visitor};
+use super::{
+    BoxError, BroadPhase, BroadPhaseStats, Leaf, Method, PairFilter, PairKinds, PairSet, Proxies, ProxyId, Visitor,
+};
 
 /// An index over the boxes of objects: boxes in, overlapping pairs out, queries on the side.
 ///
@@ -168,6 +170,12 @@ impl SpatialIndex {
     /// Lets a visitor walk through the index as of the last update: see [`BroadPhase::traverse`].
     pub fn traverse(&self, visitor: &mut dyn Visitor) {
         self.engine.traverse(&self.proxies, visitor);
+    }
+
+    /// Calls `found` with every leaf of the broad phase's tree, as of the last update: see
+    /// [`BroadPhase::for_each_leaf`]. Takes time linear in the size of the tree.
+    pub fn for_each_leaf(&self, mut found: impl FnMut(Leaf)) {
+        self.engine.for_each_leaf(&mut found);
     }
 
     /// Figures about the broad phase. Takes time linear in its size.

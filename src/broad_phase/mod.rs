@@ -150,6 +150,12 @@ pub trait BroadPhase: Any + Send + Sync {
     /// [`Visitor::object`] with the objects of the groups that the visitor enters. Queries are written against this.
     fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor);
 
+    /// Calls `found` with every leaf of the tree, in no particular order: for a picture of it, or to know where objects
+    /// crowd. By default, there is no tree, and no leaf.
+    fn for_each_leaf(&self, found: &mut dyn FnMut(Leaf)) {
+        let _ = found;
+    }
+
     /// The linear octree at work, if there is one: queries search its blocks directly, which is faster. An
     /// implementation that hands its work on to another should hand on this too.
     fn as_linear(&self) -> Option<&LinearOctree> {
@@ -180,6 +186,18 @@ pub trait Visitor {
 /// The cell of a broad phase that does not divide space.
 pub const EVERYWHERE: Aabb3d = Aabb3d { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
 
+/// A leaf of a [`BroadPhase`]'s tree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leaf {
+    /// Its part of space. Of the N-objects octree, the cell, without the reach to infinity of the outermost ones; of the
+    /// linear octree, the bounds of a block of skins.
+    pub bounds: Aabb3d,
+    /// Its generation; 0 for a lone root. All leaves of the linear octree have the same.
+    pub generation: u32,
+    /// How many objects it lists.
+    pub objects: u32,
+}
+
 /// Figures about a [`BroadPhase`]; all zero where it has nothing of the kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BroadPhaseStats {
@@ -193,4 +211,12 @@ pub struct BroadPhaseStats {
     pub entries: usize,
     /// Memory taken, in bytes, that of the [`Proxies`] not included.
     pub bytes: usize,
+}
+
+impl BroadPhaseStats {
+    /// How full the leaves are: the mean number of entries per leaf; 0 where there are no leaves.
+    #[must_use]
+    pub fn fill(&self) -> f64 {
+        self.entries as f64 / self.leaves.max(1) as f64
+    }
 }

@@ -240,6 +240,12 @@ impl Levels {
         }
     }
 
+    /// The blocks of boxes that are not empty: their bounds, and how many boxes they hold.
+    pub(super) fn blocks_of_boxes(&self) -> impl Iterator<Item = (Aabb3d, u32)> {
+        let count = |block: &Block| (0..WIDTH).map(|lane| u32::from(block.min[0][lane] <= block.max[0][lane])).sum();
+        self.levels[0].iter().map(move |block| (block.bounds(), count(block))).filter(|(_, boxes)| *boxes > 0)
+    }
+
     /// The number of levels.
     pub(super) fn height(&self) -> u32 {
         self.levels.len() as u32

@@ -62,7 +62,7 @@ use near::NearPairs;
 use order::Order;
 use skin::Anchor;
 
-use super::{BroadPhase, BroadPhaseStats, EVERYWHERE, Pair, Proxies, ProxyId, Visitor, overlap};
+use super::{BroadPhase, BroadPhaseStats, EVERYWHERE, Leaf, Pair, Proxies, ProxyId, Visitor, overlap};
 use crate::parallel;
 
 /// No slot.
@@ -328,6 +328,13 @@ impl BroadPhase for LinearOctree {
             let id = ProxyId::new(self.owners[slot]);
             visitor.object(id, &proxies.boxes()[id.index()], &EVERYWHERE);
         });
+    }
+
+    fn for_each_leaf(&self, found: &mut dyn FnMut(Leaf)) {
+        let generation = self.tree.height() - 1;
+        for (bounds, objects) in self.tree.blocks_of_boxes() {
+            found(Leaf { bounds, generation, objects });
+        }
     }
 
     fn as_linear(&self) -> Option<&LinearOctree> {

@@ -66,7 +66,7 @@ use bevy::math::bounding::Aabb3d;
 use fearless_simd::Level;
 use smallvec::SmallVec;
 
-use super::{BroadPhase, BroadPhaseStats, Pair, Proxies, ProxyId, Visitor, group::Group};
+use super::{BroadPhase, BroadPhaseStats, Leaf, Pair, Proxies, ProxyId, Visitor, group::Group};
 use crate::octree::{NodeId, Octree, Vertex};
 pub use cell::Cell;
 use root::RootCell;
@@ -238,6 +238,16 @@ impl BroadPhase for ObjectOctree {
             }
             let near = cell.octant_towards(visitor.viewpoint());
             stack.extend((0..8).rev().filter_map(|i| self.tree.child(node, Vertex::from_bits(near.bits() ^ i))));
+        }
+    }
+
+    fn for_each_leaf(&self, found: &mut dyn FnMut(Leaf)) {
+        if self.root.is_none() {
+            return;
+        }
+        for leaf in self.tree.leaves(NodeId::ROOT) {
+            let cell = self.tree.data(leaf);
+            found(Leaf { bounds: cell.cube(), generation: cell.generation(), objects: cell.listed().len() as u32 });
         }
     }
 

@@ -1,0 +1,180 @@
+//! Everything that can be drawn for debugging, in a picture: the leaves of the octree, the boxes of moving and resting
+//! entities, contacts and their normals, a ray and what it hits, a ball on its way. Without a window: the lines are those
+//! that Bevy's gizmos would show.
+//!
+//! `cargo run --release --features debug_draw --example debug_draw`
+
+use std::{fs, path::PathBuf, process::ExitCode};
+
+use bevy::{
+    gizmos::GizmoPlugin,
+    math::{Vec3A, bounding::Aabb3d},
+    mesh::MeshPlugin,
+    prelude::*,
+};
+use bevy_octree::{counters::TickCounters, prelude::*};
+use clap::Parser;
+use gizmo_lines::{Path, paths};
+use outcome::{Outcome, exit};
+use plot::{Drawn, bold, draw, text};
+use plotters::{
+    element::PathElement,
+    prelude::{Color as _, RGBColor, ShapeStyle, Text},
+};
+
+#[path = "common/gizmo_lines.rs"]
+mod gizmo_lines;
+#[path = "common/outcome.rs"]
+mod outcome;
+#[path = "common/plot.rs"]
+mod plot;
+
+/// A swarm of cubes and balls above a field of resting ones, after some ticks; drawn to debug_draw.svg and debug_draw.png.
+#[derive(Parser)]
+struct Arguments {
+    /// The folder to write to.
+    #[arg(long, default_value = "target/debug_draw")]
+    out: PathBuf,
+    /// How many entities move.
+    #[arg(long, default_value_t = 40)]
+    objects: u16,
+    /// N: how many objects a leaf may list before it splits.
+    #[arg(long, default_value_t = 5)]
+    max_objects: u32,
+    /// What the colours of leaves tell: `generation` or `fill`.
+    #[arg(long, default_value = "generation", value_parser = leaf_colors)]
+    leaves: LeafColors,
+    /// How many ticks to run.
+    #[arg(long, default_value_t = 30)]
+    steps: u32,
+}
+
+fn leaf_colors(name: &str) -> Result<LeafColors, String> {
+    match name {
+        "generation" => Ok(LeafColors::Generation),
+        "fill" => Ok(LeafColors::Fill),
+        _ => Err(format!("unknown colours `{name}`: expected `generation` or `fill`")),
+    }
+}
+
+fn main() -> ExitCode {
+    exit(run(&Arguments::parse()))
+}
+
+fn run(arguments: &Arguments) -> Outcome {
+    let settings = ObjectOctreeSettings::with_max_objects(arguments.max_objects);
+    settings.check()?;
+    let mut app = App::new();
+    // What `DefaultPlugins` have; to see gizmos in a window, the app needs no more than these, and a camera.
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), MeshPlugin, GizmoPlugin))
+        .add_plugins((OctreePlugins::new(Update), CollisionDebugPlugin))
+        .insert_resource(BroadPhaseSettings { method: Method::Octree(settings) })
+        .insert_resource(MotionSettings { step: Step::Seconds(1.0 / 64.0) })
+        // Contacts are drawn with their normals where these are known: here, everywhere.
+        .insert_resource(CollisionEventSettings { geometry: EventScope::All, ..default() })
+        .insert_gizmo_config(CollisionGizmos { normal_length: 1.0, ..default() }, GizmoConfig::default())
+        .add_systems(Update, ask.after(CollisionSystems::Last));
+    spawn(app.world_mut(), arguments.objects)?;
+    for _ in 0..arguments.steps {
+        app.update();
+    }
+
+    // What is drawn can be changed at any time: first all but leaves, then leaves alone, to be laid behind the rest.
+    let objects = paths(&app);
+    let nothing =
+        CollisionGizmos { moving: None, resting: None, contacts: None, rays: None, sweeps: None, ..default() };
+    let leaves = CollisionGizmos { leaves: Some(arguments.leaves), ..nothing };
+    *app.world_mut().resource_mut::<GizmoConfigStore>().config_mut::<CollisionGizmos>().1 = leaves;
+    app.world_mut().run_schedule(Last);
+    let leaves = paths(&app);
+
+    let stats = app.world().resource::<CollisionIndex>().index().stats();
+    let TickCounters { objects: entities, contacts, .. } = app.world().resource::<CollisionCounters>().tick;
+    let title = format!("{entities} entities, {contacts} contacts, {} leaves", stats.leaves);
+    fs::create_dir_all(&arguments.out)
+        .map_err(|error| format!("cannot make the folder {}: {error}", arguments.out.display()))?;
+    let files = draw(&arguments.out.join("debug_draw"), SIZE, |canvas| picture(canvas, &leaves, &objects, &title))?;
+    println!("{}", files.map(|file| file.display().to_string()).join(", "));
+    println!("objects={entities} contacts={contacts} leaves={} lines={}", stats.leaves, leaves.len() + objects.len());
+    if leaves.is_empty() || objects.is_empty() { Err("nothing was drawn".into()) } else { Ok(()) }
+}
+
+/// A field of resting boxes, and a swarm above one corner of it.
+fn spawn(world: &mut World, objects: u16) -> Outcome {
+    let mut random = fastrand::Rng::with_seed(7);
+    let mut between = |low: f32, high: f32| low + (high - low) * random.f32();
+    for x in -3..3_i8 {
+        for z in -3..3_i8 {
+            let half = Vec3::new(0.6, between(0.2, 1.2), 0.6);
+            let place = Vec3::new(f32::from(x) * 3.0 + 1.5, half.y, f32::from(z) * 3.0 + 1.5);
+            let mut column = world.spawn((CollisionShape::cuboid(half)?, Transform::from_translation(place)));
+            if (x, z) == (2, -3) {
+                column.insert(DebugDraw::Color(OWN));
+            }
+        }
+    }
+    for number in 0..objects {
+        let place = Vec3::new(between(-8.0, 0.0), between(3.0, 8.0), between(-1.0, 7.0));
+        let velocity = Velocity(Vec3::new(between(-2.0, 2.0), between(-2.0, 1.0), between(-2.0, 2.0)));
+        let shape =
+            if number % 2 == 0 { CollisionShape::sphere(0.45)? } else { CollisionShape::cuboid(Vec3::splat(0.4))? };
+        world.spawn((shape, velocity, Bounce::Reverse, Transform::from_translation(place)));
+    }
+    Ok(())
+}
+
+/// Casts a ray and a box across the field, and draws how far they come.
+fn ask(spatial: SpatialQuery, mut gizmos: Gizmos<CollisionGizmos>) {
+    let ray = Ray3d::new(Vec3::new(9.0, 6.0, -4.0), Dir3::new(Vec3::new(-0.75, -0.4, 0.4)).unwrap_or(Dir3::NEG_X));
+    gizmos.ray_hit(ray, spatial.cast_ray(ray, 100.0, &SpatialQueryFilter::ALL));
+
+    let start = Aabb3d::new(Vec3::new(10.5, 1.8, 4.5), Vec3::splat(0.5));
+    if let Some(hit) = spatial.cast_box(&start, Dir3::NEG_X, 100.0, &SpatialQueryFilter::ALL) {
+        let way = Vec3A::NEG_X * hit.distance;
+        gizmos.swept_box(&start, &Aabb3d { min: start.min + way, max: start.max + way });
+    }
+}
+
+/// The colour of one entity alone.
+const OWN: Color = Color::WHITE;
+
+const SIZE: (u32, u32) = (1200, 760);
+const BACKGROUND: RGBColor = RGBColor(15, 18, 28);
+
+/// The lines as a camera sees them: leaves behind, all else in front of them.
+fn picture(canvas: &plot::Canvas, leaves: &[Path], objects: &[Path], title: &str) -> Drawn {
+    canvas.fill(&BACKGROUND)?;
+    let eye = Mat4::perspective_rh(0.62, SIZE.0 as f32 / SIZE.1 as f32, 0.1, 100.0)
+        * Mat4::look_at_rh(Vec3::new(15.0, 14.0, 28.0), Vec3::new(0.5, 2.0, 0.0), Vec3::Y);
+    let pixel = |point: &Vec3| {
+        let seen = eye.project_point3(*point) * Vec3::new(0.5, -0.5, 1.0) + Vec3::new(0.5, 0.5, 0.0);
+        ((seen.x * SIZE.0 as f32) as i32, (seen.y * SIZE.1 as f32) as i32)
+    };
+    for (paths, opacity, width) in [(leaves, 0.6, 1), (objects, 1.0, 2)] {
+        for Path { points, color } in paths {
+            let style = ShapeStyle::from(rgb(*color).mix(opacity)).stroke_width(width);
+            canvas.draw(&PathElement::new(points.iter().map(pixel).collect::<Vec<_>>(), style))?;
+        }
+    }
+    canvas.draw(&Text::new(title.to_owned(), (24, 20), bold(24).color(&RGBColor(230, 232, 240))))?;
+    let shades = CollisionGizmos::default();
+    let legend = [
+        ("leaves", Some(shades.leaf_colors[1])),
+        ("moving", shades.moving),
+        ("resting", shades.resting),
+        ("of its own", Some(OWN)),
+        ("contacts", shades.contacts),
+        ("ray and hit", shades.rays),
+        ("swept box", shades.sweeps),
+    ];
+    for ((name, color), row) in legend.into_iter().zip(0..) {
+        let color = rgb(color.unwrap_or_default().into());
+        canvas.draw(&Text::new(name, (24, 58 + 24 * row), text(18).color(&color)))?;
+    }
+    Ok(())
+}
+
+fn rgb(color: LinearRgba) -> RGBColor {
+    let [red, green, blue, _] = Srgba::from(color).to_u8_array();
+    RGBColor(red, green, blue)
+}

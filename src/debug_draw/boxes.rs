@@ -1,0 +1,49 @@
+//! The boxes of entities.
+
+use bevy::prelude::*;
+
+use super::CollisionGizmos;
+use crate::{
+    collision_index::CollisionIndex,
+    components::{BroadPhaseProxy, WorldAabb},
+};
+
+/// How the box of one entity is drawn, whatever the [`CollisionGizmos`] say about others.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Clone, Debug, PartialEq)]
+pub enum DebugDraw {
+    /// Not at all.
+    Hidden,
+    /// In a colour of its own, even where other boxes are not drawn.
+    Color(Color),
+}
+
+type Boxes<'a, M> = (&'a WorldAabb, &'a BroadPhaseProxy, M);
+
+/// Draws the boxes of all entities that are in the index.
+pub(super) fn draw_boxes(
+    mut gizmos: Gizmos<CollisionGizmos>,
+    index: Res<CollisionIndex>,
+    all: Query<Boxes<Option<&DebugDraw>>>,
+    marked: Query<Boxes<&DebugDraw>>,
+) {
+    let CollisionGizmos { moving, resting, .. } = *gizmos.config_ext;
+    let proxies = index.index().proxies();
+    let mut draw = |aabb: &WorldAabb, proxy: &BroadPhaseProxy, own: Option<&DebugDraw>| {
+        let Some(id) = proxy.id() else { return };
+        let color = match own {
+            Some(DebugDraw::Hidden) => None,
+            Some(DebugDraw::Color(color)) => Some(*color),
+            None if proxies.is_resting(id) => resting,
+            None => moving,
+        };
+        if let Some(color) = color {
+            gizmos.aabb_3d(aabb.0, Transform::IDENTITY, color);
+        }
+    };
+    if moving.or(resting).is_some() {
+        all.iter().for_each(|(aabb, proxy, own)| draw(aabb, proxy, own));
+    } else {
+        marked.iter().for_each(|(aabb, proxy, own)| draw(aabb, proxy, Some(own)));
+    }
+}
