@@ -7,7 +7,7 @@ use bevy::{
 
 use crate::{
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
-    narrow_phase::{NarrowPhase, Placed},
+    narrow_phase::{BoundsError, NarrowPhase, Placed},
     plugin::{CollisionSystems, NarrowPhaseSettings},
 };
 
@@ -16,8 +16,9 @@ use crate::{
 /// The place is taken from the [`Transform`]s of the entity and its ancestors, not from `GlobalTransform`, which is up
 /// to date only after transform propagation: boxes are right in the tick in which something moved.
 ///
-/// An entity whose box cannot be computed (a transform that is not finite, an unbounded shape) is left out of
-/// collision detection, with a warning in the log, until its transform or shape changes again.
+/// An entity whose box cannot be computed (a transform that is not finite) is left out of collision detection, with a
+/// warning in the log, until its transform or shape changes again. One whose shape has no end has an
+/// [endless](WorldAabb::ENDLESS) box.
 #[derive(Clone, Debug)]
 pub struct BoundsPlugin(pub(crate) InternedScheduleLabel);
 
@@ -79,6 +80,7 @@ fn update_children(
 fn world_aabb(tests: &NarrowPhase, entity: Entity, shape: &CollisionShape, transform: &Transform) -> WorldAabb {
     match tests.world_aabb(Placed::new(&shape.0, transform)) {
         Ok(aabb) => WorldAabb(aabb),
+        Err(BoundsError::Unbounded) => WorldAabb::ENDLESS,
         Err(error) => {
             tracing::warn!("{entity} is left out of collision detection: {error}");
             WorldAabb::NONE

@@ -10,7 +10,7 @@ use crate::{
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     counters::CollisionCounters,
     filters::{self, FilterParts},
-    narrow_phase::{NarrowPhase, Shape},
+    narrow_phase::{NarrowPhase, Placed, Shape},
     plugin::{CollisionSystems, NarrowPhaseSettings},
 };
 
@@ -90,10 +90,18 @@ impl CollisionIndex {
         aabb: &WorldAabb,
         proxy: &mut BroadPhaseProxy,
         shape: ShapeChange,
+        tests: &NarrowPhase,
         filter: impl FnOnce() -> PairFilter,
     ) {
-        let known = proxy.id.filter(|id| self.index.set(*id, &aabb.0).is_ok());
-        let Some(id) = known.or_else(|| self.index.insert(aabb.0).ok()) else {
+        let index = &mut self.index;
+        let pose = proxy.pose;
+        // What fills all the space there is has no end: where it is, is up to its shape.
+        let side = || (*aabb == WorldAabb::ENDLESS).then(|| tests.side(Placed::new(shape.shape, &pose)));
+        let known = proxy.id.filter(|id| {
+            index.set(*id, &aabb.0).is_ok() || side().is_some_and(|side| index.set_endless(*id, side).is_ok())
+        });
+        let insert = || index.insert(aabb.0).ok().or_else(|| index.insert_endless(side()?).ok());
+        let Some(id) = known.or_else(insert) else {
             if let Some(id) = proxy.id.take() {
                 self.index.remove(id);
             }
@@ -181,11 +189,13 @@ fn maintain(
     }
     for (entity, aabb, shape, mut proxy, filter) in &mut boxes {
         let change = ShapeChange { shape: &shape.0, changed: shape.is_changed() };
-        index.take_up(entity, aabb, proxy.bypass_change_detection(), change, || filters::filter(filter));
+        index
+            .take_up(entity, aabb, proxy.bypass_change_detection(), change, narrow.tests(), || filters::filter(filter));
     }
     index.index.update();
-    counters.tick.objects = index.index.proxies().len() as u64;
-    counters.tick.moved = index.index.proxies().moved().len() as u64;
+    let proxies = index.index.proxies();
+    counters.tick.objects = (proxies.len() + proxies.endless().count()) as u64;
+    counters.tick.moved = proxies.moved().len() as u64;
 }
 
 fn find_candidates(

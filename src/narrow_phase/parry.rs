@@ -2,7 +2,7 @@
 
 use std::sync::{Once, OnceLock};
 
-use bevy::math::{Dir3, Vec3, Vec3A};
+use bevy::math::{Dir3, Vec3, Vec3A, primitives::HalfSpace};
 use bevy::transform::components::Transform;
 use bevy_rapier3d::geometry::Collider;
 use bevy_rapier3d::parry::math::Pose;
@@ -12,7 +12,7 @@ use bevy_rapier3d::parry::shape::{self, SharedShape, TriMesh};
 use super::contact::LocalContact;
 use super::edge_polygon;
 use super::oriented_box::effective_scale;
-use super::pair::Pair;
+use super::pair::{Pair, ROUNDING};
 use super::triangulate::triangulate;
 use super::{BoundsError, Impact, Placed, PolygonMesh, Shape, Workspace};
 
@@ -48,6 +48,14 @@ pub(super) fn local_bounds(shape: &SharedShape) -> Result<(Vec3A, Vec3A, f32), B
         return Err(BoundsError::Unbounded);
     }
     Ok((min * 0.5 + max * 0.5, half, half.length()))
+}
+
+/// A half-space where it is in the world, grown by a margin and by rounding. `None` for other shapes.
+pub(super) fn side(shape: &SharedShape, at: &Transform, margin: f32) -> Option<HalfSpace> {
+    let outwards = at.rotation.normalize() * shape.as_halfspace()?.normal;
+    let grown = margin + ROUNDING * at.translation.abs().element_sum();
+    // Bevy's normals point inside.
+    Some(HalfSpace::new((-outwards).extend(outwards.dot(at.translation) + grown)))
 }
 
 /// Two cuboids, of which one or both are Rapier's, as cuboids of our own: parry's test for them asserts
