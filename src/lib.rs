@@ -28,10 +28,14 @@
 //! | [`BroadPhaseProxy`](components::BroadPhaseProxy) | its entry in the index |
 //! | [`Velocity`](motion::Velocity) | moves it each tick; without one it is static, until something else moves it |
 //! | [`PositionTrack`](motion::PositionTrack) | moves it along keyframes instead |
+//! | [`MovedElsewhere`](motion::MovedElsewhere) | has it moved by something else, such as a physics engine |
 //! | [`Bounce`](response::Bounce) | changes its velocity on contact |
 //! | [`CollisionEventsEnabled`](contacts::CollisionEventsEnabled) | has its observers told of its contacts |
 //! | [`CollidingEntities`](contacts::CollidingEntities) | lists the entities that it touches |
 //! | [`Cube`](components::Cube) | shape, velocity and bounce in one: a moving cube |
+//!
+//! With the feature `rapier`, the plugin and the components of the module `rapier` work side by side with
+//! `bevy_rapier3d`.
 //!
 //! # What comes out
 //!
@@ -66,6 +70,8 @@ pub mod narrow_phase;
 pub mod octree;
 mod parallel;
 pub mod plugin;
+#[cfg(feature = "rapier")]
+pub mod rapier;
 pub mod response;
 pub mod scene;
 pub mod spatial_query;
@@ -76,6 +82,8 @@ pub use plugin::{CollisionSystems, OctreePlugins};
 
 /// What most users need.
 pub mod prelude {
+    #[cfg(feature = "rapier")]
+    pub use crate::rapier::{RapierInteropPlugin, ShapeFromRapier};
     pub use crate::{
         broad_phase::{Method, ObjectOctreeSettings},
         collision_index::{BroadPhaseSettings, CandidatePairs, CollisionIndex},
@@ -88,7 +96,7 @@ pub mod prelude {
         filters::{
             CollisionLayer, CollisionLayers, IgnoreCollisions, PairHook, PairHookPlugin, Sensor, StaticCollider,
         },
-        motion::{CollisionClock, MotionSettings, PositionTrack, Step, Velocity},
+        motion::{CollisionClock, MotionSettings, MovedElsewhere, PositionTrack, Step, Velocity},
         narrow_phase::Shape,
         plugin::{CollisionSystems, NarrowPhaseSettings, OctreePlugins},
         response::{Bounce, BouncePlugin},
