@@ -481,10 +481,11 @@ fn what_parry_does_not_support_is_apart() {
 fn an_observer_may_despawn_what_rapier_knows() {
     let mut app = fixed_app();
     let more = (RigidBody::Dynamic, rapier::Sensor, CollisionEventsEnabled);
-    let falling = spawn(&mut app, Collider::ball(0.5), Vec3::Y, more);
+    let falling = spawn(&mut app, Collider::ball(0.5), Vec3::new(3.0, 1.0, 0.0), more);
     let floor = spawn(&mut app, Collider::halfspace(Vec3::Y).unwrap(), Vec3::ZERO, rapier::Sensor);
     app.world_mut().entity_mut(falling).observe(|event: On<CollisionStarted>, mut commands: Commands| {
-        assert!((event.contact.expect("events have one").normal - Vec3::NEG_Y).length() < 1e-4);
+        let contact = event.contact.expect("events have one");
+        assert!((contact.normal - Vec3::NEG_Y).length() < 1e-4 && (contact.point.x - 3.0).abs() < 1e-4);
         commands.entity(event.a).despawn();
     });
     tick(&mut app, 60);
