@@ -201,6 +201,13 @@ fn a_shape_comes_changes_and_goes_with_its_collider() {
     assert!(!touches(&mut app));
     app.world_mut().entity_mut(entity).insert(Collider::ball(2.5));
     assert!(touches(&mut app));
+    // Changed while it is disabled.
+    app.world_mut().entity_mut(entity).insert((Disabled, Collider::ball(1.0)));
+    assert!(!touches(&mut app));
+    app.world_mut().entity_mut(entity).remove::<Disabled>();
+    assert!(!touches(&mut app));
+    app.world_mut().entity_mut(entity).insert(Collider::ball(2.5));
+    assert!(touches(&mut app));
     // The marker decides.
     app.world_mut().entity_mut(entity).remove::<ShapeFromRapier>();
     assert!(app.world().get::<CollisionShape>(entity).is_none());
@@ -343,6 +350,30 @@ fn half_spaces_meet_what_brute_force_says_by_every_method() {
             tick(&mut app, 1);
             assert_eq!(contacts(&app), brute_force_contacts(&mut app), "{method}, step {step}");
         }
+    }
+}
+
+#[test]
+fn what_touches_a_half_space_meets_it_far_from_anywhere() {
+    let mut random = fastrand::Rng::with_seed(5);
+    for far in [1.0, 100.0, 10_000.0] {
+        let mut app = app(Method::default());
+        let mut unit = || Vec3::from_array(std::array::from_fn(|_| random.f32() * 2.0 - 1.0));
+        let turned = Quat::from_scaled_axis(unit() * 3.0);
+        let slope = Transform::from_translation(unit() * far).with_rotation(turned);
+        app.world_mut().spawn((half_space(), slope));
+        for _ in 0..300 {
+            let (along, gap) = (unit() * far, unit().y * 3e-4);
+            let entity = ball(&mut app, slope * Vec3::new(along.x, 0.5 + gap, along.z), ());
+            // Boxes of the balls would touch.
+            app.world_mut().entity_mut(entity).insert(StaticCollider);
+        }
+        tick(&mut app, 1);
+        let found = contacts(&app);
+        assert!((50..250).contains(&found.len()), "{} contacts", found.len());
+        let ground = found[0][0];
+        let expected = brute_force_contacts(&mut app).into_iter().filter(|pair| pair.contains(&ground));
+        assert_eq!(found, expected.collect::<Vec<_>>());
     }
 }
 

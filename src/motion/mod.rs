@@ -101,8 +101,10 @@ fn follow_tracks(mut followers: Query<(&PositionTrack, &mut Transform)>, clock: 
     }
 }
 
+type MovedByVelocity = (Without<PositionTrack>, Without<MovedElsewhere>);
+
 fn move_by_velocity(
-    mut moving: Query<(Entity, &Velocity, &mut Transform), (Without<PositionTrack>, Without<MovedElsewhere>)>,
+    mut moving: Query<(Entity, &Velocity, &mut Transform), MovedByVelocity>,
     settings: Res<MotionSettings>,
     time: Option<Res<Time>>,
     mut warned: Local<bool>,

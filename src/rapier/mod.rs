@@ -148,7 +148,8 @@ type Altered = Or<(Changed<Collider>, Added<ShapeFromRapier>, Added<RapierCollid
 
 fn follow_colliders(
     mut commands: Commands,
-    mut colliders: Query<(Entity, &Collider, Option<&mut CollisionShape>), (Known, Altered)>,
+    // What changes in a disabled entity is not seen as a change once it is enabled.
+    mut colliders: Query<(Entity, &Collider, Option<&mut CollisionShape>), (Known, Altered, Allow<Disabled>)>,
 ) {
     for (entity, collider, shape) in &mut colliders {
         match shape {

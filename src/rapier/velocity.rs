@@ -28,23 +28,23 @@ pub(super) fn add_systems(app: &mut App, schedule: InternedScheduleLabel) {
     .add_observer(on_velocity_removed);
 }
 
-fn begin_to_mirror(
-    mut commands: Commands,
-    bouncing: Query<(Entity, &RapierVelocity), (With<Bounce>, Without<Velocity>)>,
-) {
+type WithoutMirror = (With<Bounce>, Without<Velocity>);
+type WithMirror = (With<Mirrored>, With<Bounce>);
+
+fn begin_to_mirror(mut commands: Commands, bouncing: Query<(Entity, &RapierVelocity), WithoutMirror>) {
     for (entity, velocity) in &bouncing {
         commands.entity(entity).try_insert((Velocity(velocity.linear), Mirrored));
     }
 }
 
-fn read(mut mirrored: Query<(&RapierVelocity, &mut Velocity), (With<Mirrored>, With<Bounce>)>) {
+fn read(mut mirrored: Query<(&RapierVelocity, &mut Velocity), WithMirror>) {
     for (theirs, mut ours) in &mut mirrored {
         ours.set_if_neq(Velocity(theirs.linear));
     }
 }
 
 /// What a contact changed. A velocity that is not finite is left to Rapier.
-fn write(mut mirrored: Query<(&Velocity, &mut RapierVelocity), (With<Mirrored>, With<Bounce>, Changed<Velocity>)>) {
+fn write(mut mirrored: Query<(&Velocity, &mut RapierVelocity), (WithMirror, Changed<Velocity>)>) {
     for (ours, mut theirs) in &mut mirrored {
         if theirs.linear != ours.0 && ours.is_finite() {
             theirs.linear = ours.0;
