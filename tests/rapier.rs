@@ -216,7 +216,7 @@ fn a_shape_comes_changes_and_goes_with_its_collider() {
     assert!(touches(&mut app));
     app.world_mut().despawn(entity);
     assert!(!touches(&mut app));
-    assert_eq!(messages_about(&app, pair(probe, entity)), (5, 5));
+    assert_eq!(messages_about(&app, pair(probe, entity)), (6, 6));
 }
 
 #[test]
