@@ -20,7 +20,6 @@
 //! let ball = (rapier::RigidBody::Dynamic, rapier::Collider::ball(0.5), ShapeFromRapier);
 //! app.world_mut().spawn((ball, Transform::from_xyz(0.0, 3.0, 0.0)));
 //! app.update();
-//! app.update();
 //! assert_eq!(app.world().resource::<Contacts>().len(), 1); // it has fallen into the gate
 //! ```
 //!
