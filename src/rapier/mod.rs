@@ -141,6 +141,7 @@ impl Plugin for RapierInteropPlugin {
     }
 }
 
+type Followed<'a> = (Entity, &'a Collider, Option<&'a mut CollisionShape>);
 /// Colliders that Rapier has scaled: it does so right after it gave them a handle.
 type Known = (With<ShapeFromRapier>, With<RapierColliderHandle>);
 type Altered = Or<(Changed<Collider>, Added<ShapeFromRapier>, Added<RapierColliderHandle>)>;
@@ -148,7 +149,7 @@ type Altered = Or<(Changed<Collider>, Added<ShapeFromRapier>, Added<RapierCollid
 fn follow_colliders(
     mut commands: Commands,
     // What changes in a disabled entity is not seen as a change once it is enabled.
-    mut colliders: Query<(Entity, &Collider, Option<&mut CollisionShape>), (Known, Altered, Allow<Disabled>)>,
+    mut colliders: Query<Followed, (Known, Altered, Allow<Disabled>)>,
 ) {
     for (entity, collider, shape) in &mut colliders {
         match shape {
