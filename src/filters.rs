@@ -55,7 +55,7 @@ pub trait CollisionLayer {
 }
 
 /// The bits of some layers.
-fn mask(layers: impl IntoIterator<Item = impl CollisionLayer>) -> u32 {
+pub(crate) fn mask(layers: impl IntoIterator<Item = impl CollisionLayer>) -> u32 {
     layers.into_iter().fold(0, |mask, layer| mask | 1_u32.checked_shl(layer.index()).unwrap_or(0))
 }
 
@@ -72,7 +72,12 @@ pub struct CollisionLayers {
 
 impl Default for CollisionLayers {
     fn default() -> Self {
-        let PairFilter { memberships, filters, .. } = PairFilter::default();
+        PairFilter::default().into()
+    }
+}
+
+impl From<PairFilter> for CollisionLayers {
+    fn from(PairFilter { memberships, filters, .. }: PairFilter) -> Self {
         Self { memberships, filters }
     }
 }

@@ -468,3 +468,106 @@ fn events_come_in_the_order_of_contacts_ends_first() {
     tick(&mut app, 1);
     assert_eq!(heard(&mut app), [Ended(a, b), Ended(b, a), Started(a, c), Started(c, a)]);
 }
+
+const RED: CollisionLayers = CollisionLayers { memberships: 0b10, filters: 0b111 };
+const BLUE: CollisionLayers = CollisionLayers { memberships: 0b100, filters: 0b11 };
+
+/// The layers in the messages since this was last asked.
+fn layers_told(app: &mut App) -> (Vec<[CollisionLayers; 2]>, Vec<[CollisionLayers; 2]>) {
+    let started = messages::<CollisionStarted>(app).iter().map(|message| message.layers).collect();
+    (started, messages::<CollisionEnded>(app).iter().map(|message| message.layers).collect())
+}
+
+#[derive(Resource, Default)]
+struct LayersHeard(Vec<(Entity, [CollisionLayers; 2])>);
+
+#[test]
+fn the_end_names_the_layers_of_one_that_is_gone() {
+    let (mut app, [a, b]) = in_contact([true, true]);
+    app.init_resource::<LayersHeard>().add_observer(|event: On<CollisionEnded>, mut heard: ResMut<LayersHeard>| {
+        heard.0.push((event.a, event.layers));
+    });
+    let plain = CollisionLayers::default();
+    assert_eq!(layers_told(&mut app), (vec![[plain; 2]], vec![]));
+    // Layers that change during the contact: the latest count.
+    app.world_mut().entity_mut(a).insert(BLUE);
+    tick(&mut app, 1);
+    app.world_mut().entity_mut(a).insert(RED);
+    tick(&mut app, 2);
+    let world = app.world_mut();
+    let told = world.run_system_once(move |collisions: Collisions| collisions.get(b, a).unwrap().layers).unwrap();
+    assert_eq!(told, [plain, RED]);
+    app.world_mut().despawn(a);
+    tick(&mut app, 1);
+    assert_eq!(layers_told(&mut app), (vec![], vec![[RED, plain]]));
+    let heard = &app.world().resource::<LayersHeard>().0;
+    assert_eq!(*heard, [(a, [RED, plain]), (b, [plain, RED])]);
+}
+
+#[test]
+fn layers_that_end_a_contact_are_not_those_it_had() {
+    let (mut app, [a, _]) = in_contact([false, false]);
+    let plain = CollisionLayers::default();
+    app.world_mut().entity_mut(a).insert(CollisionLayers::NONE);
+    tick(&mut app, 1);
+    assert_eq!(layers_told(&mut app), (vec![[plain; 2]], vec![[plain; 2]]));
+    app.world_mut().entity_mut(a).insert(BLUE);
+    tick(&mut app, 1);
+    assert_eq!(layers_told(&mut app), (vec![[BLUE, plain]], vec![]));
+}
+
+/// Whatever comes, goes, moves and changes its layers: each message is about the layers that its pair had in the last
+/// tick in which it was in contact; and a second run says the same.
+#[test]
+fn messages_name_the_layers_that_pairs_had() {
+    let runs = [(); 2].map(|()| layers_in_a_random_history());
+    assert_eq!(runs[0], runs[1]);
+    assert!(runs[0].len() > 300, "{}", runs[0].len());
+}
+
+fn layers_in_a_random_history() -> Vec<CollisionEnded> {
+    let (mut app, mut random) = (app(Method::default()), fastrand::Rng::with_seed(9));
+    let layers = [None, Some(RED), Some(BLUE), Some(CollisionLayers::NONE)];
+    let mut cubes: Vec<Entity> = Vec::new();
+    let mut known = std::collections::HashMap::new();
+    let mut all_ended = Vec::new();
+    for _ in 0..60 {
+        for _ in 0..12 {
+            let at = Vec3::new(random.f32(), random.f32(), random.f32()) * 4.0;
+            let place = random.usize(..cubes.len().max(1));
+            let chosen = *random.choice(&layers).unwrap();
+            match (random.u8(..6), cubes.get(place).copied()) {
+                (0 | 1, _) | (_, None) => {
+                    let place = Transform::from_translation(at);
+                    cubes.push(
+                        app.world_mut().spawn((CollisionShape::default(), place, chosen.unwrap_or_default())).id(),
+                    );
+                }
+                (2, Some(cube)) => {
+                    app.world_mut().despawn(cube);
+                    cubes.swap_remove(place);
+                }
+                (3, Some(cube)) => get_mut::<Transform>(&mut app, cube).translation = at,
+                (4, Some(cube)) => match chosen {
+                    Some(chosen) => _ = app.world_mut().entity_mut(cube).insert(chosen),
+                    None => _ = app.world_mut().entity_mut(cube).remove::<CollisionLayers>(),
+                },
+                _ => update_spatial_index(app.world_mut()),
+            }
+        }
+        tick(&mut app, 1);
+        let of = |entity: Entity| app.world().get::<CollisionLayers>(entity).copied().unwrap_or_default();
+        let now: std::collections::HashMap<_, _> = app
+            .world()
+            .resource::<Contacts>()
+            .iter()
+            .map(|contact| ((contact.a, contact.b), [contact.a, contact.b].map(of)))
+            .collect();
+        let (started, ended) = (messages::<CollisionStarted>(&mut app), messages::<CollisionEnded>(&mut app));
+        assert!(started.iter().all(|message| now[&(message.a, message.b)] == message.layers));
+        assert!(ended.iter().all(|message| known[&(message.a, message.b)] == message.layers));
+        known = now;
+        all_ended.extend(ended);
+    }
+    all_ended
+}

@@ -268,6 +268,88 @@ fn filters_and_callbacks() {
     });
 }
 
+#[derive(Clone, Copy)]
+enum Layer {
+    Ground,
+    Foe,
+    Beyond,
+}
+
+impl CollisionLayer for Layer {
+    fn index(self) -> u32 {
+        match self {
+            Self::Ground => 0,
+            Self::Foe => 7,
+            Self::Beyond => 32,
+        }
+    }
+}
+
+#[test]
+fn queries_by_layer() {
+    for method in methods() {
+        let mut app = app(method);
+        // Whatever an entity may meet: a query asks what it is.
+        let foe = CollisionLayers { memberships: 1 << 7, filters: 0 };
+        let mut cube =
+            |x: f32| app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0))).id();
+        let (plain, foes) = (cube(2.0), [cube(4.0), cube(6.0)]);
+        for entity in foes {
+            app.world_mut().entity_mut(entity).insert(foe);
+        }
+        tick(&mut app, 1);
+        let found = |app: &mut App, filter: SpatialQueryFilter<'static>| {
+            ask(app, move |spatial| {
+                let ray = spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &filter).map(|hit| hit.entity);
+                let sphere = spatial.cast_sphere(Vec3::ZERO, 0.5, Dir3::X, 100.0, &filter).map(|hit| hit.entity);
+                let nearest = spatial.nearest(Vec3::ZERO, 100.0, &filter).map(|hit| hit.entity);
+                assert_eq!((ray, sphere), (nearest, nearest));
+                let (mut inside, mut seen, mut hits) = (vec![], vec![], vec![]);
+                spatial.box_intersections(&Aabb3d::new(Vec3::ZERO, Vec3::splat(9.0)), &filter, |e| inside.push(e));
+                spatial.half_space_intersections(&[HalfSpace::new(Vec4::X)], &filter, |entity| seen.push(entity));
+                spatial.k_nearest(Vec3::ZERO, 9, 100.0, &filter, &mut hits);
+                inside.sort_by_key(|entity| entity.index_u32());
+                seen.sort_by_key(|entity| entity.index_u32());
+                assert_eq!(inside, seen);
+                assert_eq!(hits.iter().map(|hit| hit.entity).collect::<Vec<_>>(), inside);
+                assert_eq!(inside.first().copied(), nearest);
+                inside
+            })
+        };
+        let on = |layers: &[Layer]| ALL.on(layers.iter().copied());
+        assert_eq!(found(&mut app, ALL), [plain, foes[0], foes[1]]);
+        assert_eq!(found(&mut app, on(&[Layer::Ground])), [plain]);
+        assert_eq!(found(&mut app, on(&[Layer::Foe])), foes);
+        assert_eq!(found(&mut app, on(&[Layer::Foe, Layer::Ground])), [plain, foes[0], foes[1]]);
+        assert_eq!(found(&mut app, on(&[Layer::Beyond])), []);
+        assert_eq!(found(&mut app, ALL.on_mask(0)), []);
+        // With other conditions, and in any order of them.
+        assert_eq!(found(&mut app, SpatialQueryFilter::except(foes[0]).on([Layer::Foe])), [foes[1]]);
+        assert_eq!(found(&mut app, on(&[Layer::Ground]).only(&|_| false)), []);
+        // Layers that change are seen at the next tick.
+        app.world_mut().entity_mut(foes[0]).remove::<CollisionLayers>();
+        tick(&mut app, 1);
+        assert_eq!(found(&mut app, on(&[Layer::Ground])), [plain, foes[0]]);
+        assert_eq!(found(&mut app, on(&[Layer::Foe])), [foes[1]]);
+    }
+}
+
+#[test]
+fn predicates_are_not_asked_about_other_layers() {
+    let mut app = app(Method::default());
+    let plain = app.world_mut().spawn(CollisionShape::default()).id();
+    app.world_mut().spawn((CollisionShape::default(), CollisionLayers { memberships: 1 << 7, filters: 0 }));
+    tick(&mut app, 1);
+    ask(&mut app, move |spatial| {
+        let is_plain = |entity| {
+            assert_eq!(entity, plain);
+            true
+        };
+        let filter = ALL.only(&is_plain).on([Layer::Ground]);
+        assert!(spatial.nearest(Vec3::ZERO, 1.0, &filter).is_some());
+    });
+}
+
 #[derive(Resource, Default)]
 struct Seen(Vec<Option<RayHit>>);
 

@@ -6,6 +6,7 @@ use super::{ContactPair, Contacts};
 use crate::{
     broad_phase::{Pair, ProxyId},
     components::BroadPhaseProxy,
+    filters::CollisionLayers,
     narrow_phase::Contact,
 };
 
@@ -19,17 +20,25 @@ pub struct Collision {
     /// Where they meet, with the normal from `a` to `b`; `None` if nobody
     /// [asked](super::CollisionEventSettings::geometry).
     pub contact: Option<Contact>,
+    /// The layers of `a`, and those of `b`, as the broad phase saw them last.
+    pub layers: [CollisionLayers; 2],
 }
 
 impl Collision {
     /// As seen from the other one.
     #[must_use]
     pub fn reversed(self) -> Self {
-        Self { a: self.b, b: self.a, contact: self.contact.map(Contact::reversed) }
+        let [a, b] = self.layers;
+        Self { a: self.b, b: self.a, contact: self.contact.map(Contact::reversed), layers: [b, a] }
     }
 }
 
 impl ContactPair {
+    /// The two, as seen from `a`.
+    pub(super) fn collision(&self, contact: Option<Contact>) -> Collision {
+        Collision { a: self.a, b: self.b, contact, layers: self.layers }
+    }
+
     /// The other of the two.
     pub(super) fn other(&self, entity: Entity) -> Entity {
         if self.a == entity { self.b } else { self.a }
@@ -115,8 +124,7 @@ impl Collisions<'_, '_> {
     }
 
     fn collision(&self, contact: &ContactPair) -> Collision {
-        let &ContactPair { pair, a, b } = contact;
-        Collision { a, b, contact: self.contacts.geometry(pair).copied() }
+        contact.collision(self.contacts.geometry(contact.pair).copied())
     }
 }
 

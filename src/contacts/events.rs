@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::Collision;
-use crate::narrow_phase::Contact;
+use crate::{filters::CollisionLayers, narrow_phase::Contact};
 
 /// Two entities have come into contact: a message, and an event for observers.
 ///
@@ -35,6 +35,8 @@ pub struct CollisionStarted {
     /// Where they meet, with the normal from `a` to `b`. `Some` in every event; in a message, if somebody
     /// [asked](CollisionEventSettings::geometry).
     pub contact: Option<Contact>,
+    /// The layers of `a`, and those of `b`: the default ones, where no [`CollisionLayers`] were given.
+    pub layers: [CollisionLayers; 2],
 }
 
 /// Two entities are no longer in contact, or one of them is gone: either may no longer exist. A message, and an event
@@ -53,17 +55,20 @@ pub struct CollisionEnded {
     /// Where they met when they were last found in contact, with the normal from `a` to `b`. `Some` in every event; in
     /// a message, if somebody had [asked](CollisionEventSettings::geometry) by then.
     pub contact: Option<Contact>,
+    /// The layers of `a`, and those of `b`, when they were last found in contact: also of an entity that is gone, or
+    /// has other layers now.
+    pub layers: [CollisionLayers; 2],
 }
 
 impl From<Collision> for CollisionStarted {
-    fn from(Collision { a, b, contact }: Collision) -> Self {
-        Self { a, b, contact }
+    fn from(Collision { a, b, contact, layers }: Collision) -> Self {
+        Self { a, b, contact, layers }
     }
 }
 
 impl From<Collision> for CollisionEnded {
-    fn from(Collision { a, b, contact }: Collision) -> Self {
-        Self { a, b, contact }
+    fn from(Collision { a, b, contact, layers }: Collision) -> Self {
+        Self { a, b, contact, layers }
     }
 }
 

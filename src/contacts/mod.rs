@@ -15,6 +15,7 @@ use bevy::prelude::*;
 use crate::{
     broad_phase::{Pair, Proxies, ProxyId},
     collision_index::CollisionIndex,
+    filters::CollisionLayers,
     narrow_phase::Contact,
 };
 use adjacency::Adjacency;
@@ -35,6 +36,8 @@ pub struct ContactPair {
     pub a: Entity,
     /// The entity of `pair.b`.
     pub b: Entity,
+    /// The layers of `a`, and those of `b`.
+    pub layers: [CollisionLayers; 2],
 }
 
 impl ContactPair {
@@ -128,7 +131,8 @@ impl Contacts {
         self.found.sort_unstable();
         let contact = |pair: Pair| {
             let [a, b] = index.entities(pair);
-            ContactPair { pair, a, b }
+            let layers = [pair.a, pair.b].map(|id| proxies.filter(id).into());
+            ContactPair { pair, a, b, layers }
         };
         let mut found = self.found.iter().copied().peekable();
         for kept in self.before.iter().filter(|contact| rests(contact.pair, proxies)) {

@@ -79,14 +79,14 @@ impl ContactPair {
     /// With what is known of it.
     fn seen_with(&self, tracked: &[TrackedContact]) -> Collision {
         let contact = tracking::find(tracked, self.pair).map(|tracked| tracked.geometry);
-        Collision { a: self.a, b: self.b, contact }
+        self.collision(contact)
     }
 }
 
 impl TrackedContact {
     /// From one of its two sides.
     fn seen_from(&self, side: usize) -> Collision {
-        let collision = Collision { a: self.contact.a, b: self.contact.b, contact: Some(self.geometry) };
+        let collision = self.contact.collision(Some(self.geometry));
         if side == 0 { collision } else { collision.reversed() }
     }
 }

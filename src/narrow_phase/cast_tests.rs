@@ -11,7 +11,7 @@ use super::*;
 const MARGIN: f32 = 2e-3;
 
 /// A pyramid, an L that is not convex, an open square, and the usual ones.
-fn shapes() -> Vec<Shape> {
+pub(super) fn shapes() -> Vec<Shape> {
     let pyramid = [Vec3::new(-1., 0., -1.), Vec3::new(1., 0., -1.), Vec3::new(0., 0., 1.), Vec3::Y];
     let outline = [[0., 0.], [2., 0.], [2., 1.], [1., 1.], [1., 2.], [0., 2.]];
     let level = |z: f32| outline.iter().map(move |&[x, y]| Vec3::new(x, y, z));
@@ -45,11 +45,11 @@ fn rapier() -> Vec<Shape> {
     vec![]
 }
 
-fn vectors(reach: f32) -> impl Strategy<Value = Vec3> {
+pub(super) fn vectors(reach: f32) -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(-reach..reach).prop_map(Vec3::from)
 }
 
-fn placed() -> impl Strategy<Value = (Shape, Transform)> {
+pub(super) fn placed() -> impl Strategy<Value = (Shape, Transform)> {
     let scale = prop::array::uniform3(prop_oneof![0.5f32..1.5, -1.5f32..-0.5]).prop_map(Vec3::from);
     let rotation = (vectors(1.0), 0f32..3.0).prop_map(|(axis, angle)| {
         axis.try_normalize().map_or(Quat::IDENTITY, |axis| Quat::from_axis_angle(axis, angle))
@@ -62,7 +62,7 @@ fn directions() -> impl Strategy<Value = Dir3> {
     vectors(1.0).prop_filter_map("no direction", |v| Dir3::new(v).ok())
 }
 
-fn distance(target: Placed, point: Vec3) -> f32 {
+pub(super) fn distance(target: Placed, point: Vec3) -> f32 {
     NarrowPhase::default().closest_point(target, point, &mut Workspace::default()).unwrap().distance(point)
 }
 

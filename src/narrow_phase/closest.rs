@@ -3,7 +3,7 @@
 use bevy::math::Vec3A;
 
 /// The square of the sine of the angle below which segments count as parallel.
-const PARALLEL: f32 = 1e-12;
+pub(super) const PARALLEL: f32 = 1e-12;
 
 /// The point of the segment from `a` to `b` that is closest to `point`.
 #[inline]

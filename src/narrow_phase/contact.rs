@@ -160,7 +160,7 @@ fn cuboids(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> {
 }
 
 /// A point of two boxes, found by going back and forth between them; `None` if that takes too long.
-fn common_point(pair: &Pair) -> Option<Vec3A> {
+pub(super) fn common_point(pair: &Pair) -> Option<Vec3A> {
     let (a, b) = (&pair.box_a, &pair.box_b);
     // From near the smaller one, the way is short.
     let ratio = b.radius / a.radius.max(f32::MIN_POSITIVE);

@@ -211,7 +211,8 @@ fn complete(pair: &Pair, workspace: &mut Workspace) -> bool {
         (Shape::Rapier(_), _) | (_, Shape::Rapier(_)) => {
             let cuboids = super::parry::cuboids(pair, |pair| boxes(pair).unwrap_or_else(|| complete(pair, workspace)));
             cuboids.unwrap_or_else(|| {
-                super::parry::intersects(pair.a, pair.b, pair.tolerance) || super::parry::encloses(pair, workspace)
+                super::parry::intersects(pair.a, pair.b, pair.tolerance)
+                    || super::parry::enclosed(pair, workspace).is_some()
             })
         }
         (Shape::Sphere { .. }, _) => edge_polygon::sphere_intersects(pair, workspace),

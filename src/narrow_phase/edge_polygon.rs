@@ -25,7 +25,7 @@ pub(super) fn intersects(pair: &Pair, workspace: &mut Workspace) -> bool {
         return false;
     };
     let stop = |_| ControlFlow::Break(());
-    for_each_hit(meshes, workspace, pair.tolerance, stop).is_break() || nested(pair, meshes, workspace)
+    for_each_hit(meshes, workspace, pair.tolerance, stop).is_break() || nested(pair, meshes, workspace).is_some()
 }
 
 /// Calls `visit` with all places where the surfaces of two shapes made of polygons meet.
@@ -137,9 +137,9 @@ fn one_way(
     ControlFlow::Continue(())
 }
 
-/// Whether a part of one mesh is inside the other, given that their surfaces do not meet: then a
+/// A point of a part of one mesh that is inside the other. Given that their surfaces do not meet, a
 /// part is inside with all of its vertices or with none.
-fn nested(pair: &Pair, meshes: [&PolygonMesh; 2], workspace: &Workspace) -> bool {
+pub(super) fn nested(pair: &Pair, meshes: [&PolygonMesh; 2], workspace: &Workspace) -> Option<Vec3A> {
     let [a, b] = &workspace.surfaces;
     let within = |part: &PolygonMesh, placed: &Surface, mesh, around: &Surface, bounds: &OrientedBox| {
         let vertices = part.shells().iter().map(|&vertex| placed.vertices()[vertex as usize]);
@@ -147,7 +147,7 @@ fn nested(pair: &Pair, meshes: [&PolygonMesh; 2], workspace: &Workspace) -> bool
             let offset = (vertex - bounds.center).abs();
             offset.cmple(bounds.reach()).all()
         });
-        close.any(|vertex| around.encloses(mesh, vertex))
+        close.find(|&vertex| around.encloses(mesh, vertex))
     };
-    within(meshes[0], a, meshes[1], b, &pair.box_b) || within(meshes[1], b, meshes[0], a, &pair.box_a)
+    within(meshes[0], a, meshes[1], b, &pair.box_b).or_else(|| within(meshes[1], b, meshes[0], a, &pair.box_a))
 }

@@ -62,7 +62,8 @@
 //!
 //! # Rays, sweeps, distances
 //!
-//! [`NarrowPhase::cast_ray`], [`NarrowPhase::sweep`] and [`NarrowPhase::closest_point`] answer for the same shapes, exactly.
+//! [`NarrowPhase::cast_ray`], [`NarrowPhase::sweep`], [`NarrowPhase::closest_point`] and [`NarrowPhase::closest_points`]
+//! answer for the same shapes, exactly.
 //! The first time of impact of two shapes made of polygons is the least of those of corners and faces, both ways, and of
 //! edges, each the solution of a linear equation: nothing is iterated, and nothing has to be convex.
 //!
@@ -78,6 +79,7 @@
 
 #[cfg(feature = "mesh")]
 mod bevy_mesh;
+mod box_proximity;
 mod closest;
 mod contact;
 mod convex_contact;
@@ -90,6 +92,7 @@ mod pair;
 #[cfg(feature = "rapier")]
 mod parry;
 mod polygon_mesh;
+mod polygon_proximity;
 mod proximity;
 mod ray;
 mod separation;
@@ -107,6 +110,8 @@ mod cast_tests;
 #[cfg(all(test, feature = "rapier"))]
 mod parry_tests;
 #[cfg(test)]
+mod proximity_tests;
+#[cfg(test)]
 mod tests;
 
 pub use contact::Contact;
@@ -115,6 +120,7 @@ pub use decide::{Exactness, NarrowPhase};
 pub use error::{BoundsError, ShapeError, ToleranceError};
 pub use pair::Placed;
 pub use polygon_mesh::PolygonMesh;
+pub use proximity::Proximity;
 pub use ray::Impact;
 pub use shape::Shape;
 pub use stage::{Stage, StageCount, StageCounters};

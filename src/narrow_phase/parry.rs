@@ -8,7 +8,7 @@ use bevy::transform::components::Transform;
 use bevy_rapier3d::geometry::Collider;
 use bevy_rapier3d::parry::math::Pose;
 use bevy_rapier3d::parry::partitioning::BvhNode;
-use bevy_rapier3d::parry::query::{self, ShapeCastOptions, Unsupported};
+use bevy_rapier3d::parry::query::{self, ClosestPoints, ShapeCastOptions, Unsupported};
 use bevy_rapier3d::parry::shape::{self, SharedShape, TriMesh};
 
 use super::contact::LocalContact;
@@ -180,29 +180,54 @@ pub(super) fn sweep(moving: Placed, direction: Dir3, max_distance: f32, target: 
     Some(Impact { distance, point, normal })
 }
 
-/// A shape of Rapier's that is one of ours.
-pub(super) fn own(shape: &SharedShape) -> Option<Shape> {
-    let cuboid = shape.as_cuboid().map(|cuboid| Shape::Cuboid { half_size: cuboid.half_extents });
-    cuboid.or_else(|| shape.as_ball().map(|ball| Shape::Sphere { radius: ball.radius }))
+/// Calls `f` with two shapes, of which one or both are Rapier's cuboids or balls, as ours. `None` if neither is, or one is
+/// another shape of Rapier's.
+pub(super) fn with_own<T>(a: Placed, b: Placed, f: impl FnOnce(Placed, Placed) -> T) -> Option<T> {
+    let is_rapier = |placed: Placed| matches!(placed.shape, Shape::Rapier(_));
+    let own = |placed: Placed| match placed.shape {
+        Shape::Rapier(shape) => {
+            let cuboid = shape.as_cuboid().map(|cuboid| Shape::Cuboid { half_size: cuboid.half_extents });
+            let own = cuboid.or_else(|| shape.as_ball().map(|ball| Shape::Sphere { radius: ball.radius }))?;
+            Some((own, placed.transform.with_scale(Vec3::ONE)))
+        }
+        shape => Some((shape.clone(), *placed.transform)),
+    };
+    if !is_rapier(a) && !is_rapier(b) {
+        return None;
+    }
+    let ((a, at_a), (b, at_b)) = (own(a)?, own(b)?);
+    Some(f(Placed::new(&a, &at_a), Placed::new(&b, &at_b)))
 }
 
-/// Whether a closed mesh is around a Rapier shape: parry knows meshes as surfaces without an
-/// inside.
+/// The closest points that parry finds, relative to the place of the first shape: the same one twice, if the two overlap.
+pub(super) fn closest_points(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
+    let closest = |a: &dyn shape::Shape, at_a: &Pose, b: &dyn shape::Shape, at_b: &Pose| {
+        query::closest_points(at_a, a, at_b, b, f32::MAX)
+    };
+    match ask(a, b, closest)? {
+        ClosestPoints::WithinMargin(on_a, on_b) => Some([on_a.into(), on_b.into()]),
+        ClosestPoints::Intersecting => contact(a, b, 0.0).map(|contact| [contact.point; 2]),
+        ClosestPoints::Disjoint => None,
+    }
+}
+
+/// A point of a Rapier shape, if a closed mesh is around it: parry knows meshes as surfaces without
+/// an inside.
 ///
 /// One point of the Rapier shape decides, given that the surfaces do not meet.
-pub(super) fn encloses(pair: &Pair, workspace: &mut Workspace) -> bool {
+pub(super) fn enclosed(pair: &Pair, workspace: &mut Workspace) -> Option<Vec3A> {
     // The Rapier shape first.
     let (pair, inner) = match (pair.a.shape, pair.b.shape) {
         (Shape::Rapier(inner), _) => (*pair, inner),
         (_, Shape::Rapier(inner)) => (pair.swapped(), inner),
-        _ => return false,
+        _ => return None,
     };
     let beside = Vec3::from(pair.box_a.half) * 2.0 + Vec3::ONE;
     let on_surface = inner.project_local_point(beside, false).point;
     // In the frame of the pair, by way of the centre of the box.
     let from_center = Vec3A::from(on_surface - inner.compute_local_aabb().center());
     let point = pair.box_a.center + pair.box_a.axes * from_center;
-    edge_polygon::encloses(&pair, point, workspace)
+    edge_polygon::encloses(&pair, point, workspace).then_some(point)
 }
 
 /// Puts a question about two shapes to parry. `None` without an answer, of which a warning tells

@@ -137,6 +137,70 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn distances_are_those_of_parry(
+        cuboid in boxes(),
+        a in hulls(),
+        at_a in placed(),
+        b in hulls(),
+        at_b in placed(),
+        away in prop::array::uniform3(-3f32..3.0),
+    ) {
+        let at_b = Transform { translation: at_b.translation + Vec3::from(away), ..at_b };
+        let found = apart((&a.1, at_a), (&b.1, at_b));
+        let theirs = distance((&*a.0, at_a), (&*b.0, at_b));
+        prop_assert!(is_no_more(found, theirs), "hulls: {found} {theirs}");
+        let own = cuboid_of(&cuboid.0, cuboid.1);
+        let (found, theirs) = (apart((&cuboid.0, cuboid.1), (&b.1, at_b)), distance((&own, cuboid.1), (&*b.0, at_b)));
+        prop_assert!(is_no_more(found, theirs), "cuboid and hull: {found} {theirs}");
+        // Parry's surfaces have no inside.
+        let Shape::Convex(mesh) = &a.1 else { unreachable!() };
+        let (mesh, hull): (Shape, Shape) = (mesh.as_ref().clone().into_inner().into(), b.0.clone().into());
+        let (own, rapier) = (apart((&mesh, at_a), (&b.1, at_b)), apart((&mesh, at_a), (&hull, at_b)));
+        prop_assert!(is_no_more(own, rapier), "mesh and collider: {own} {rapier}");
+    }
+
+    #[test]
+    fn distances_of_cuboids_are_those_of_parry(a in boxes(), b in boxes(), away in prop::array::uniform3(-3f32..3.0)) {
+        let at_b = Transform { translation: b.1.translation + Vec3::from(away), ..b.1 };
+        let theirs = distance((&cuboid_of(&a.0, a.1), a.1), (&cuboid_of(&b.0, at_b), at_b));
+        let found = apart((&a.0, a.1), (&b.0, at_b));
+        prop_assert!(is_no_more(found, theirs), "{found} {theirs}");
+    }
+}
+
+/// Whether our distance is theirs, or a little less: parry's iterations end early, at points that are in the shapes.
+fn is_no_more(ours: f32, theirs: f32) -> bool {
+    ours < theirs + 1e-4 && theirs - ours < 2e-2
+}
+
+/// The distance that we find.
+fn apart(a: (&Shape, Transform), b: (&Shape, Transform)) -> f32 {
+    let (one, two) = (Placed::new(a.0, &a.1), Placed::new(b.0, &b.1));
+    NarrowPhase::default().closest_points(one, two, &mut Workspace::default()).unwrap().distance
+}
+
+#[test]
+fn half_space_has_distances_too() {
+    let ground = Shape::from(SharedShape::halfspace(Vec3::Y));
+    let here = at(0.0, 0.0, 0.0);
+    for other in [box_of(0.5, 0.5, 0.5), mesh_of(Vec3::splat(0.5)), Shape::sphere(0.5).unwrap()] {
+        for (height, expected) in [(1.75, 1.25), (0.5, 0.0), (0.25, 0.0)] {
+            let found = apart((&ground, here), (&other, at(1e3, height, 0.0)));
+            assert!((found - expected).abs() < 1e-5, "{found} {expected} {other:?}");
+            assert_eq!(found, apart((&other, at(1e3, height, 0.0)), (&ground, here)));
+        }
+    }
+    let (one, two) = (Placed::new(&ground, &here), Placed::new(&ground, &here));
+    assert_eq!(NarrowPhase::default().closest_points(one, two, &mut Workspace::default()), None);
+    let nowhere = at(0.0, f32::NAN, 0.0);
+    let two = Placed::new(&ground, &nowhere);
+    assert_eq!(NarrowPhase::default().closest_points(one, two, &mut Workspace::default()), None);
+}
+
 #[test]
 fn touching_aligned_nested_and_coplanar_cuboids_agree_with_parry() {
     let large = box_of(1.0, 1.0, 1.0);

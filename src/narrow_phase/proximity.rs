@@ -1,11 +1,24 @@
-//! Distances of placed shapes from a point.
+//! Distances of placed shapes, from a point and from each other.
 
 use bevy::math::{Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
-use super::edge_polygon;
-use super::pair::Pair;
-use super::{NarrowPhase, Placed, Shape, Workspace};
+use super::pair::{Pair, in_order};
+use super::{BoundsError, NarrowPhase, Placed, Shape, Workspace, box_proximity, polygon_proximity};
+
+/// How far two shapes are apart, and where they are closest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proximity {
+    /// The distance of the two, in world units. Zero if they overlap.
+    pub distance: f32,
+    /// A point of the first shape and one of the second, in the world, that are as close as any two. A common point, twice,
+    /// if the shapes overlap.
+    ///
+    /// Rounded as all places far from the world's origin are. `distance` and `offset` are not.
+    pub points: [Vec3; 2],
+    /// The way from the first point to the second; its length is the distance.
+    pub offset: Vec3,
+}
 
 impl NarrowPhase {
     /// The point of a shape that is closest to `point`; `point` itself, if it is inside.
@@ -34,18 +47,109 @@ impl NarrowPhase {
         let (at_point, here) = (Shape::Sphere { radius: 0.0 }, Transform::from_translation(point));
         let pair = Pair::new(Placed::new(&at_point, &here), target, self.tolerance()).ok()?;
         // The frame of the pair has its origin at the point.
-        let from_point = match target.shape {
-            Shape::Cuboid { .. } => pair.box_b.closest_point(Vec3A::ZERO),
-            Shape::Sphere { .. } => {
-                let distance = pair.box_b.center.length();
-                pair.box_b.center * (1.0 - (pair.box_b.radius / distance).min(1.0))
-            }
-            _ => match edge_polygon::sphere_closest(&pair, workspace)? {
-                (_, true) => Vec3A::ZERO,
-                (closest, false) => closest.point,
-            },
-        };
-        let closest = point + Vec3::from(from_point);
+        let closest = point + Vec3::from(closest_to_center(&pair, workspace)?);
         closest.is_finite().then_some(closest)
     }
+
+    /// How far two shapes are apart, and where they are closest to each other.
+    ///
+    /// Exact for every kind of shape, up to rounding; parry answers for Rapier's, but for its cuboids and balls. Shapes
+    /// overlap as they do for [`intersects`](Self::intersects): one inside the other too, if that is closed. Those that are
+    /// in contact by tolerance alone have a distance, which is no more than the tolerance. Swapping the two swaps the
+    /// points and turns the offset around, unless they are equal in all things, place included. `None` if anything is not
+    /// finite, and for pairs that parry does not support, such as two half-spaces.
+    ///
+    /// Two cuboids: O(1), in the order of 10 ns if turned alike, and 300 ns if not; two spheres, and a sphere and a cuboid:
+    /// O(1); a sphere and a mesh: linear in its polygons; two meshes: linear in their polygons where they are far from each
+    /// other, and in the pairs of those that are close to the other mesh. Allocates nothing once the workspace is warm, but
+    /// for meshes that meet Rapier's shapes.
+    ///
+    /// ```
+    /// use bevy::{math::Vec3, transform::components::Transform};
+    /// use bevy_octree::narrow_phase::{NarrowPhase, Placed, Shape, Workspace};
+    ///
+    /// let (brick, ball) = (Shape::cuboid(Vec3::ONE)?, Shape::sphere(0.5)?);
+    /// let (here, there) = (Transform::IDENTITY, Transform::from_xyz(4.0, 5.0, 0.0));
+    /// let (brick, ball) = (Placed::new(&brick, &here), Placed::new(&ball, &there));
+    /// let found = NarrowPhase::default().closest_points(brick, ball, &mut Workspace::default()).unwrap();
+    /// assert_eq!(found.distance, 4.5);
+    /// assert_eq!(found.points[0], Vec3::new(1.0, 1.0, 0.0));
+    /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
+    /// ```
+    #[must_use]
+    pub fn closest_points(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Proximity> {
+        #[cfg(feature = "rapier")]
+        if let Some(found) = super::parry::with_own(a, b, |a, b| self.closest_points(a, b, workspace)) {
+            return found;
+        }
+        let (first, second, swapped) = in_order(a, b);
+        let points = match Pair::new(first, second, self.tolerance()) {
+            Ok(pair) => local_points(&pair, workspace),
+            Err(BoundsError::Unbounded) => unbounded(first, second),
+            Err(BoundsError::NonFinite) => None,
+        };
+        let [mut from, mut to] = points?;
+        if swapped {
+            std::mem::swap(&mut from, &mut to);
+        }
+        let (origin, offset) = (first.transform.translation, to - from);
+        let points = [from, to].map(|point| origin + Vec3::from(point));
+        let found = Proximity { distance: offset.length(), points, offset: offset.into() };
+        (found.distance.is_finite() && points.iter().all(|point| point.is_finite())).then_some(found)
+    }
+}
+
+/// The closest points of two shapes, in the frame of the pair.
+fn local_points(pair: &Pair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+    match (pair.a.shape, pair.b.shape) {
+        #[cfg(feature = "rapier")]
+        (Shape::Rapier(_), _) | (_, Shape::Rapier(_)) => match super::parry::enclosed(pair, workspace) {
+            Some(point) => Some([point; 2]),
+            None => super::parry::closest_points(pair.a, pair.b),
+        },
+        (Shape::Sphere { .. }, _) => sphere_other(pair, workspace),
+        (_, Shape::Sphere { .. }) => {
+            let [on_ball, on_other] = sphere_other(&pair.swapped(), workspace)?;
+            Some([on_other, on_ball])
+        }
+        (Shape::Cuboid { .. }, Shape::Cuboid { .. }) => box_proximity::closest_points(pair, workspace),
+        _ => polygon_proximity::closest_points(pair, workspace),
+    }
+}
+
+/// A sphere, the first of the pair, and any other shape.
+fn sphere_other(pair: &Pair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+    let sphere = &pair.box_a;
+    let closest = closest_to_center(pair, workspace)?;
+    let offset = closest - sphere.center;
+    let distance = offset.length();
+    let on_sphere =
+        if distance > sphere.radius { sphere.center + offset * (sphere.radius / distance) } else { closest };
+    Some([on_sphere, closest])
+}
+
+/// The point of the second shape that is closest to the centre of the first.
+fn closest_to_center(pair: &Pair, workspace: &mut Workspace) -> Option<Vec3A> {
+    let center = pair.box_a.center;
+    match pair.b.shape {
+        Shape::Cuboid { .. } => Some(pair.box_b.closest_point(center)),
+        Shape::Sphere { .. } => {
+            let offset = pair.box_b.center - center;
+            Some(center + offset * (1.0 - (pair.box_b.radius / offset.length()).min(1.0)))
+        }
+        _ => match super::edge_polygon::sphere_closest(pair, workspace)? {
+            (_, true) => Some(center),
+            (closest, false) => Some(closest.point),
+        },
+    }
+}
+
+/// The closest points of two shapes of which one has no bounds, relative to the place of the first.
+#[cfg_attr(not(feature = "rapier"), expect(unused_variables, reason = "only Rapier shapes can be unbounded"))]
+fn unbounded(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
+    #[cfg(feature = "rapier")]
+    if a.transform.is_finite() && b.transform.is_finite() {
+        return super::parry::closest_points(a, b);
+    }
+    None
 }

@@ -58,13 +58,19 @@ impl Region {
     fn overlaps(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
+
+    /// The square of the distance of the two.
+    #[inline]
+    pub fn gap_squared(&self, other: &Self) -> f32 {
+        (self.min - other.max).max(other.min - self.max).max(Vec3A::ZERO).length_squared()
+    }
 }
 
 /// An edge in place, grown by the tolerance in `region`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Edge {
     pub ends: [Vec3A; 2],
-    region: Region,
+    pub region: Region,
 }
 
 /// A polygon in place.
@@ -77,7 +83,7 @@ pub(super) struct Face {
     /// The corners lie between `plane - thickness` and `plane + thickness` along the normal.
     pub plane: f32,
     thickness: f32,
-    region: Region,
+    pub region: Region,
 }
 
 /// The point of a surface that is closest to another point.
@@ -147,6 +153,12 @@ impl Surface {
                 });
             }
         }
+    }
+
+    /// Drops the edges and polygons that are not in `region`.
+    pub fn keep(&mut self, region: &Region) {
+        self.edges.retain(|edge| edge.region.overlaps(region));
+        self.faces.retain(|face| face.region.overlaps(region));
     }
 
     /// All vertices, by the indices of the mesh.

@@ -42,7 +42,9 @@ impl NarrowPhase {
             return None;
         }
         #[cfg(feature = "rapier")]
-        if let Some(impact) = self.sweep_own(moving, direction, max_distance, target, workspace) {
+        if let Some(impact) =
+            super::parry::with_own(moving, target, |a, b| self.sweep(a, direction, max_distance, b, workspace))
+        {
             return impact;
         }
         if self.intersects(moving, target, workspace) {
@@ -91,25 +93,6 @@ impl NarrowPhase {
             point: nearer.translation + Vec3::from(found.point),
             normal: found.normal.into(),
         })
-    }
-
-    /// Rapier's cuboids and balls as ours. `None` if there are none, or other shapes of Rapier's.
-    #[cfg(feature = "rapier")]
-    fn sweep_own(
-        &self,
-        moving: Placed,
-        direction: Dir3,
-        max_distance: f32,
-        target: Placed,
-        workspace: &mut Workspace,
-    ) -> Option<Option<Impact>> {
-        let own = |placed: Placed| match placed.shape {
-            Shape::Rapier(shape) => Some((super::parry::own(shape)?, placed.transform.with_scale(Vec3::ONE), true)),
-            shape => Some((shape.clone(), *placed.transform, false)),
-        };
-        let ((a, at_a, changed_a), (b, at_b, changed_b)) = (own(moving)?, own(target)?);
-        (changed_a || changed_b)
-            .then(|| self.sweep(Placed::new(&a, &at_a), direction, max_distance, Placed::new(&b, &at_b), workspace))
     }
 
     fn at_the_start(&self, moving: Placed, direction: Dir3, target: Placed, workspace: &mut Workspace) -> Impact {

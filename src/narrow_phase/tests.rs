@@ -44,7 +44,7 @@ pub(super) fn mesh_of(half_size: Vec3) -> Shape {
 }
 
 /// An L of two unit squares wide and high, without the upper right, and one deep.
-fn l_shape() -> Shape {
+pub(super) fn l_shape() -> Shape {
     let outline = [[0., 0.], [2., 0.], [2., 1.], [1., 1.], [1., 2.], [0., 2.]];
     prism(&outline)
 }

@@ -4,6 +4,11 @@ use std::fmt;
 
 use bevy::{ecs::entity::EntityHashSet, prelude::*};
 
+use crate::{
+    broad_phase::PairFilter,
+    filters::{self, CollisionLayer},
+};
+
 /// Which entities a query is to see: all, unless told otherwise. Borrows what it is told, so that it costs nothing to make
 /// and to copy.
 ///
@@ -19,6 +24,7 @@ use bevy::{ecs::entity::EntityHashSet, prelude::*};
 /// ```
 #[derive(Clone, Copy, Default)]
 pub struct SpatialQueryFilter<'a> {
+    layers: Option<u32>,
     except: Option<Entity>,
     excluded: Option<&'a EntityHashSet>,
     predicate: Option<Predicate<'a>>,
@@ -28,12 +34,24 @@ type Predicate<'a> = &'a (dyn Fn(Entity) -> bool + Sync);
 
 impl<'a> SpatialQueryFilter<'a> {
     /// All entities.
-    pub const ALL: Self = Self { except: None, excluded: None, predicate: None };
+    pub const ALL: Self = Self { layers: None, except: None, excluded: None, predicate: None };
 
     /// All entities but one: the one that asks, most of the time.
     #[must_use]
     pub const fn except(entity: Entity) -> Self {
         Self { except: Some(entity), ..Self::ALL }
+    }
+
+    /// Only those that are on one of these layers: by default, an entity is on the first. Replaces earlier layers.
+    #[must_use]
+    pub fn on(self, layers: impl IntoIterator<Item = impl CollisionLayer>) -> Self {
+        self.on_mask(filters::mask(layers))
+    }
+
+    /// As [`on`](Self::on), with a bit for each layer.
+    #[must_use]
+    pub const fn on_mask(self, layers: u32) -> Self {
+        Self { layers: Some(layers), ..self }
     }
 
     /// None of these either. Replaces an earlier set.
@@ -50,10 +68,11 @@ impl<'a> SpatialQueryFilter<'a> {
         Self { predicate: Some(predicate), ..self }
     }
 
-    /// Does an entity pass? The cheapest questions come first.
+    /// Does an entity pass that the broad phase knows as `object`? The cheapest questions come first.
     #[must_use]
-    pub fn accepts(&self, entity: Entity) -> bool {
-        self.except != Some(entity)
+    pub fn accepts(&self, entity: Entity, object: &PairFilter) -> bool {
+        self.layers.is_none_or(|layers| layers & object.memberships != 0)
+            && self.except != Some(entity)
             && self.excluded.is_none_or(|excluded| !excluded.contains(&entity))
             && self.predicate.is_none_or(|predicate| predicate(entity))
     }
@@ -62,6 +81,7 @@ impl<'a> SpatialQueryFilter<'a> {
 impl fmt::Debug for SpatialQueryFilter<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("SpatialQueryFilter")
+            .field("layers", &self.layers)
             .field("except", &self.except)
             .field("excluded", &self.excluded)
             .field("has_predicate", &self.predicate.is_some())

@@ -81,7 +81,8 @@ impl SpatialQuery<'_> {
 
     /// What is behind a handle, if the filter lets it pass.
     fn candidate(&self, id: ProxyId, filter: &SpatialQueryFilter) -> Option<&Body> {
-        self.index.body(id).filter(|body| filter.accepts(body.entity))
+        let object = self.index.index().proxies().filter(id);
+        self.index.body(id).filter(|body| filter.accepts(body.entity, &object))
     }
 }
 
