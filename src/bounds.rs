@@ -7,7 +7,7 @@ use bevy::{
 
 use crate::{
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
-    narrow_phase::{NarrowPhase, Placed},
+    narrow_phase::{BoundsError, NarrowPhase, Placed},
     plugin::{CollisionSystems, NarrowPhaseSettings},
     swept,
 };
@@ -17,9 +17,9 @@ use crate::{
 /// The place is taken from the [`Transform`]s of the entity and its ancestors, not from `GlobalTransform`, which is up
 /// to date only after transform propagation: boxes are right in the tick in which something moved.
 ///
-/// An entity whose box cannot be computed (a transform that is not finite, its own or an ancestor's; an unbounded shape)
-/// is left out of collision detection, with a warning in the log, until its transform, an ancestor's, or its shape
-/// changes again.
+/// An entity whose box cannot be computed (a transform that is not finite, its own or an ancestor's) is left out of
+/// collision detection, with a warning in the log, until its transform, an ancestor's, or its shape changes again. One
+/// whose shape has no end has an [endless](WorldAabb::ENDLESS) box.
 #[derive(Clone, Debug)]
 pub struct BoundsPlugin(pub(crate) InternedScheduleLabel);
 
@@ -108,6 +108,7 @@ pub(crate) fn world_aabb(
 ) -> WorldAabb {
     match tests.world_aabb(Placed::new(&shape.0, transform)) {
         Ok(aabb) => WorldAabb(aabb),
+        Err(BoundsError::Unbounded) => WorldAabb::ENDLESS,
         Err(error) => {
             tracing::warn!("{entity} is left out of collision detection: {error}");
             WorldAabb::NONE

@@ -143,12 +143,19 @@ impl CollisionIndex {
         entity: Entity,
         aabb: &WorldAabb,
         proxy: &mut BroadPhaseProxy,
-        shape: ShapeChange,
-        swept: Option<&Swept>,
+        what: Described,
+        tests: &NarrowPhase,
         filter: impl FnOnce() -> PairFilter,
     ) {
-        let known = proxy.id.filter(|id| self.index.set(*id, &aabb.0).is_ok());
-        let Some(id) = known.or_else(|| self.index.insert(aabb.0).ok()) else {
+        let index = &mut self.index;
+        let pose = proxy.pose;
+        // What fills all the space there is has no end: where it is, is up to its shape.
+        let side = || (*aabb == WorldAabb::ENDLESS).then(|| tests.side(Placed::new(what.shape, &pose)));
+        let known = proxy.id.filter(|id| {
+            index.set(*id, &aabb.0).is_ok() || side().is_some_and(|side| index.set_endless(*id, side).is_ok())
+        });
+        let insert = || index.insert(aabb.0).ok().or_else(|| index.insert_endless(side()?).ok());
+        let Some(id) = known.or_else(insert) else {
             if let Some(id) = proxy.id.take() {
                 self.index.remove(id);
             }
@@ -159,7 +166,7 @@ impl CollisionIndex {
                 self.index.remove(old);
             }
             self.change_filter(id, |old| *old = filter());
-            let body = Body { entity, pose: proxy.pose, shape: shape.shape.clone() };
+            let body = Body { entity, pose: proxy.pose, shape: what.shape.clone() };
             match self.bodies.get_mut(id.index()) {
                 Some(place) => *place = body,
                 None => self.bodies.push(body),
@@ -169,17 +176,19 @@ impl CollisionIndex {
             self.index.touch(id);
             let body = &mut self.bodies[id.index()];
             body.pose = proxy.pose;
-            if shape.changed {
-                body.shape = shape.shape.clone();
+            if what.shape_changed {
+                body.shape = what.shape.clone();
             }
         }
-        self.set_start(id, swept.and_then(|swept| swept.way_to(&proxy.pose)).copied());
+        self.set_start(id, what.swept.and_then(|swept| swept.way_to(&proxy.pose)).copied());
     }
 }
 
-struct ShapeChange<'a> {
+/// What an entity is, besides its box.
+struct Described<'a> {
     shape: &'a Shape,
-    changed: bool,
+    shape_changed: bool,
+    swept: Option<&'a Swept>,
 }
 
 /// Settings of the broad phase. Changes take effect at the next tick.
@@ -243,12 +252,13 @@ fn maintain(
     }
     index.index.set_pair_kinds(settings.pair_kinds);
     for ((entity, aabb, shape, mut proxy), filter, swept) in &mut boxes {
-        let change = ShapeChange { shape: &shape.0, changed: shape.is_changed() };
-        index.take_up(entity, aabb, proxy.bypass_change_detection(), change, swept, || filters::filter(filter));
+        let what = Described { shape: &shape.0, shape_changed: shape.is_changed(), swept };
+        index.take_up(entity, aabb, proxy.bypass_change_detection(), what, narrow.tests(), || filters::filter(filter));
     }
     index.index.update();
-    counters.tick.objects = index.index.proxies().len() as u64;
-    counters.tick.moved = index.index.proxies().moved().len() as u64;
+    let proxies = index.index.proxies();
+    counters.tick.objects = (proxies.len() + proxies.endless().count()) as u64;
+    counters.tick.moved = proxies.moved().len() as u64;
 }
 
 fn find_candidates(

@@ -7,7 +7,7 @@ use bevy::{
 };
 
 use crate::{
-    broad_phase::ProxyId,
+    broad_phase::{EVERYWHERE, ProxyId},
     collision_index::CollisionIndex,
     motion::Velocity,
     narrow_phase::{Shape, ShapeError},
@@ -91,6 +91,10 @@ impl WorldAabb {
     /// The box of an entity that has none: not computed yet, or impossible to compute. It is inverted, and so refused
     /// by the broad phase.
     pub const NONE: Self = Self(Aabb3d { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY });
+
+    /// The box of an entity whose shape has no end, as a half-space: all of space. The index keeps such entities apart
+    /// from the broad phase.
+    pub const ENDLESS: Self = Self(EVERYWHERE);
 }
 
 impl Default for WorldAabb {

@@ -28,6 +28,7 @@
 //! | [`BroadPhaseProxy`](components::BroadPhaseProxy) | its entry in the index |
 //! | [`Velocity`](motion::Velocity) | moves it each tick; without one it is static, until something else moves it |
 //! | [`PositionTrack`](motion::PositionTrack) | moves it along keyframes instead |
+//! | [`MovedElsewhere`](motion::MovedElsewhere) | has it moved by something else, such as a physics engine |
 //! | [`Bounce`](response::Bounce) | changes its velocity on contact |
 //! | [`Swept`](swept::Swept) | has it looked at all along its way, however fast it is |
 //! | [`CollisionLayers`](filters::CollisionLayers) | says which others it may meet; [more of the kind](filters) |
@@ -35,6 +36,9 @@
 //! | [`CollisionEventsEnabled`](contacts::CollisionEventsEnabled) | has its observers told of its contacts |
 //! | [`CollidingEntities`](contacts::CollidingEntities) | lists the entities that it touches |
 //! | [`Cube`](components::Cube) | shape, velocity and bounce in one: a moving cube |
+//!
+//! With the feature `rapier`, the plugin and the components of the module `rapier` work side by side with
+//! `bevy_rapier3d`.
 //!
 //! # What comes out
 //!
@@ -76,6 +80,8 @@ mod parallel;
 #[cfg(feature = "picking")]
 pub mod picking;
 pub mod plugin;
+#[cfg(feature = "rapier")]
+pub mod rapier;
 pub mod response;
 pub mod scene;
 pub mod spatial_query;
@@ -92,6 +98,8 @@ pub mod prelude {
     pub use crate::debug_draw::{CollisionDebugPlugin, CollisionGizmos, DebugDraw, LeafColors, QueryGizmos};
     #[cfg(feature = "picking")]
     pub use crate::picking::{CollisionPickable, CollisionPickingPlugin, CollisionPickingSettings};
+    #[cfg(feature = "rapier")]
+    pub use crate::rapier::{RapierInteropPlugin, ShapeFromRapier};
     pub use crate::{
         broad_phase::{Method, ObjectOctreeSettings, PairKinds},
         collision_index::{BroadPhaseSettings, CandidatePairs, CollisionIndex},
@@ -104,7 +112,7 @@ pub mod prelude {
         filters::{
             CollisionLayer, CollisionLayers, IgnoreCollisions, PairHook, PairHookPlugin, Sensor, StaticCollider,
         },
-        motion::{CollisionClock, MotionSettings, PositionTrack, Step, Velocity},
+        motion::{CollisionClock, MotionSettings, MovedElsewhere, PositionTrack, Step, Velocity},
         narrow_phase::Shape,
         plugin::{CollisionSystems, NarrowPhaseSettings, OctreePlugins},
         response::{Bounce, BouncePlugin},

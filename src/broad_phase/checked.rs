@@ -1,6 +1,6 @@
 //! An index with everything checked at every step, and random histories to put it through.
 
-use bevy::math::{Vec3, bounding::Aabb3d};
+use bevy::math::{Vec3, bounding::Aabb3d, primitives::HalfSpace};
 use proptest::prelude::*;
 
 use super::{
@@ -56,6 +56,17 @@ fn brute_force(proxies: &Proxies) -> Vec<Pair> {
             }
         }
     }
+    for endless in proxies.endless() {
+        let side = proxies.endless.iter().find(|other| other.id == endless).and_then(|endless| endless.side);
+        // Heights are in units that floats add without rounding.
+        let reaches = |aabb: &Aabb3d| {
+            let above = |side: HalfSpace, y: f32| side.normal().y * y + side.d() >= 0.0;
+            side.is_none_or(|side| above(side, aabb.min.y) || above(side, aabb.max.y))
+        };
+        let meets = |(id, aabb): &&(ProxyId, &Aabb3d)| reaches(aabb) && proxies.admits(endless, *id);
+        pairs.extend(all.iter().filter(meets).map(|(id, _)| Pair::new(endless, *id)));
+    }
+    pairs.sort_unstable();
     pairs
 }
 
@@ -80,6 +91,8 @@ pub(super) enum Step {
     Filter { which: usize, bits: u8 },
     Kinds { bits: u8 },
     Remove { which: usize },
+    Endless { which: usize, side: Option<(bool, i16)> },
+    RemoveEndless { which: usize },
     Tick,
 }
 
@@ -97,6 +110,9 @@ pub(super) fn a_step() -> impl Strategy<Value = Step> {
         // Most often the default.
         1 => (0_u8..16).prop_map(|bits| Step::Kinds { bits: if bits < 8 { bits } else { 3 } }),
         2 => any::<usize>().prop_map(|which| Step::Remove { which }),
+        1 => (any::<usize>(), prop::option::of((any::<bool>(), -640_i16..640)))
+            .prop_map(|(which, side)| Step::Endless { which, side }),
+        1 => any::<usize>().prop_map(|which| Step::RemoveEndless { which }),
         4 => Just(Step::Tick),
     ]
 }
@@ -106,8 +122,13 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
     const UNIT: f32 = 1.0 / 64.0;
     let place = |at: [i16; 3]| Vec3::from(at.map(f32::from)) * UNIT;
     let mut objects: Vec<(ProxyId, Vec3, f32)> = Vec::new();
+    let mut endless: Vec<ProxyId> = Vec::new();
     for step in steps {
         let count = objects.len().max(1);
+        let any = |which: &usize, objects: &[(ProxyId, Vec3, f32)]| {
+            let ids: Vec<_> = objects.iter().map(|(id, ..)| *id).chain(endless.iter().copied()).collect();
+            ids.get(which % ids.len().max(1)).copied()
+        };
         let mut change = |which: &usize, f: &mut dyn FnMut(&mut Vec3, &mut f32)| {
             if let Some((id, center, half)) = objects.get_mut(which % count) {
                 f(center, half);
@@ -126,16 +147,16 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
             Step::Teleport { which, to } => change(which, &mut |center, _| *center = place(*to)),
             Step::Resize { which, size } => change(which, &mut |_, half| *half = f32::from(*size) * UNIT),
             Step::Touch { which } => {
-                if let Some((id, ..)) = objects.get(which % count) {
-                    checked.index.touch(*id);
+                if let Some(id) = any(which, &objects) {
+                    checked.index.touch(id);
                 }
             }
             Step::Filter { which, bits } => {
-                if let Some((id, ..)) = objects.get(which % count) {
+                if let Some(id) = any(which, &objects) {
                     let [memberships, filters] = [bits & 3, bits >> 2 & 3].map(u32::from);
                     let world = if bits >> 5 == 0 { 7 } else { PairFilter::DEFAULT_WORLD };
                     let filter = PairFilter { memberships, filters, is_static: bits >> 4 & 1 == 1, world };
-                    checked.index.set_filter(*id, filter).unwrap();
+                    checked.index.set_filter(id, filter).unwrap();
                 }
             }
             Step::Kinds { bits } => {
@@ -146,6 +167,22 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
                 if !objects.is_empty() {
                     let (id, ..) = objects.swap_remove(which % count);
                     assert!(checked.index.remove(id));
+                }
+            }
+            Step::Endless { which, side } => {
+                // Below a height, or above it.
+                let side = side.map(|(below, height)| {
+                    let y = if below { -1.0 } else { 1.0 };
+                    HalfSpace::new(Vec3::new(0.0, y, 0.0).extend(f32::from(height) * UNIT))
+                });
+                match endless.get(which % 4) {
+                    Some(id) => checked.index.set_endless(*id, side).unwrap(),
+                    None => endless.push(checked.index.insert_endless(side).unwrap()),
+                }
+            }
+            Step::RemoveEndless { which } => {
+                if !endless.is_empty() {
+                    assert!(checked.index.remove(endless.swap_remove(which % endless.len())));
                 }
             }
             Step::Tick => checked.step(),

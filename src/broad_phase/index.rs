@@ -2,7 +2,7 @@
 
 use std::{any::Any, fmt};
 
-use bevy::math::bounding::Aabb3d;
+use bevy::math::{bounding::Aabb3d, primitives::HalfSpace};
 
 use super::{
     BoxError, BroadPhase, BroadPhaseStats, Leaf, Method, PairFilter, PairKinds, PairSet, Proxies, ProxyId, Visitor,
@@ -91,6 +91,26 @@ impl SpatialIndex {
         self.proxies.set(id, aabb)
     }
 
+    /// Adds an object without an end, which has no box: a ground plane, with the half-space that it fills; or `None` for
+    /// one that may be anywhere. It makes a pair with every box that has a part in the half-space, and with no other
+    /// endless object; queries find it at a distance of 0, wherever they look, and leave the rest to the caller.
+    ///
+    /// Meant for a handful: each costs its look at every object that moves, and at all when it moves itself.
+    ///
+    /// # Errors
+    /// [`BoxError::Full`].
+    pub fn insert_endless(&mut self, side: Option<HalfSpace>) -> Result<ProxyId, BoxError> {
+        self.proxies.insert_endless(side)
+    }
+
+    /// Says where an endless object is in this tick. O(endless objects).
+    ///
+    /// # Errors
+    /// A handle that is not that of an endless object is refused, and nothing changes.
+    pub fn set_endless(&mut self, id: ProxyId, side: Option<HalfSpace>) -> Result<(), BoxError> {
+        self.proxies.set_endless(id, side)
+    }
+
     /// Counts an object as moved though its box stays: it may have turned inside it. False if there is none.
     pub fn touch(&mut self, id: ProxyId) -> bool {
         self.proxies.touch(id)
@@ -147,6 +167,7 @@ impl SpatialIndex {
         if !self.searched {
             let found = self.pairs.begin(&self.proxies);
             self.pairs_tested = self.engine.find_pairs(&self.proxies, found);
+            self.pairs_tested += self.proxies.find_endless_pairs(found);
             if self.proxies.are_filtered() && !self.engine.asks_filters() {
                 self.pairs.filter(&self.proxies);
             }

@@ -36,6 +36,9 @@
 //!
 //! All of them give the same pairs: exactly those whose boxes overlap, touching included.
 //!
+//! Objects without an end, such as a ground plane, have no box: the index keeps them apart from the broad phase
+//! ([`SpatialIndex::insert_endless`]).
+//!
 //! # A way of your own
 //!
 //! Implement [`BroadPhase`] for a type, and give it to [`SpatialIndex::with_engine`]. The trait has one verb for each
@@ -94,6 +97,7 @@
 mod auto;
 #[cfg(test)]
 mod checked;
+mod endless;
 mod exhaustive;
 mod filter;
 mod group;

@@ -1,12 +1,12 @@
 //! Proxies: the boxes of the objects, behind stable handles.
 
 use bevy::{
-    math::{Vec3A, bounding::Aabb3d},
+    math::{Vec3A, bounding::Aabb3d, primitives::HalfSpace},
     prelude::Reflect,
 };
 use thiserror::Error;
 
-use super::{PairFilter, PairKinds};
+use super::{EVERYWHERE, PairFilter, PairKinds, endless::Endless};
 
 /// The handle of one object's box in a [`SpatialIndex`](super::SpatialIndex).
 ///
@@ -92,8 +92,12 @@ const ALIVE: u8 = 1;
 const PENDING: u8 = 2;
 /// Changed between the last two updates: what the current pairs are about.
 const MOVED: u8 = 4;
+/// Without an end, and so without a box.
+const ENDLESS: u8 = 8;
 
 /// The boxes of all objects, and which of them changed.
+///
+/// Objects without an end have a handle too, but no box: they are in none of the lists, and no concern of a broad phase.
 ///
 /// An implementation of [`BroadPhase`](super::BroadPhase) reads this and never writes it.
 #[derive(Clone, Debug, Default)]
@@ -122,17 +126,20 @@ pub struct Proxies {
     /// Did an object move, or go, that had not moved in the update before? And the other way round?
     some_woke: bool,
     some_slept: bool,
+    /// Those without an end, and those of them that were removed since the last update.
+    pub(super) endless: Vec<Endless>,
+    endless_pending: bool,
 }
 
 impl Proxies {
-    /// The number of objects.
+    /// The number of objects that have a box.
     #[inline]
     #[must_use]
     pub const fn len(&self) -> usize {
         self.alive
     }
 
-    /// Is there no object at all?
+    /// Is there no object that has a box?
     #[inline]
     #[must_use]
     pub const fn is_empty(&self) -> bool {
@@ -153,11 +160,17 @@ impl Proxies {
         self.flags.get(id.index()).is_some_and(|f| f & ALIVE != 0)
     }
 
-    /// The box of an object, or `None` if there is no such object.
+    /// The box of an object, or `None` if there is no such object, or it is without an end.
     #[inline]
     #[must_use]
     pub fn get(&self, id: ProxyId) -> Option<&Aabb3d> {
-        self.contains(id).then(|| &self.boxes[id.index()])
+        let has_box = self.flags.get(id.index()).is_some_and(|f| f & (ALIVE | ENDLESS) == ALIVE);
+        has_box.then(|| &self.boxes[id.index()])
+    }
+
+    /// The objects without an end.
+    pub fn endless(&self) -> impl Iterator<Item = ProxyId> {
+        self.endless.iter().map(|endless| endless.id).filter(|id| self.contains(*id))
     }
 
     /// All boxes by index, those of removed objects included: for the inner loops of a broad phase.
@@ -260,12 +273,13 @@ impl Proxies {
     #[inline]
     #[must_use]
     pub const fn has_pending(&self) -> bool {
-        !self.pending.is_empty()
+        !self.pending.is_empty() || self.endless_pending
     }
 
-    /// All objects, by ascending handle. O(capacity).
+    /// All objects that have a box, by ascending handle. O(capacity).
     pub fn iter(&self) -> impl Iterator<Item = (ProxyId, &Aabb3d)> + Clone {
-        (0..).map(ProxyId).zip(&self.boxes).zip(&self.flags).filter(|(_, f)| *f & ALIVE != 0).map(|(item, _)| item)
+        let has_box = |flags: &u8| flags & (ALIVE | ENDLESS) == ALIVE;
+        (0..).map(ProxyId).zip(&self.boxes).zip(&self.flags).filter(move |(_, f)| has_box(f)).map(|(item, _)| item)
     }
 
     /// The memory taken, in bytes.
@@ -276,11 +290,26 @@ impl Proxies {
         self.boxes.capacity() * size_of::<Aabb3d>()
             + self.flags.capacity()
             + self.filters.capacity() * size_of::<PairFilter>()
+            + self.endless.capacity() * size_of::<Endless>()
             + lists.map(|list| list.capacity() * size_of::<ProxyId>()).sum::<usize>()
     }
 
     pub(super) fn insert(&mut self, aabb: Aabb3d) -> Result<ProxyId, BoxError> {
         check_box(&aabb)?;
+        let id = self.allocate(aabb, ALIVE)?;
+        self.alive += 1;
+        self.population_is_changing = true;
+        Ok(id)
+    }
+
+    pub(super) fn insert_endless(&mut self, side: Option<HalfSpace>) -> Result<ProxyId, BoxError> {
+        let id = self.allocate(EVERYWHERE, ALIVE | ENDLESS)?;
+        self.endless.push(Endless { id, side });
+        Ok(id)
+    }
+
+    /// A handle for a new object.
+    fn allocate(&mut self, aabb: Aabb3d, flags: u8) -> Result<ProxyId, BoxError> {
         let id = match self.free.pop() {
             Some(id) => {
                 self.boxes[id.index()] = aabb;
@@ -293,13 +322,11 @@ impl Proxies {
                 ProxyId(index)
             }
         };
-        self.flags[id.index()] = ALIVE;
+        self.flags[id.index()] = flags;
         if let Some(filter) = self.filters.get_mut(id.index()) {
             *filter = PairFilter::default();
         }
         self.mark(id);
-        self.alive += 1;
-        self.population_is_changing = true;
         Ok(id)
     }
 
@@ -310,10 +337,11 @@ impl Proxies {
         };
         // Most common first: the same box again, which is known to be a good one.
         let is_same = old.min.cmpeq(aabb.min) & old.max.cmpeq(aabb.max);
-        if is_same.all() && *flags & ALIVE != 0 {
+        let has_box = *flags & (ALIVE | ENDLESS) == ALIVE;
+        if is_same.all() && has_box {
             return Ok(());
         }
-        if !is_box(aabb) || *flags & ALIVE == 0 {
+        if !is_box(aabb) || !has_box {
             return Err(self.refusal(id, aabb));
         }
         *old = *aabb;
@@ -330,6 +358,19 @@ impl Proxies {
         check_box(aabb).err().unwrap_or(BoxError::UnknownProxy(id))
     }
 
+    /// Says where an endless object is.
+    pub(super) fn set_endless(&mut self, id: ProxyId, side: Option<HalfSpace>) -> Result<(), BoxError> {
+        let place = self.endless.iter_mut().find(|endless| endless.id == id);
+        let Some(endless) = place.filter(|endless| self.flags[endless.id.index()] & ALIVE != 0) else {
+            return Err(BoxError::UnknownProxy(id));
+        };
+        if endless.side != side {
+            endless.side = side;
+            self.mark(id);
+        }
+        Ok(())
+    }
+
     /// Sets the filter of an object, which counts as moved if that is a change.
     pub(super) fn set_filter(&mut self, id: ProxyId, filter: PairFilter) -> Result<(), BoxError> {
         if !self.contains(id) {
@@ -340,7 +381,9 @@ impl Proxies {
                 self.filters.resize(self.boxes.len(), PairFilter::default());
             }
             self.filters[id.index()] = filter;
-            self.pending_filters.push(id);
+            if self.flags[id.index()] & ENDLESS == 0 {
+                self.pending_filters.push(id);
+            }
             self.mark(id);
         }
         Ok(())
@@ -375,11 +418,14 @@ impl Proxies {
         if !self.contains(id) {
             return false;
         }
-        self.flags[id.index()] &= !ALIVE;
+        let flags = &mut self.flags[id.index()];
+        *flags &= !ALIVE;
+        if *flags & ENDLESS == 0 {
+            self.alive -= 1;
+            self.population_is_changing = true;
+        }
         self.mark(id);
         self.dying.push(id);
-        self.alive -= 1;
-        self.population_is_changing = true;
         true
     }
 
@@ -403,6 +449,7 @@ impl Proxies {
             self.alive_moved += usize::from(*flags & ALIVE);
         }
         self.some_woke = moved_before == 0;
+        self.update_endless();
         self.changed_filters.clear();
         std::mem::swap(&mut self.changed_filters, &mut self.pending_filters);
         self.population_changed = std::mem::take(&mut self.population_is_changing);
@@ -410,12 +457,30 @@ impl Proxies {
         std::mem::swap(&mut self.dead, &mut self.dying);
     }
 
+    fn update_endless(&mut self) {
+        self.endless_pending = false;
+        self.endless.retain(|endless| {
+            let flags = &mut self.flags[endless.id.index()];
+            let (moved_before, moves) = (*flags & MOVED != 0, *flags & PENDING != 0);
+            let is_alive = *flags & ALIVE != 0;
+            // Of a removed one, no pair rests any longer.
+            self.some_woke |= !is_alive || moves && !moved_before;
+            self.some_slept |= moved_before && !moves;
+            *flags = *flags & (ALIVE | ENDLESS) | if moves { MOVED } else { 0 };
+            is_alive
+        });
+    }
+
     #[inline]
     fn mark(&mut self, id: ProxyId) {
         let flags = &mut self.flags[id.index()];
         if *flags & PENDING == 0 {
             *flags |= PENDING;
-            self.pending.push(id);
+            if *flags & ENDLESS == 0 {
+                self.pending.push(id);
+            } else {
+                self.endless_pending = true;
+            }
         }
     }
 }

@@ -18,6 +18,12 @@ pub use track::{Interpolation, Outside, PositionTrack, TrackError};
 #[require(Transform)]
 pub struct Velocity(pub Vec3);
 
+/// The entity's [`Velocity`] says how it moves, but something else moves it: a system of your own, a physics engine.
+/// Contacts change the velocity all the same.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Clone, Debug, Default, PartialEq)]
+pub struct MovedElsewhere;
+
 /// Counts ticks from zero: the runs of the schedule that the plugins are in.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Debug, Default, PartialEq)]
@@ -79,6 +85,7 @@ pub struct MotionPlugin(pub(crate) InternedScheduleLabel);
 impl Plugin for MotionPlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<PositionTrack>()
+            .register_type::<MovedElsewhere>()
             .add_systems(self.0, (move_by_velocity, follow_tracks).chain().in_set(CollisionSystems::Motion));
     }
 }
@@ -94,8 +101,10 @@ fn follow_tracks(mut followers: Query<(&PositionTrack, &mut Transform)>, clock: 
     }
 }
 
+type MovedByVelocity = (Without<PositionTrack>, Without<MovedElsewhere>);
+
 fn move_by_velocity(
-    mut moving: Query<(Entity, &Velocity, &mut Transform), Without<PositionTrack>>,
+    mut moving: Query<(Entity, &Velocity, &mut Transform), MovedByVelocity>,
     settings: Res<MotionSettings>,
     time: Option<Res<Time>>,
     mut warned: Local<bool>,

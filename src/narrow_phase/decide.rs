@@ -2,6 +2,7 @@
 
 use bevy::math::Vec3A;
 use bevy::math::bounding::Aabb3d;
+use bevy::math::primitives::HalfSpace;
 use bevy::transform::components::Transform;
 
 use super::pair::{Pair, ROUNDING, in_order};
@@ -85,6 +86,18 @@ impl NarrowPhase {
         let grown = self.tolerance * 0.5 + ROUNDING * size + f32::EPSILON * far;
         let (min, max) = (min - grown, max + grown);
         if min.is_finite() && max.is_finite() { Ok(Aabb3d { min, max }) } else { Err(BoundsError::NonFinite) }
+    }
+
+    /// The half-space that holds all that may be in contact with a shape without bounds, if one does: what a broad phase
+    /// is to know of it, as of others their [`world_aabb`](Self::world_aabb). Both are grown by half the tolerance.
+    #[must_use]
+    #[cfg_attr(not(feature = "rapier"), expect(unused_variables, reason = "only Rapier shapes can be unbounded"))]
+    pub fn side(&self, placed: Placed) -> Option<HalfSpace> {
+        #[cfg(feature = "rapier")]
+        if let Shape::Rapier(shape) = placed.shape {
+            return super::parry::side(shape, placed.transform, self.tolerance * 0.5);
+        }
+        None
     }
 
     /// Whether two shapes are in contact. The order of the two makes no difference.

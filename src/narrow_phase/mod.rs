@@ -76,7 +76,7 @@
 //! `bevy_rapier3d` has done so already. Meshes are converted when they first meet such a shape. A
 //! pair that parry does not support, such as two half-spaces, counts as apart, and the first such
 //! pair logs a warning. A shape without an end has [no bounds](BoundsError::Unbounded) for a broad
-//! phase, but can be tested.
+//! phase, but perhaps a [side](NarrowPhase::side), and can be tested.
 
 #[cfg(feature = "mesh")]
 mod bevy_mesh;

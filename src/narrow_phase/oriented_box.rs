@@ -23,9 +23,11 @@ pub(super) struct OrientedBox {
 impl OrientedBox {
     #[inline]
     pub fn of(shape: &Shape, transform: &Transform, origin: Vec3) -> Result<Self, BoundsError> {
-        let (local_center, local_half, local_radius) = shape.local_bounds()?;
-        let scale = effective_scale(shape, transform);
         let rotation = transform.rotation.normalize();
+        let is_finite = || transform.is_finite() && rotation.is_finite();
+        let of_endless = |error| if is_finite() { error } else { BoundsError::NonFinite };
+        let (local_center, local_half, local_radius) = shape.local_bounds().map_err(of_endless)?;
+        let scale = effective_scale(shape, transform);
         let axes = match shape {
             // The box around a ball need not turn with it.
             Shape::Sphere { .. } if rotation.is_finite() => Mat3A::IDENTITY,

@@ -1,18 +1,20 @@
 //! Shapes of `bevy_rapier3d`, decided by parry.
 
+use std::cell::Cell;
 use std::sync::{Once, OnceLock};
 
-use bevy::math::{Dir3, Vec3, Vec3A};
+use bevy::math::{Dir3, Vec3, Vec3A, primitives::HalfSpace};
 use bevy::transform::components::Transform;
 use bevy_rapier3d::geometry::Collider;
 use bevy_rapier3d::parry::math::Pose;
+use bevy_rapier3d::parry::partitioning::BvhNode;
 use bevy_rapier3d::parry::query::{self, ClosestPoints, ShapeCastOptions, Unsupported};
 use bevy_rapier3d::parry::shape::{self, SharedShape, TriMesh};
 
 use super::contact::{LocalContact, MOST_STEPS};
 use super::edge_polygon;
 use super::oriented_box::effective_scale;
-use super::pair::Pair;
+use super::pair::{Pair, ROUNDING};
 use super::triangulate::triangulate;
 use super::{BoundsError, Impact, Placed, PolygonMesh, Shape, Workspace};
 
@@ -50,6 +52,14 @@ pub(super) fn local_bounds(shape: &SharedShape) -> Result<(Vec3A, Vec3A, f32), B
     Ok((min * 0.5 + max * 0.5, half, half.length()))
 }
 
+/// A half-space where it is in the world, grown by a margin and by rounding. `None` for other shapes.
+pub(super) fn side(shape: &SharedShape, at: &Transform, margin: f32) -> Option<HalfSpace> {
+    let outwards = at.rotation.normalize() * shape.as_halfspace()?.normal;
+    let grown = margin + ROUNDING * at.translation.abs().element_sum();
+    // Bevy's normals point inside.
+    Some(HalfSpace::new((-outwards).extend(outwards.dot(at.translation) + grown)))
+}
+
 /// Two cuboids, of which one or both are Rapier's, as cuboids of our own: parry's test for them asserts
 /// in debug builds that rounding is kind, which it is not where they touch.
 pub(super) fn cuboids<T>(pair: &Pair, f: impl FnOnce(&Pair) -> T) -> Option<T> {
@@ -77,12 +87,56 @@ pub(super) fn intersects(a: Placed, b: Placed, tolerance: f32) -> bool {
 
 /// The contact that parry finds.
 pub(super) fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalContact> {
+    let origin = a.transform.translation;
+    let of_half_space = half_space_contact(a, b, origin)
+        .or_else(|| half_space_contact(b, a, origin).map(|found| LocalContact { normal: -found.normal, ..found }));
+    if of_half_space.is_some() {
+        return of_half_space;
+    }
     let contact = ask(a, b, |a, at_a, b, at_b| query::contact(at_a, a, at_b, b, tolerance))??;
     Some(LocalContact {
         normal: Vec3A::from(contact.normal1).try_normalize()?,
         point: contact.point1.midpoint(contact.point2).into(),
         depth: (-contact.dist).max(0.0),
     })
+}
+
+/// The contact of a half-space and another shape. Parry's own takes the place of the one for that of the other if the
+/// half-space is the second, or the other consists of parts.
+fn half_space_contact(side: Placed, other: Placed, origin: Vec3) -> Option<LocalContact> {
+    let Shape::Rapier(shape) = side.shape else { return None };
+    let normal = side.transform.rotation.normalize() * shape.as_halfspace()?.normal;
+    let from_side = other.transform.translation - side.transform.translation;
+    let at = Pose::from_parts(from_side, other.transform.rotation.normalize());
+    let deepest = with_shape(other, |other| deepest(other, &at, normal))??;
+    let depth = -deepest.dot(normal);
+    let point = side.transform.translation - origin + deepest + normal * (depth * 0.5);
+    Some(LocalContact { normal: normal.into(), point: point.into(), depth: depth.max(0.0) })
+}
+
+/// The point of a shape that is farthest against a direction.
+fn deepest(shape: &dyn shape::Shape, at: &Pose, up: Vec3) -> Option<Vec3> {
+    if let Some(convex) = shape.as_support_map() {
+        return Some(convex.support_point(at, -up));
+    }
+    let parts = shape.as_composite_shape()?;
+    let own_up = at.rotation.inverse() * up;
+    let lowest = Cell::new(f32::INFINITY);
+    let may_be_lower = |node: &BvhNode| {
+        let low = Vec3::select(own_up.cmpge(Vec3::ZERO), node.mins(), node.maxs());
+        low.dot(own_up) + at.translation.dot(up) <= lowest.get()
+    };
+    let mut found = None;
+    for part in parts.bvh().leaves(may_be_lower) {
+        parts.map_part_at(part, &mut |part_at, part, _| {
+            let at = part_at.map_or(*at, |part_at| *at * *part_at);
+            if let Some(point) = deepest(part, &at, up).filter(|point| point.dot(up) < lowest.get()) {
+                lowest.set(point.dot(up));
+                found = Some(point);
+            }
+        });
+    }
+    found
 }
 
 /// Where a ray meets a shape. Solids are solid.

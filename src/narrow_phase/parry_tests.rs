@@ -242,6 +242,36 @@ fn half_space_has_no_bounds_but_contacts() {
 }
 
 #[test]
+fn contacts_of_a_half_space_are_where_a_shape_is_deepest() {
+    let parts = [-1.0, 1.0].map(|x| (Pose::translation(x, -0.5 * x, 0.0), SharedShape::cuboid(0.5, 0.5, 0.5)));
+    // Each of them, where its lowest point is, and how low.
+    let shapes = [
+        (Shape::sphere(0.5).unwrap(), 0.0, 0.5),
+        (SharedShape::ball(0.5).into(), 0.0, 0.5),
+        (SharedShape::cone(0.5, 0.5).into(), 0.0, 0.5),
+        (SharedShape::compound(parts.into()).into(), 1.0, 1.0),
+        (mesh_of(Vec3::splat(0.5)), 0.0, 0.5),
+        (box_of(0.5, 0.5, 0.5), 0.0, 0.5),
+    ];
+    let ground = Shape::from(SharedShape::halfspace(Vec3::Y));
+    for turn in [Quat::IDENTITY, Quat::from_rotation_z(0.5), Quat::from_rotation_x(2.0)] {
+        let at_ground = Transform::from_xyz(3.0, -2.0, 1.0).with_rotation(turn);
+        for (shape, aside, low) in &shapes {
+            // Which of the two comes first, is up to their places.
+            for x in [-4.0, 4.0] {
+                let at = at_ground * Transform::from_xyz(x, low - 0.1, 0.0);
+                let (ground, shape) = (Placed::new(&ground, &at_ground), Placed::new(shape, &at));
+                let found = NarrowPhase::default().contact(ground, shape, &mut Workspace::default()).unwrap();
+                assert!((found.normal - turn * Vec3::Y).length() < 1e-5, "{found:?}");
+                assert!((found.depth - 0.1).abs() < 1e-5, "{found:?}");
+                let off = turn.inverse() * (found.point - at_ground.translation) - Vec3::X * (x + aside);
+                assert!((off.y + 0.05).abs() < 1e-5 && off.x.abs() < 0.51 && off.z.abs() < 0.51, "{found:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn unsupported_pairs_are_apart() {
     let ground = Shape::from(SharedShape::halfspace(Vec3::Y));
     let here = at(0.0, 0.0, 0.0);

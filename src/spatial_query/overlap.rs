@@ -88,8 +88,8 @@ impl SpatialQuery<'_> {
         });
     }
 
-    /// The entities whose *boxes* are in a view frustum, as far as its planes tell: see
-    /// [`Region`].
+    /// The entities whose *boxes* are in a view frustum, as far as its planes tell: see [`Region`]. Those without an end
+    /// are in all of them.
     pub fn frustum_intersections<F: Flow>(
         &self,
         frustum: &ViewFrustum,
@@ -99,7 +99,7 @@ impl SpatialQuery<'_> {
         self.boxes_in(frustum, filter, found);
     }
 
-    /// The entities whose *boxes* have a part on the inner side of each plane.
+    /// The entities whose *boxes* have a part on the inner side of each plane, and those without an end.
     pub fn half_space_intersections<F: Flow>(
         &self,
         planes: &[HalfSpace],

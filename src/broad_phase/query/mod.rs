@@ -59,6 +59,9 @@ impl Flow for ControlFlow<()> {
 /// nothing. They are fastest with a [`LinearOctree`](super::LinearOctree), whose blocks they search eight boxes at a
 /// time.
 ///
+/// Objects without an end are found by each, at a distance of 0, wherever they are: what lies where is for `distance`, or
+/// `found`, to say.
+///
 /// They see the boxes as of the last [`update`](Self::update). Of an object that changed since, a query may see the old
 /// box, the new one, or none.
 ///
@@ -211,9 +214,20 @@ impl SpatialIndex {
 
     /// Calls `visit` with each object within the limit, and its distance; it tells the limit from then on.
     #[inline(always)]
-    fn search<M: Measure>(&self, measure: &M, limit: f32, visit: impl FnMut(ProxyId, f32) -> ControlFlow<(), f32>) {
-        if limit.is_nan() {
+    fn search<M: Measure>(
+        &self,
+        measure: &M,
+        mut limit: f32,
+        mut visit: impl FnMut(ProxyId, f32) -> ControlFlow<(), f32>,
+    ) {
+        if limit.is_nan() || limit < 0.0 {
             return;
+        }
+        for id in self.proxies().endless() {
+            match visit(id, 0.0) {
+                ControlFlow::Continue(new) => limit = new,
+                ControlFlow::Break(()) => return,
+            }
         }
         match self.engine().as_linear() {
             Some(linear) => linear.search(self.proxies(), measure, limit, visit),
