@@ -9,6 +9,7 @@ use crate::{
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     narrow_phase::{NarrowPhase, Placed},
     plugin::{CollisionSystems, NarrowPhaseSettings},
+    swept,
 };
 
 /// Computes the [`WorldAabb`] of every entity whose shape or place in the world changed.
@@ -16,16 +17,21 @@ use crate::{
 /// The place is taken from the [`Transform`]s of the entity and its ancestors, not from `GlobalTransform`, which is up
 /// to date only after transform propagation: boxes are right in the tick in which something moved.
 ///
-/// An entity whose box cannot be computed (a transform that is not finite, an unbounded shape) is left out of
-/// collision detection, with a warning in the log, until its transform or shape changes again.
+/// An entity whose box cannot be computed (a transform that is not finite, its own or an ancestor's; an unbounded shape)
+/// is left out of collision detection, with a warning in the log, until its transform, an ancestor's, or its shape
+/// changes again.
 #[derive(Clone, Debug)]
 pub struct BoundsPlugin(pub(crate) InternedScheduleLabel);
 
 impl Plugin for BoundsPlugin {
     fn build(&self, app: &mut App) {
         let outdate = outdate_all.run_if(resource_changed::<NarrowPhaseSettings>);
-        app.add_systems(self.0, (outdate, update_roots, update_children).chain().in_set(CollisionSystems::Bounds))
-            .add_observer(on_unparented);
+        let sweep = swept::stretch_boxes.run_if(any_with_component::<swept::Swept>);
+        app.add_systems(
+            self.0,
+            (outdate, update_roots, update_children, sweep).chain().in_set(CollisionSystems::Bounds),
+        )
+        .add_observer(on_unparented);
     }
 }
 
@@ -37,7 +43,8 @@ fn outdate_all(mut proxies: Query<&mut BroadPhaseProxy>) {
 /// Brings all boxes up to date, at any moment.
 pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     world.run_system_cached(update_roots)?;
-    world.run_system_cached(update_children)
+    world.run_system_cached(update_children)?;
+    world.run_system_cached(swept::stretch_boxes)
 }
 
 type Bounded<'a> = (Entity, &'a CollisionShape, &'a Transform, &'a mut WorldAabb, &'a mut BroadPhaseProxy);
@@ -76,7 +83,29 @@ fn update_children(
     }
 }
 
-fn world_aabb(tests: &NarrowPhase, entity: Entity, shape: &CollisionShape, transform: &Transform) -> WorldAabb {
+/// Where an entity is in the world, by its own transform and those of its ancestors.
+pub(crate) fn world_pose(
+    entity: Entity,
+    ancestors: &Query<(&Transform, Option<&ChildOf>), Allow<Disabled>>,
+) -> Transform {
+    let mut world = GlobalTransform::IDENTITY;
+    let mut next = Some(entity);
+    while let Some(Ok((transform, parent))) = next.map(|ancestor| ancestors.get(ancestor)) {
+        if parent.is_none() && next == Some(entity) {
+            return *transform;
+        }
+        world = *transform * world;
+        next = parent.map(ChildOf::parent);
+    }
+    world.compute_transform()
+}
+
+pub(crate) fn world_aabb(
+    tests: &NarrowPhase,
+    entity: Entity,
+    shape: &CollisionShape,
+    transform: &Transform,
+) -> WorldAabb {
     match tests.world_aabb(Placed::new(&shape.0, transform)) {
         Ok(aabb) => WorldAabb(aabb),
         Err(error) => {

@@ -10,8 +10,9 @@ use crate::{
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     counters::CollisionCounters,
     filters::{self, FilterParts},
-    narrow_phase::{NarrowPhase, Shape},
+    narrow_phase::{Moving, NarrowPhase, Placed, Shape},
     plugin::{CollisionSystems, NarrowPhaseSettings},
+    swept::Swept,
 };
 
 /// The [`SpatialIndex`] of all entities with a [`CollisionShape`].
@@ -25,6 +26,9 @@ pub struct CollisionIndex {
     /// By proxy index. Entries of removed proxies stay until the proxy is handed out again.
     #[reflect(ignore)]
     bodies: Vec<Body>,
+    /// By proxy index, as far as there are any: where the ways of swept bodies begin.
+    #[reflect(ignore)]
+    starts: Vec<Option<Transform>>,
 }
 
 /// What the exact tests need of an entity, in one place: they visit entities in no order of memory.
@@ -68,6 +72,54 @@ impl CollisionIndex {
         self.index.proxies().contains(id).then(|| &self.bodies[id.index()])
     }
 
+    /// May there be pairs of which one is swept?
+    pub(crate) const fn has_swept(&self) -> bool {
+        !self.starts.is_empty()
+    }
+
+    /// Was one of the two looked for all along its way?
+    #[inline]
+    pub(crate) fn is_swept(&self, pair: Pair) -> bool {
+        let on_its_way = |id: ProxyId| self.starts.get(id.index()).is_some_and(Option::is_some);
+        self.has_swept() && (on_its_way(pair.a) || on_its_way(pair.b))
+    }
+
+    /// What is behind a handle, on its way in this tick: at rest where it is, if it is not swept.
+    pub(crate) fn moving(&self, id: ProxyId) -> Option<Moving<'_>> {
+        let body = self.body(id)?;
+        Some(match self.starts.get(id.index()) {
+            Some(Some(start)) => Moving::new(&body.shape, start, &body.pose),
+            _ => Moving::resting(Placed::new(&body.shape, &body.pose)),
+        })
+    }
+
+    /// Puts what is behind a handle elsewhere, at once. Ways and pairs stay as they are.
+    pub(crate) fn place(&mut self, id: ProxyId, pose: &Transform, tests: &NarrowPhase) {
+        let Some(body) = self.bodies.get_mut(id.index()) else { return };
+        // What cannot be there stays where it is until the next tick, which says so.
+        if let Ok(aabb) = tests.world_aabb(Placed::new(&body.shape, pose))
+            && self.index.set(id, &aabb).is_ok()
+        {
+            body.pose = *pose;
+        }
+    }
+
+    /// Has queries find everything where it was [put](Self::place).
+    pub(crate) fn update(&mut self) {
+        self.index.update();
+        // An update without a search would have the next one look at everything.
+        self.index.find_pairs();
+    }
+
+    fn set_start(&mut self, id: ProxyId, start: Option<Transform>) {
+        if start.is_some() && self.starts.len() <= id.index() {
+            self.starts.resize(id.index() + 1, None);
+        }
+        if let Some(place) = self.starts.get_mut(id.index()) {
+            *place = start;
+        }
+    }
+
     /// Says which pairs an entity makes. Nothing happens if it is gone.
     pub(crate) fn set_filter(&mut self, id: ProxyId, filter: PairFilter) {
         // The only error is that there is no such entity any more.
@@ -90,6 +142,7 @@ impl CollisionIndex {
         aabb: &WorldAabb,
         proxy: &mut BroadPhaseProxy,
         shape: ShapeChange,
+        swept: Option<&Swept>,
         filter: impl FnOnce() -> PairFilter,
     ) {
         let known = proxy.id.filter(|id| self.index.set(*id, &aabb.0).is_ok());
@@ -118,6 +171,7 @@ impl CollisionIndex {
                 body.shape = shape.shape.clone();
             }
         }
+        self.set_start(id, swept.and_then(|swept| swept.way_to(&proxy.pose)).copied());
     }
 }
 
@@ -138,7 +192,9 @@ pub struct BroadPhaseSettings {
 /// moved. The verdict on all other pairs is still that of the last tick.
 ///
 /// A system after [`BroadPhase`](CollisionSystems::BroadPhase) and before
-/// [`NarrowPhase`](CollisionSystems::NarrowPhase) may take pairs out: they are then not in contact.
+/// [`NarrowPhase`](CollisionSystems::NarrowPhase) may take pairs out: they are then not in contact. What a
+/// [swept](crate::swept::Swept) entity meets after a bounce, within the same tick, is not among them: layers, lists and
+/// [hooks](crate::filters::PairHook) see that too.
 #[derive(Resource, Clone, Debug, Default, Deref, DerefMut, Reflect)]
 #[reflect(Resource, Debug, Default)]
 pub struct CandidatePairs(pub Vec<Pair>);
@@ -163,7 +219,8 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     world.run_system_cached(maintain)
 }
 
-type ChangedBoxes<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy, FilterParts<'a>);
+type Boxed<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy);
+type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<&'a Swept>);
 
 fn maintain(
     mut index: ResMut<CollisionIndex>,
@@ -179,9 +236,9 @@ fn maintain(
     } else if narrow.is_changed() {
         index.index.touch_all();
     }
-    for (entity, aabb, shape, mut proxy, filter) in &mut boxes {
+    for ((entity, aabb, shape, mut proxy), filter, swept) in &mut boxes {
         let change = ShapeChange { shape: &shape.0, changed: shape.is_changed() };
-        index.take_up(entity, aabb, proxy.bypass_change_detection(), change, || filters::filter(filter));
+        index.take_up(entity, aabb, proxy.bypass_change_detection(), change, swept, || filters::filter(filter));
     }
     index.index.update();
     counters.tick.objects = index.index.proxies().len() as u64;

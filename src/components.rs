@@ -12,10 +12,12 @@ use crate::{
     motion::Velocity,
     narrow_phase::{Shape, ShapeError},
     response::Bounce,
+    swept::Swept,
 };
 
 /// The shape of an entity. An entity that has one takes part in collision detection; one that loses it, or is
-/// despawned, no longer does, from that moment on.
+/// despawned, no longer does, from that moment on. A shape that is overwritten is changed; one that is removed and
+/// inserted again, even within a frame, starts anew: its contacts end and start.
 ///
 /// An entity with a shape and no [`Velocity`] is *static*: while its [`Transform`] stays
 /// unchanged, it is looked at by nothing.
@@ -75,7 +77,8 @@ impl Default for CollisionShape {
 pub struct Cube;
 
 /// The box along the world's axes around an entity's shape, as the broad phase sees it: grown by half the
-/// [tolerance](crate::narrow_phase::NarrowPhase::tolerance) of the exact tests.
+/// [tolerance](crate::narrow_phase::NarrowPhase::tolerance) of the exact tests. That of an entity which is
+/// [swept](crate::swept::Swept) is around all of its way in the tick.
 ///
 /// Kept up to date in the set [`Bounds`](crate::CollisionSystems::Bounds). A system after that set and before
 /// [`Maintenance`](crate::CollisionSystems::Maintenance) may enlarge it.
@@ -118,6 +121,9 @@ impl BroadPhaseProxy {
 
 /// Takes an entity out of the index at the moment in which it loses its shape, its box, its entry or its life.
 fn leave_index(mut world: DeferredWorld, context: HookContext) {
+    if let Some(mut swept) = world.get_mut::<Swept>(context.entity) {
+        swept.forget();
+    }
     let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(context.entity) else { return };
     let Some(id) = proxy.id.take() else { return };
     if let Some(mut index) = world.get_resource_mut::<CollisionIndex>() {

@@ -35,14 +35,14 @@ use bevy::{
         entity::EntityHashSet,
         lifecycle::HookContext,
         schedule::InternedScheduleLabel,
-        system::{ReadOnlySystemParam, StaticSystemParam, SystemParamItem},
+        system::{ReadOnlySystemParam, StaticSystemParam, SystemId, SystemParamItem},
         world::DeferredWorld,
     },
     prelude::*,
 };
 
 use crate::{
-    broad_phase::PairFilter,
+    broad_phase::{Pair, PairFilter},
     collision_index::{CandidatePairs, CollisionIndex},
     components::BroadPhaseProxy,
     plugin::CollisionSystems,
@@ -186,7 +186,9 @@ impl<H> Default for PairHookPlugin<H> {
 
 impl<H: PairHook> Plugin for PairHookPlugin<H> {
     fn build(&self, app: &mut App) {
+        let hook = app.register_system(ask_about::<H>);
         app.add_systems(self.schedule, ask::<H>.in_set(PairFilterSystems));
+        app.world_mut().get_resource_or_init::<PairHooks>().0.push(hook);
     }
 }
 
@@ -195,6 +197,33 @@ fn ask<H: PairHook>(hook: StaticSystemParam<H>, index: Res<CollisionIndex>, mut 
         let [a, b] = index.entities(*pair);
         H::admits(&hook, a, b)
     });
+}
+
+/// The hooks, to be asked about one pair.
+#[derive(Resource, Debug, Default)]
+struct PairHooks(Vec<SystemId<In<[Entity; 2]>, bool>>);
+
+fn ask_about<H: PairHook>(In([a, b]): In<[Entity; 2]>, hook: StaticSystemParam<H>) -> bool {
+    H::admits(&hook, a, b)
+}
+
+/// May these two meet, by lists and hooks? For pairs that come up after the broad phase.
+pub(crate) fn may_meet(world: &mut World, pair: Pair) -> bool {
+    let [a, b] = world.resource::<CollisionIndex>().entities(pair);
+    let ignores = |one, other| world.get::<IgnoreCollisions>(one).is_some_and(|list| list.contains(&other));
+    if ignores(a, b) || ignores(b, a) {
+        return false;
+    }
+    for place in 0.. {
+        let hook = world.get_resource::<PairHooks>().and_then(|hooks| hooks.0.get(place).copied());
+        let Some(hook) = hook else { break };
+        match world.run_system_with(hook, [a, b]) {
+            Ok(true) => {}
+            Ok(false) => return false,
+            Err(error) => tracing::warn!("a hook could not be asked about {a} and {b}: {error}"),
+        }
+    }
+    true
 }
 
 /// Systems that take pairs out of the [`CandidatePairs`]: after [`BroadPhase`](CollisionSystems::BroadPhase), before

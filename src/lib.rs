@@ -29,6 +29,7 @@
 //! | [`Velocity`](motion::Velocity) | moves it each tick; without one it is static, until something else moves it |
 //! | [`PositionTrack`](motion::PositionTrack) | moves it along keyframes instead |
 //! | [`Bounce`](response::Bounce) | changes its velocity on contact |
+//! | [`Swept`](swept::Swept) | has it looked at all along its way, however fast it is |
 //! | [`CollisionEventsEnabled`](contacts::CollisionEventsEnabled) | has its observers told of its contacts |
 //! | [`CollidingEntities`](contacts::CollidingEntities) | lists the entities that it touches |
 //! | [`Cube`](components::Cube) | shape, velocity and bounce in one: a moving cube |
@@ -76,6 +77,7 @@ pub mod plugin;
 pub mod response;
 pub mod scene;
 pub mod spatial_query;
+pub mod swept;
 pub mod trace;
 
 pub use bounds::BoundsPlugin;
@@ -103,7 +105,8 @@ pub mod prelude {
         narrow_phase::Shape,
         plugin::{CollisionSystems, NarrowPhaseSettings, OctreePlugins},
         response::{Bounce, BouncePlugin},
-        spatial_query::{PointHit, RayHit, ShapeHit, SpatialQuery, SpatialQueryFilter, update_spatial_index},
+        spatial_query::{PairHit, PointHit, RayHit, ShapeHit, SpatialQuery, SpatialQueryFilter, update_spatial_index},
+        swept::Swept,
     };
 }
 

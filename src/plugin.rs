@@ -20,6 +20,7 @@ use crate::{
     narrow_phase::NarrowPhase,
     response::{Bounce, BouncePlugin},
     scene::{SceneDescription, TestSet},
+    swept::SweptPlugin,
 };
 
 /// Everything: motion, octree maintenance, broad phase, narrow phase, bounce response and messages.
@@ -69,6 +70,7 @@ impl PluginGroup for OctreePlugins {
             .add(BoundsPlugin(self.schedule))
             .add(BroadPhasePlugin(self.schedule))
             .add(FilterPlugin(self.schedule))
+            .add(SweptPlugin(self.schedule))
             .add(NarrowPhasePlugin(self.schedule))
             .add(BouncePlugin(self.schedule))
             .add(ReportPlugin(self.schedule));
@@ -88,7 +90,7 @@ impl PluginGroup for OctreePlugins {
 /// | `Maintenance` | changed [`WorldAabb`]s → [`CollisionIndex`] |
 /// | `BroadPhase` | [`CollisionIndex`] → [`CandidatePairs`] |
 /// | `NarrowPhase` | [`CandidatePairs`] → [`Contacts`] |
-/// | `Response` | [`Contacts`] → [`Velocity`] |
+/// | `Response` | [`Contacts`] → [`Velocity`]; the [`Transform`] of what bounces on its way ([`Swept`](crate::swept::Swept)) |
 /// | `Report` | [`Contacts`] → [`CollisionStarted`], [`CollisionEnded`], [`CollidingEntities`]; observers of these run here |
 /// | `Last` | a place for systems that must run after all others |
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -417,3 +417,225 @@ fn case_19_memory_stays_flat_at_constant_count() {
     // Handles are used again.
     assert!(index(&app).proxies().capacity() < 100);
 }
+
+#[test]
+fn case_20_a_hierarchy_and_a_scene_come_and_go_by_commands() {
+    let mut app = app(Method::default());
+    let wall = block(&mut app, 0.0);
+    let part = |x: f32| (CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0));
+    let tank = (
+        Transform::from_xyz(0.0, 0.75, 0.0),
+        children![part(0.25), (part(-0.25), children![part(20.0)]), Transform::default()],
+    );
+    let tank = app.world_mut().commands().spawn(tank).id();
+    tick(&mut app, 1);
+    // The wall with both, these with each other, the third out of reach.
+    assert_eq!((counters(&app).objects, counters(&app).contacts), (4, 3));
+    app.world_mut().commands().entity(tank).despawn();
+    tick(&mut app, 1);
+    assert_eq!((counters(&app).objects, counters(&app).contacts, counters(&app).ended), (1, 0, 3));
+
+    let scene = r#"(name: "two balls", content: Objects([
+        (shape: Sphere(radius: 0.5), position: (0.75, 0, 0)),
+        (shape: Sphere(radius: 0.5), position: (-0.75, 0, 0), motion: Velocity(0, 1, 0)),
+    ]))"#;
+    let scene = bevy_octree::scene::SceneDescription::parse(scene).unwrap();
+    let balls = scene.spawn(&mut app.world_mut().commands()).unwrap();
+    tick(&mut app, 1);
+    assert_eq!(contacts(&app), [[wall, balls[0]], [wall, balls[1]]]);
+    balls.iter().for_each(|ball| app.world_mut().commands().entity(*ball).despawn());
+    tick(&mut app, 1);
+    assert_eq!((counters(&app).objects, counters(&app).contacts, counters(&app).ended), (1, 0, 2));
+}
+
+#[test]
+fn case_21_the_work_of_a_mass_spawn_is_linear() {
+    let per_object = |side: usize| {
+        // Without the log of the other cases, which is not linear.
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)));
+        tick(&mut app, 1);
+        let blocks: Vec<_> = app.world_mut().spawn_batch(lattice(side)).collect();
+        let pairs = side * side * (side - 1);
+        tick(&mut app, 1);
+        assert_eq!((counters(&app).contacts, counters(&app).started), (pairs as u64, pairs as u64));
+        let (objects, tested) = (counters(&app).objects as f64, counters(&app).pairs_tested as f64);
+        let bytes = index(&app).memory_bytes() as f64;
+        tick(&mut app, 1);
+        assert_eq!((counters(&app).moved, counters(&app).pairs_tested), (0, 0));
+        for entity in blocks {
+            app.world_mut().despawn(entity);
+        }
+        tick(&mut app, 1);
+        assert_eq!((counters(&app).objects, counters(&app).contacts, counters(&app).pairs_tested), (0, 0, 0));
+        assert_eq!(counters(&app).ended, pairs as u64);
+        (tested / objects, bytes / objects)
+    };
+    // 50 653 and 205 379 at once.
+    let (few, many) = (per_object(37), per_object(59));
+    assert!(many.0 < few.0 * 1.25 && many.1 < few.1 * 1.5, "{few:?} {many:?}");
+}
+
+/// A scale of zero makes a point, a segment or a rectangle, which meets what it touches; a negative one mirrors.
+#[test]
+fn case_22_scales_may_be_zero_or_negative() {
+    let shapes = [CollisionShape::default(), CollisionShape::sphere(0.5).unwrap()];
+    for shape in shapes {
+        for scale in [Vec3::ZERO, -Vec3::ONE, Vec3::new(0.0, -1.0, 1.0)] {
+            let mut app = app(Method::default());
+            let wall = block(&mut app, 0.0);
+            // A ball stays one, by the largest of the three.
+            let is_ball = matches!(shape.0, Shape::Sphere { .. });
+            let reach = 0.5 + 0.5 * if is_ball { scale.abs().max_element() } else { scale.x.abs() };
+            let at = |x: f32| Transform::from_xyz(x, 0.0, 0.0).with_scale(scale);
+            let small = app.world_mut().spawn((shape.clone(), at(reach - 0.01))).id();
+            tick(&mut app, 1);
+            assert_eq!(contacts(&app), [[wall, small]], "{scale} {shape:?}");
+            *get_mut(&mut app, small) = at(reach + 0.01);
+            tick(&mut app, 1);
+            assert_over(&app, [wall, small]);
+            *get_mut(&mut app, small) = at(reach - 0.01).with_scale(Vec3::ONE);
+            tick(&mut app, 1);
+            assert_eq!(messages_about(&app, [wall, small]), (2, 1));
+        }
+    }
+}
+
+/// The children of a parent that is nowhere are out with it, and nobody else.
+#[test]
+fn case_23_children_of_what_is_not_finite_are_out_until_it_is() {
+    let bad = [
+        Transform::from_xyz(f32::NAN, 0.0, 0.0),
+        Transform::from_scale(Vec3::splat(f32::INFINITY)),
+        Transform::from_rotation(Quat::from_xyzw(0.0, 0.0, 0.0, f32::NAN)),
+    ];
+    for transform in bad {
+        let (mut app, [parent, child]) = family();
+        let grandchild = block(&mut app, 0.5);
+        app.world_mut().entity_mut(child).add_child(grandchild);
+        let beside = [block(&mut app, 12.25), block(&mut app, 13.0)];
+        tick(&mut app, 1);
+        assert_eq!(counters(&app).contacts, 6);
+        *get_mut(&mut app, parent) = transform;
+        tick(&mut app, 1);
+        assert_eq!((contacts(&app), index(&app).proxies().len()), (vec![beside], 2));
+        *get_mut(&mut app, parent) = Transform::from_xyz(10.0, 0.0, 0.0);
+        tick(&mut app, 1);
+        assert_eq!((counters(&app).contacts, messages_about(&app, [child, grandchild])), (6, (2, 1)));
+        // One that never was anywhere.
+        let (lost, found) = (Transform::from_xyz(0.0, f32::INFINITY, 0.0), Transform::default());
+        let lost = app.world_mut().spawn((lost, children![(CollisionShape::default(), found)])).id();
+        tick(&mut app, 1);
+        assert_eq!(index(&app).proxies().len(), 4);
+        app.world_mut().despawn(lost);
+        app.world_mut().despawn(parent);
+        tick(&mut app, 1);
+        assert_eq!(contacts(&app), [beside]);
+    }
+}
+
+/// Takes another entity with it when it goes or comes, by a component hook.
+#[derive(Component)]
+#[component(on_add = Self::on_add, on_remove = Self::on_remove)]
+struct Doom {
+    other: Entity,
+    on_add: bool,
+}
+
+impl Doom {
+    fn on_add(mut world: bevy::ecs::world::DeferredWorld, context: bevy::ecs::lifecycle::HookContext) {
+        Self::strike(&mut world, context.entity, true);
+    }
+
+    fn on_remove(mut world: bevy::ecs::world::DeferredWorld, context: bevy::ecs::lifecycle::HookContext) {
+        Self::strike(&mut world, context.entity, false);
+    }
+
+    fn strike(world: &mut bevy::ecs::world::DeferredWorld, entity: Entity, added: bool) {
+        if let Some(&Self { other, on_add }) = world.get::<Self>(entity)
+            && on_add == added
+        {
+            world.commands().entity(other).try_despawn();
+        }
+    }
+}
+
+#[test]
+fn case_24_hooks_may_despawn_between_any_two_sets() {
+    for (place, set) in SETS.into_iter().enumerate() {
+        for on_add in [true, false] {
+            let (mut app, cubes) = in_contact();
+            let third = block(&mut app, 1.8);
+            if !on_add {
+                app.world_mut().entity_mut(cubes[0]).insert(Doom { other: cubes[1], on_add });
+            }
+            after_set(&mut app, place, move |world| {
+                let mut entity = world.entity_mut(cubes[0]);
+                if on_add {
+                    entity.insert(Doom { other: cubes[1], on_add });
+                } else {
+                    // Gone itself, and the other with it.
+                    entity.despawn();
+                }
+            });
+            tick(&mut app, 3);
+            assert_over(&app, cubes);
+            assert_eq!(messages_about(&app, [cubes[1], third]), (1, 1), "after {set:?}");
+            assert_eq!(index(&app).proxies().len(), if on_add { 2 } else { 1 }, "after {set:?}");
+        }
+    }
+}
+
+#[test]
+fn case_25_layers_that_match_nothing_end_contacts_and_give_them_back() {
+    for rounds in 1..=2 {
+        let (mut app, cubes) = in_contact();
+        for round in 1..=rounds {
+            app.world_mut().entity_mut(cubes[1]).insert(CollisionLayers::NONE);
+            tick(&mut app, 1);
+            assert_eq!((contacts(&app), messages_about(&app, cubes)), (vec![], (round, round)));
+            assert!(index(&app).pairs().is_empty());
+            tick(&mut app, 1);
+            assert_eq!((counters(&app).moved, index(&app).proxies().len()), (0, 2));
+            app.world_mut().entity_mut(cubes[1]).remove::<CollisionLayers>();
+            tick(&mut app, 1);
+            assert_eq!((contacts(&app), messages_about(&app, cubes)), (vec![cubes], (round + 1, round)));
+        }
+    }
+}
+
+#[test]
+fn case_26_a_new_shape_place_and_parent_in_one_tick() {
+    let (mut app, [parent, child]) = family();
+    let before = block(&mut app, 12.0);
+    tick(&mut app, 1);
+    assert_eq!(contacts(&app), [[child, before]]);
+    let other = app.world_mut().spawn(Transform::from_xyz(0.0, 7.0, 0.0)).id();
+    let after = app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(-3.0, 10.0, 0.0))).id();
+    let ball = CollisionShape::sphere(2.0).unwrap();
+    app.world_mut().entity_mut(child).insert((ChildOf(other), ball, Transform::from_xyz(-3.0, 0.75, 0.0)));
+    // And the old parent goes in the same tick: what was its child stays.
+    app.world_mut().despawn(parent);
+    tick(&mut app, 1);
+    assert_world_box(&app, child, Vec3::new(-3.0, 7.75, 0.0), Vec3::splat(4.0));
+    assert_eq!((contacts(&app), messages_about(&app, [child, before])), (vec![pair(child, after)], (1, 1)));
+}
+
+/// What is taken off and put on again within a frame is new: its contacts end and start. What is overwritten is changed.
+#[test]
+fn case_27_a_shape_removed_and_inserted_in_one_frame_starts_anew() {
+    let (mut app, cubes) = in_contact();
+    app.world_mut().entity_mut(cubes[1]).insert(CollisionShape::default());
+    tick(&mut app, 2);
+    assert_eq!((contacts(&app), messages_about(&app, cubes)), (vec![cubes], (1, 0)));
+    app.world_mut().entity_mut(cubes[1]).remove::<CollisionShape>().insert(CollisionShape::default());
+    tick(&mut app, 2);
+    assert_eq!((contacts(&app), messages_about(&app, cubes)), (vec![cubes], (2, 1)));
+    // All that came with it, and elsewhere.
+    app.world_mut().entity_mut(cubes[1]).remove_with_requires::<CollisionShape>();
+    let anew = (CollisionShape::default(), Transform::from_xyz(-0.9, 0.0, 0.0));
+    app.world_mut().entity_mut(cubes[1]).insert(anew);
+    tick(&mut app, 1);
+    assert_eq!((contacts(&app), messages_about(&app, cubes), index(&app).proxies().len()), (vec![cubes], (3, 2), 2));
+    assert_world_box(&app, cubes[1], Vec3::X * -0.9, Vec3::ONE);
+}

@@ -478,3 +478,51 @@ fn without_the_plugins_a_flush_does_nothing() {
     world.spawn(CollisionShape::default());
     update_spatial_index(&mut world);
 }
+
+#[test]
+fn pairs_within_a_distance_are_those_of_brute_force() {
+    for (seed, method) in methods().into_iter().enumerate() {
+        let mut rng = Rng::with_seed(seed as u64 + 70);
+        let mut app = random_app(&mut rng, method, 150);
+        let (objects, tests) = (everything(&mut app), app.world().resource::<NarrowPhaseSettings>().0);
+        ask(&mut app, move |spatial| {
+            let mut workspace = Workspace::default();
+            let is_first = |entity: Entity| entity.index_u32().is_multiple_of(3);
+            let is_second = |entity: Entity| entity.index_u32().is_multiple_of(2);
+            let (first, second) = (ALL.only(&is_first), ALL.only(&is_second));
+            for limit in [0.0, 0.3, 2.0, f32::INFINITY] {
+                let mut expected = vec![];
+                for (i, (a, shape_a, at_a)) in objects.iter().enumerate() {
+                    for (b, shape_b, at_b) in &objects[i + 1..] {
+                        let (one, two) = (Placed::new(shape_a, at_a), Placed::new(shape_b, at_b));
+                        let apart = tests.closest_points(one, two, &mut workspace).unwrap().distance;
+                        if apart <= limit && (is_first(*a) && is_second(*b) || is_first(*b) && is_second(*a)) {
+                            expected.push((pair(*a, *b), apart));
+                        }
+                    }
+                }
+                let (mut found, mut again, mut some) = (vec![], vec![], 0);
+                spatial.pairs_within(limit, &first, &second, |near| {
+                    assert!(is_first(near.a) && is_second(near.b));
+                    assert!((near.points[0].distance(near.points[1]) - near.distance).abs() < 1e-4);
+                    found.push((pair(near.a, near.b), near.distance));
+                });
+                spatial.pairs_within(limit, &first, &second, |near| again.push((pair(near.a, near.b), near.distance)));
+                assert_eq!(found, again);
+                expected.sort_by_key(|(pair, _)| *pair);
+                found.sort_by_key(|(pair, _)| *pair);
+                assert_eq!(found, expected, "{limit}");
+                spatial.pairs_within(limit, &first, &second, |_| {
+                    some += 1;
+                    ControlFlow::Break(())
+                });
+                assert_eq!(some, 1);
+            }
+            let none = |near| -> () { panic!("{near:?}") };
+            spatial.pairs_within(-1.0, &ALL, &ALL, none);
+            spatial.pairs_within(f32::NAN, &ALL, &ALL, none);
+            let nobody = |_| false;
+            spatial.pairs_within(9.0, &ALL, &ALL.only(&nobody), none);
+        });
+    }
+}

@@ -62,7 +62,8 @@ mod tests {
             pairs.sort_unstable();
             pairs.dedup();
             let none = Entity::PLACEHOLDER;
-            let contact = |pair: &Pair| ContactPair { pair: *pair, a: none, b: none, layers: Default::default() };
+            let contact =
+                |pair: &Pair| ContactPair { pair: *pair, a: none, b: none, layers: Default::default(), time: 1.0 };
             let contacts: Vec<_> = pairs.iter().map(contact).collect();
             let adjacency = Adjacency::new(&contacts);
             for id in (0..objects + 3).map(ProxyId::new) {

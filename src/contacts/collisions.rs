@@ -22,6 +22,8 @@ pub struct Collision {
     pub contact: Option<Contact>,
     /// The layers of `a`, and those of `b`, as the broad phase saw them last.
     pub layers: [CollisionLayers; 2],
+    /// The share of the tick after which they met: 1, its end, unless one of them is [swept](crate::swept::Swept).
+    pub time: f32,
 }
 
 impl Collision {
@@ -29,14 +31,14 @@ impl Collision {
     #[must_use]
     pub fn reversed(self) -> Self {
         let [a, b] = self.layers;
-        Self { a: self.b, b: self.a, contact: self.contact.map(Contact::reversed), layers: [b, a] }
+        Self { a: self.b, b: self.a, contact: self.contact.map(Contact::reversed), layers: [b, a], ..self }
     }
 }
 
 impl ContactPair {
     /// The two, as seen from `a`.
     pub(super) fn collision(&self, contact: Option<Contact>) -> Collision {
-        Collision { a: self.a, b: self.b, contact, layers: self.layers }
+        Collision { a: self.a, b: self.b, contact, layers: self.layers, time: self.time }
     }
 
     /// The other of the two.

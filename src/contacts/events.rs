@@ -37,6 +37,8 @@ pub struct CollisionStarted {
     pub contact: Option<Contact>,
     /// The layers of `a`, and those of `b`: the default ones, where no [`CollisionLayers`] were given.
     pub layers: [CollisionLayers; 2],
+    /// The share of the tick after which they met: 1, its end, unless one of them is [swept](crate::swept::Swept).
+    pub time: f32,
 }
 
 /// Two entities are no longer in contact, or one of them is gone: either may no longer exist. A message, and an event
@@ -61,13 +63,13 @@ pub struct CollisionEnded {
 }
 
 impl From<Collision> for CollisionStarted {
-    fn from(Collision { a, b, contact, layers }: Collision) -> Self {
-        Self { a, b, contact, layers }
+    fn from(Collision { a, b, contact, layers, time }: Collision) -> Self {
+        Self { a, b, contact, layers, time }
     }
 }
 
 impl From<Collision> for CollisionEnded {
-    fn from(Collision { a, b, contact, layers }: Collision) -> Self {
+    fn from(Collision { a, b, contact, layers, .. }: Collision) -> Self {
         Self { a, b, contact, layers }
     }
 }

@@ -16,19 +16,20 @@ use crate::{
     broad_phase::{Pair, Proxies, ProxyId},
     collision_index::CollisionIndex,
     filters::CollisionLayers,
-    narrow_phase::Contact,
+    narrow_phase::{Contact, TimedContact},
 };
 use adjacency::Adjacency;
-use tracking::TrackedContact;
+use tracking::{TrackedContact, Tracking};
 
 pub use colliding_entities::CollidingEntities;
 pub use collisions::{Collision, Collisions};
 pub use events::{CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted, EventScope};
+pub(crate) use narrow::ImpactSystems;
 pub use narrow::NarrowPhasePlugin;
 pub use report::ReportPlugin;
 
 /// Two entities in contact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 pub struct ContactPair {
     /// Their handles in the [`CollisionIndex`].
     pub pair: Pair,
@@ -38,6 +39,8 @@ pub struct ContactPair {
     pub b: Entity,
     /// The layers of `a`, and those of `b`.
     pub layers: [CollisionLayers; 2],
+    /// The share of the tick after which they met: 1, its end, unless one of them is [swept](crate::swept::Swept).
+    pub time: f32,
 }
 
 impl ContactPair {
@@ -46,6 +49,13 @@ impl ContactPair {
     const fn key(&self) -> (Pair, Entity, Entity) {
         (self.pair, self.a, self.b)
     }
+}
+
+/// Two that met on the way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SweptContact {
+    pub(crate) pair: Pair,
+    pub(crate) met: TimedContact,
 }
 
 /// All pairs of entities in contact, in the order of their handles.
@@ -68,6 +78,11 @@ pub struct Contacts {
     /// The geometry of those that were found, if it was asked for.
     #[reflect(ignore)]
     found_geometry: Vec<(Pair, Contact)>,
+    #[reflect(ignore)]
+    tracking: Tracking,
+    /// When and how the pairs met of which one is swept, in the order of the pairs.
+    #[reflect(ignore)]
+    impacts: Vec<SweptContact>,
     /// Made when it is first asked for in a tick.
     #[reflect(ignore)]
     by_object: OnceLock<Adjacency>,
@@ -104,6 +119,27 @@ impl Contacts {
         tracking::find(&self.tracked, pair).map(|tracked| &tracked.geometry)
     }
 
+    /// The share of the tick after which a pair came into contact, of which one is [swept](crate::swept::Swept): 0 to 1;
+    /// that of the first time, if there were several. `None` for other pairs: they are looked at where they are at the end
+    /// of a tick. O(log n).
+    #[must_use]
+    pub fn time_of_impact(&self, pair: Pair) -> Option<f32> {
+        time_of_impact(&self.impacts, pair)
+    }
+
+    /// Those that met on the way.
+    pub(crate) fn impacts(&self) -> &[SweptContact] {
+        &self.impacts
+    }
+
+    /// Replaces them by others, in any order, a pair maybe several times.
+    pub(crate) fn set_impacts(&mut self, impacts: impl Iterator<Item = SweptContact>) {
+        self.impacts.clear();
+        self.impacts.extend(impacts);
+        self.impacts.sort_by(|a, b| a.pair.cmp(&b.pair).then(a.met.time.total_cmp(&b.met.time)));
+        self.impacts.dedup_by_key(|impact| impact.pair);
+    }
+
     fn find(&self, pair: Pair) -> Option<&ContactPair> {
         self.pairs.binary_search_by_key(&pair, |contact| contact.pair).ok().map(|place| &self.pairs[place])
     }
@@ -119,6 +155,7 @@ impl Contacts {
     fn clear_found(&mut self) {
         self.found.clear();
         self.found_geometry.clear();
+        self.impacts.clear();
     }
 
     /// Takes up the verdicts of a tick: `self.found` are the pairs that were found to be in contact; of last tick's
@@ -128,11 +165,13 @@ impl Contacts {
         std::mem::swap(&mut self.pairs, &mut self.before);
         self.pairs.clear();
         self.by_object.take();
+        self.found.extend(self.impacts.iter().map(|impact| impact.pair));
         self.found.sort_unstable();
+        let impacts = &self.impacts;
         let contact = |pair: Pair| {
             let [a, b] = index.entities(pair);
             let layers = [pair.a, pair.b].map(|id| proxies.filter(id).into());
-            ContactPair { pair, a, b, layers }
+            ContactPair { pair, a, b, layers, time: time_of_impact(impacts, pair).unwrap_or(1.0) }
         };
         let mut found = self.found.iter().copied().peekable();
         for kept in self.before.iter().filter(|contact| rests(contact.pair, proxies)) {
@@ -140,9 +179,16 @@ impl Contacts {
                 self.pairs.push(contact(pair));
             }
             self.pairs.push(*kept);
+            // One of them rested until it was hit.
+            found.next_if_eq(&kept.pair);
         }
         self.pairs.extend(found.map(contact));
     }
+}
+
+fn time_of_impact(impacts: &[SweptContact], pair: Pair) -> Option<f32> {
+    let place = impacts.binary_search_by_key(&pair, |impact| impact.pair).ok()?;
+    Some(impacts[place].met.time)
 }
 
 fn rests(pair: Pair, proxies: &Proxies) -> bool {

@@ -2,13 +2,13 @@
 
 use bevy::{ecs::schedule::InternedScheduleLabel, prelude::*};
 
-use super::{CollisionEventSettings, CollisionEventsEnabled, Contacts, tracking::Tracking};
+use super::{CollisionEventSettings, CollisionEventsEnabled, Contacts, SweptContact};
 use crate::{
     broad_phase::Pair,
     collision_index::{CandidatePairs, CollisionIndex},
     components::BroadPhaseProxy,
     counters::CollisionCounters,
-    narrow_phase::{Placed, StageCounters, Workspace},
+    narrow_phase::{NarrowPhase, Placed, TimedContact, Workspace},
     plugin::{CollisionSystems, NarrowPhaseSettings},
 };
 
@@ -18,14 +18,27 @@ pub struct NarrowPhasePlugin(pub(crate) InternedScheduleLabel);
 
 impl Plugin for NarrowPhasePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(self.0, test_candidates.in_set(CollisionSystems::NarrowPhase));
+        app.configure_sets(self.0, ImpactSystems.in_set(CollisionSystems::NarrowPhase)).add_systems(
+            self.0,
+            (test_candidates.before(ImpactSystems), take_up_verdicts.after(ImpactSystems))
+                .in_set(CollisionSystems::NarrowPhase),
+        );
     }
 }
+
+/// What happens to verdicts before they are taken up: impacts on the way change what comes after them.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct ImpactSystems;
 
 /// The two shapes of a pair, where they are. Entities may have gone since the pair was found.
 fn placed(index: &CollisionIndex, pair: Pair) -> Option<[Placed<'_>; 2]> {
     let (a, b) = (index.body(pair.a)?, index.body(pair.b)?);
     Some([Placed::new(&a.shape, &a.pose), Placed::new(&b.shape, &b.pose)])
+}
+
+/// When and how two meet in a tick.
+fn impact(index: &CollisionIndex, pair: Pair, tests: &NarrowPhase, workspace: &mut Workspace) -> Option<TimedContact> {
+    tests.time_of_impact(&index.moving(pair.a)?, &index.moving(pair.b)?, workspace)
 }
 
 fn test_candidates(
@@ -35,13 +48,13 @@ fn test_candidates(
     enabled: Query<&BroadPhaseProxy, With<CollisionEventsEnabled>>,
     mut contacts: ResMut<Contacts>,
     mut counters: ResMut<CollisionCounters>,
-    (mut workspace, mut tracking): (Local<Workspace>, Local<Tracking>),
+    mut workspace: Local<Workspace>,
 ) {
     let contacts = &mut *contacts;
     let tests = settings.tests();
-    tracking.refresh(&event_settings, enabled.iter().filter_map(BroadPhaseProxy::id));
+    contacts.tracking.refresh(&event_settings, enabled.iter().filter_map(BroadPhaseProxy::id));
     contacts.clear_found();
-    if tracking.is_idle() {
+    if contacts.tracking.is_idle() && !index.has_swept() {
         contacts.found.extend(
             candidates
                 .iter()
@@ -49,8 +62,13 @@ fn test_candidates(
         );
     } else {
         for &pair in candidates.iter() {
+            if index.is_swept(pair) {
+                let met = impact(&index, pair, tests, &mut workspace);
+                contacts.impacts.extend(met.map(|met| SweptContact { pair, met }));
+                continue;
+            }
             let Some([a, b]) = placed(&index, pair) else { continue };
-            if tracking.wants(pair) {
+            if contacts.tracking.wants(pair) {
                 let Some(geometry) = tests.contact(a, b, &mut workspace) else { continue };
                 contacts.found_geometry.push((pair, geometry));
             } else if !tests.intersects(a, b, &mut workspace) {
@@ -58,11 +76,19 @@ fn test_candidates(
             }
             contacts.found.push(pair);
         }
+        contacts.impacts.sort_unstable_by_key(|impact| impact.pair);
     }
-    contacts.take_up(&index);
     counters.tick.stages = std::mem::take(&mut workspace.counters);
+}
+
+fn take_up_verdicts(
+    index: Res<CollisionIndex>,
+    settings: Res<NarrowPhaseSettings>,
+    mut contacts: ResMut<Contacts>,
+    mut counters: ResMut<CollisionCounters>,
+    mut workspace: Local<Workspace>,
+) {
+    contacts.take_up(&index);
     counters.tick.contacts = contacts.len() as u64;
-    contacts.track(&tracking, |pair| placed(&index, pair).and_then(|[a, b]| tests.contact(a, b, &mut workspace)));
-    // Only candidates count.
-    workspace.counters = StageCounters::default();
+    contacts.track(|pair| placed(&index, pair).and_then(|[a, b]| settings.tests().contact(a, b, &mut workspace)));
 }

@@ -18,7 +18,7 @@ pub(super) struct TrackedContact {
 }
 
 /// Who has asked, in this tick.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Tracking {
     all_observed: bool,
     all: bool,
@@ -65,12 +65,14 @@ pub(super) fn find(tracked: &[TrackedContact], pair: Pair) -> Option<&TrackedCon
 impl Contacts {
     /// Brings the tracked contacts up to date with all contacts. The geometry of a contact that was kept is kept too,
     /// or has to be computed, by `geometry`, if it was not asked for before.
-    pub(super) fn track(&mut self, tracking: &Tracking, mut geometry: impl FnMut(Pair) -> Option<Contact>) {
+    pub(super) fn track(&mut self, mut geometry: impl FnMut(Pair) -> Option<Contact>) {
         std::mem::swap(&mut self.tracked, &mut self.tracked_before);
         self.tracked.clear();
+        let tracking = &self.tracking;
         if tracking.is_idle() {
             return;
         }
+        self.found_geometry.extend(self.impacts.iter().map(|impact| (impact.pair, impact.met.contact)));
         self.found_geometry.sort_unstable_by_key(|(pair, _)| *pair);
         let mut found = self.found_geometry.iter().peekable();
         for contact in self.pairs.iter().filter(|contact| tracking.wants(contact.pair)) {

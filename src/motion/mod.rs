@@ -64,7 +64,7 @@ pub enum Step {
 
 impl Step {
     /// The seconds of a tick; `None` for a step that is negative or not finite.
-    fn seconds(self, time: Option<&Time>) -> Option<f32> {
+    pub(crate) fn seconds(self, time: Option<&Time>) -> Option<f32> {
         match self {
             Self::Time => Some(time.map_or(0.0, Time::delta_secs)),
             Self::Seconds(seconds) => (seconds.is_finite() && seconds >= 0.0).then_some(seconds),

@@ -10,9 +10,9 @@ use super::pair::{Pair, in_order};
 use super::separation::{Separation, sign};
 use super::{NarrowPhase, Placed, Shape, Workspace, convex_contact};
 
-/// How often to go back and forth between two cuboids in search of a point of both: twice is the
+/// How often to go back and forth between two shapes in search of a point of both: twice is the
 /// rule.
-const MOST_STEPS: usize = 8;
+pub(super) const MOST_STEPS: usize = 8;
 
 /// The geometry of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]

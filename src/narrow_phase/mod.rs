@@ -46,7 +46,7 @@
 //!   part of one is tested against the volume of the other, by winding number. Only a
 //!   [closed](PolygonMesh::is_closed) mesh has a volume; inside an open one there is no contact.
 //! * Nothing is swept: as in the report, an object that moves further in a tick than objects are
-//!   thick can pass through them.
+//!   thick can pass through them. For those see [`NarrowPhase::time_of_impact`].
 //!
 //! # Numbers
 //!
@@ -64,6 +64,7 @@
 //!
 //! [`NarrowPhase::cast_ray`], [`NarrowPhase::sweep`], [`NarrowPhase::closest_point`] and [`NarrowPhase::closest_points`]
 //! answer for the same shapes, exactly.
+//! [`NarrowPhase::time_of_impact`] is a sweep of two that both move, and may turn.
 //! The first time of impact of two shapes made of polygons is the least of those of corners and faces, both ways, and of
 //! edges, each the solution of a linear equation: nothing is iterated, and nothing has to be convex.
 //!
@@ -100,6 +101,7 @@ mod shape;
 mod stage;
 mod surface;
 mod sweep;
+mod time_of_impact;
 mod topology;
 #[cfg(feature = "rapier")]
 mod triangulate;
@@ -107,6 +109,8 @@ mod workspace;
 
 #[cfg(test)]
 mod cast_tests;
+#[cfg(test)]
+mod impact_tests;
 #[cfg(all(test, feature = "rapier"))]
 mod parry_tests;
 #[cfg(test)]
@@ -124,4 +128,6 @@ pub use proximity::Proximity;
 pub use ray::Impact;
 pub use shape::Shape;
 pub use stage::{Stage, StageCount, StageCounters};
+pub(crate) use time_of_impact::APPROACH;
+pub use time_of_impact::{Moving, TimedContact};
 pub use workspace::Workspace;

@@ -9,7 +9,7 @@ use bevy_rapier3d::parry::math::Pose;
 use bevy_rapier3d::parry::query::{self, ClosestPoints, ShapeCastOptions, Unsupported};
 use bevy_rapier3d::parry::shape::{self, SharedShape, TriMesh};
 
-use super::contact::LocalContact;
+use super::contact::{LocalContact, MOST_STEPS};
 use super::edge_polygon;
 use super::oriented_box::effective_scale;
 use super::pair::Pair;
@@ -152,9 +152,19 @@ pub(super) fn closest_points(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
     };
     match ask(a, b, closest)? {
         ClosestPoints::WithinMargin(on_a, on_b) => Some([on_a.into(), on_b.into()]),
-        ClosestPoints::Intersecting => contact(a, b, 0.0).map(|contact| [contact.point; 2]),
+        ClosestPoints::Intersecting => common_point(a, b).map(|point| [point; 2]),
         ClosestPoints::Disjoint => None,
     }
+}
+
+/// A point of two shapes that overlap, found by going back and forth between them.
+fn common_point(a: Placed, b: Placed) -> Option<Vec3A> {
+    let meet = |a: &dyn shape::Shape, at_a: &Pose, b: &dyn shape::Shape, at_b: &Pose| {
+        let start = query::contact(at_a, a, at_b, b, 0.0)?.map_or(at_b.translation, |contact| contact.point1);
+        let step = |point, _| a.project_point(at_a, b.project_point(at_b, point, true).point, true).point;
+        Ok((0..MOST_STEPS).fold(start, step))
+    };
+    ask(a, b, meet).map(Vec3A::from)
 }
 
 /// A point of a Rapier shape, if a closed mesh is around it: parry knows meshes as surfaces without

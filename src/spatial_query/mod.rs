@@ -4,6 +4,7 @@ mod filter;
 mod flush;
 mod nearest;
 mod overlap;
+mod pairs;
 mod rays;
 mod scratch;
 mod shape_cast;
@@ -15,6 +16,7 @@ use bevy::{ecs::system::SystemParam, math::bounding::Aabb3d, prelude::*};
 pub use filter::SpatialQueryFilter;
 pub use flush::update_spatial_index;
 pub use nearest::PointHit;
+pub use pairs::PairHit;
 pub use rays::RayHit;
 pub use shape_cast::ShapeHit;
 

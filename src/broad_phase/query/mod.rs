@@ -2,6 +2,7 @@
 
 mod cast;
 mod measure;
+mod pairs;
 mod proximity;
 mod region;
 #[cfg(test)]

@@ -1,10 +1,17 @@
-//! Distances from a point.
+//! Distances from a point, and between boxes.
 
 use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::{f32x8, prelude::*};
 
 use super::measure::Measure;
 use crate::broad_phase::linear_octree::Block;
+
+/// How far two boxes are from each other, in a straight line. In double precision, in which no square overflows.
+#[inline(always)]
+pub fn distance(a: &Aabb3d, b: &Aabb3d) -> f32 {
+    let gap = (a.min - b.max).max(b.min - a.max).max(Vec3A::ZERO);
+    gap.as_dvec3().length() as f32
+}
 
 /// How far boxes are from a point: 0 for those that hold it.
 #[derive(Clone, Copy)]
@@ -44,11 +51,9 @@ impl<const ORDERED: bool> Measure for Proximity<ORDERED> {
         ((within & is_box).to_bitmask() as u32, squared)
     }
 
-    /// In double precision, in which no square overflows.
     #[inline(always)]
     fn one(&self, aabb: &Aabb3d, limit: f32) -> Option<f32> {
-        let gap = (aabb.min - self.0).max(self.0 - aabb.max).max(Vec3A::ZERO);
-        let distance = gap.as_dvec3().length() as f32;
+        let distance = distance(aabb, &Aabb3d { min: self.0, max: self.0 });
         (distance <= limit).then_some(distance)
     }
 

@@ -210,6 +210,43 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    #[test]
+    fn pairs_within_a_distance_are_those_of_brute_force(
+        boxes in prop::collection::vec(a_box(), 0..100), changes in prop::collection::vec(change(), 0..30),
+        first in 1_u32..6, second in 1_u32..6, far in prop::sample::select(vec![0.0_f32, 1e7]),
+        limit in prop::sample::select(vec![0.0_f32, 0.25, 1.0, 1.7, 8.0, f32::INFINITY, -1.0, f32::NAN]),
+    ) {
+        let boxes: Vec<_> = boxes.iter().map(|aabb| Aabb3d { min: aabb.min + far, max: aabb.max + far }).collect();
+        for index in worlds(&boxes, &changes) {
+            let (is_first, is_second) =
+                (|id: ProxyId| id.get() % 7 <= first, |id: ProxyId| (id.get() + 2) % 7 >= second);
+            let mut expected = vec![];
+            for (a, aabb) in index.proxies().iter() {
+                for (b, other) in index.proxies().iter().filter(|(b, _)| *b > a) {
+                    let gap = (0..3).map(|i| f64::from((other.min[i] - aabb.max[i]).max(aabb.min[i] - other.max[i]).max(0.0)));
+                    let apart = gap.map(|gap| gap * gap).sum::<f64>().sqrt() as f32;
+                    if apart <= limit && is_first(a) && is_second(b) {
+                        expected.push((a, b, apart));
+                    } else if apart <= limit && is_first(b) && is_second(a) {
+                        expected.push((b, a, apart));
+                    }
+                }
+            }
+            let (mut found, mut some) = (vec![], 0);
+            index.pairs_within(limit, is_first, is_second, |a, b, apart| found.push((a, b, apart)));
+            prop_assert!(found.is_sorted_by_key(|(a, ..)| *a));
+            expected.sort_by_key(|(a, b, _)| (*a, *b));
+            found.sort_by_key(|(a, b, _)| (*a, *b));
+            prop_assert_eq!(&found, &expected);
+            index.pairs_within(limit, is_first, is_second, |_, _, _| { some += 1; ControlFlow::Break(()) });
+            prop_assert_eq!(some, found.len().min(1));
+        }
+    }
+}
+
 /// A heap of equal boxes, each listed in many cells of the octree.
 fn heap() -> Vec<SpatialIndex> {
     let mut boxes = vec![Aabb3d::new(Vec3::X * 4.0, Vec3::ONE); 100];

@@ -1,0 +1,184 @@
+//! Continuous detection: for what moves far in a tick, measured by how thick things are.
+//!
+//! Without it, entities are looked at where they are at the end of each tick, as in the report, whose scenes keep steps
+//! small against sizes (Swan 1994, section 1.2): what moves further can pass through another unnoticed. An entity with
+//! [`Swept`] is looked at all along its way.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_octree::prelude::*;
+//!
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
+//!     .insert_resource(MotionSettings { step: Step::Seconds(0.01) });
+//! // A wall as thin as paper, and a bullet that covers five times its size per tick.
+//! app.world_mut().spawn(CollisionShape::cuboid(Vec3::new(0.001, 5.0, 5.0)).unwrap());
+//! let bullet = (CollisionShape::sphere(0.1).unwrap(), Bounce::Reflect { restitution: 1.0 }, Swept::default());
+//! let bullet = app.world_mut().spawn((bullet, Velocity(Vec3::X * 100.0), Transform::from_xyz(-1.4, 0.0, 0.0))).id();
+//! app.update();
+//! app.update();
+//! // It is met after 1.3 of the 2 units, and has come back as far as is left.
+//! let x = app.world().get::<Transform>(bullet).unwrap().translation.x;
+//! assert!((x + 0.801).abs() < 1e-3, "{x}");
+//! assert_eq!(app.world().resource::<Contacts>().len(), 1);
+//! ```
+//!
+//! The techniques are the second and the third that the report quotes from Cameron (1985): volumes swept by motion, and
+//! intersection in space and time, which for constant velocities is a matter of solving equations.
+//!
+//! # What is done
+//!
+//! The box of such an entity covers its whole way in a tick ([`NarrowPhase::swept_aabb`](crate::narrow_phase::NarrowPhase::swept_aabb)), so that no pair is
+//! missed; the exact test of a pair finds the [time of impact](crate::narrow_phase::NarrowPhase::time_of_impact), and its
+//! contact is that of this moment. Turns count too. Where the entity bounces, it does so at the time of impact, and moves
+//! on for the rest of the tick by its new velocity; what it meets on the way is found the same way, in the order of time,
+//! up to a [bound](Swept::sub_steps).
+//!
+//! It is done in the set [`NarrowPhase`](crate::CollisionSystems::NarrowPhase), for what is met later in a tick depends
+//! on how things bounce earlier in it; velocities and transforms change in [`Response`](crate::CollisionSystems::Response).
+//!
+//! Cost: a tick looks at every entity with [`Swept`]; for those that moved, boxes are larger and exact tests dearer. Nothing
+//! for all others.
+
+mod resolve;
+mod track;
+
+use bevy::{
+    ecs::{entity_disabling::Disabled, lifecycle::HookContext, schedule::InternedScheduleLabel, world::DeferredWorld},
+    prelude::*,
+};
+
+pub(crate) use resolve::{Outcomes, apply_outcomes, clear_outcomes, resolve_impacts};
+
+use crate::{
+    bounds,
+    components::{BroadPhaseProxy, CollisionShape, WorldAabb},
+    narrow_phase::Moving,
+    plugin::{CollisionSystems, NarrowPhaseSettings},
+};
+
+/// An entity that is looked at all along its way, however fast it is: see the [module's documentation](self).
+///
+/// Its way in a tick goes from where it was at the tick before to where it is now, in a straight line, turning by the
+/// shorter way, whoever moved it. To put it elsewhere without passing through what is between, insert this component anew.
+/// An entity without it counts, for the whole tick, as where it is at the end of it; so of two that move fast, both need it.
+///
+/// Where it meets another and [bounces](crate::response::Bounce), it does so only if the two come nearer to each other, by
+/// their velocities, and as often as it meets something: what is said of ticks there, holds for impacts here. It moves on
+/// for the rest of the tick if it is moved by its [`Velocity`](crate::motion::Velocity) and has no parent.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Debug, Default, PartialEq)]
+#[component(on_discard = shrink_box)]
+pub struct Swept {
+    /// How often it may bounce within a tick. At the impact after that, it stays where it is, until the next tick.
+    pub sub_steps: u32,
+    /// Where its way in this tick begins.
+    #[reflect(ignore)]
+    start: Option<Transform>,
+    /// Does its box cover more than the place where it is?
+    #[reflect(ignore)]
+    stretched: bool,
+}
+
+impl Swept {
+    /// How often an entity may bounce within a tick, unless told otherwise.
+    pub const DEFAULT_SUB_STEPS: u32 = 8;
+
+    /// Swept, with a bound of one's own to the number of bounces within a tick.
+    #[must_use]
+    pub const fn new(sub_steps: u32) -> Self {
+        Self { sub_steps, start: None, stretched: false }
+    }
+
+    /// Where its way began in the last tick; `None` before its first.
+    #[must_use]
+    pub const fn start(&self) -> Option<&Transform> {
+        self.start.as_ref()
+    }
+
+    /// Has its way begin where it is at the next tick.
+    pub(crate) fn forget(&mut self) {
+        self.start = None;
+    }
+
+    /// Where its way began, if it leads anywhere.
+    pub(crate) fn way_to(&self, pose: &Transform) -> Option<&Transform> {
+        let elsewhere = |start: &&Transform| start.translation != pose.translation || start.rotation != pose.rotation;
+        self.start.as_ref().filter(elsewhere)
+    }
+}
+
+impl Default for Swept {
+    fn default() -> Self {
+        Self::new(Self::DEFAULT_SUB_STEPS)
+    }
+}
+
+/// What was swept no longer is: has the box computed anew.
+fn shrink_box(mut world: DeferredWorld, context: HookContext) {
+    if let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(context.entity) {
+        proxy.set_changed();
+    }
+}
+
+/// Continuous detection: where the ways of entities with [`Swept`] begin and end.
+#[derive(Clone, Debug)]
+pub struct SweptPlugin(pub(crate) InternedScheduleLabel);
+
+impl Plugin for SweptPlugin {
+    fn build(&self, app: &mut App) {
+        let begin = begin_ways.after(CollisionSystems::First).before(CollisionSystems::Motion);
+        let end = end_ways.after(CollisionSystems::Response).before(CollisionSystems::Report);
+        app.add_systems(self.0, (begin, end).run_if(any_with_component::<Swept>))
+            .add_observer(on_disabled)
+            .register_type::<Swept>();
+    }
+}
+
+/// The way of an entity that is new begins where it is before it first moves.
+fn begin_ways(
+    mut swept: Query<(Entity, &mut Swept), With<BroadPhaseProxy>>,
+    ancestors: Query<(&Transform, Option<&ChildOf>), Allow<Disabled>>,
+) {
+    for (entity, mut swept) in &mut swept {
+        if swept.start.is_none() {
+            let pose = bounds::world_pose(entity, &ancestors);
+            swept.bypass_change_detection().start = pose.is_finite().then_some(pose);
+        }
+    }
+}
+
+/// Each way begins where the last one ended. Who has none in this tick gets one at the next.
+fn end_ways(mut swept: Query<(&BroadPhaseProxy, &mut Swept)>) {
+    for (proxy, mut swept) in &mut swept {
+        if swept.start.is_some() {
+            swept.bypass_change_detection().start = proxy.pose.is_finite().then_some(proxy.pose);
+        }
+    }
+}
+
+type Stretched<'a> = (Entity, &'a CollisionShape, &'a BroadPhaseProxy, &'a mut Swept, &'a mut WorldAabb);
+
+/// Stretches boxes along the ways that led anywhere, and shrinks those of a tick ago.
+pub(crate) fn stretch_boxes(mut swept: Query<Stretched>, settings: Res<NarrowPhaseSettings>) {
+    let tests = settings.tests();
+    for (entity, shape, proxy, mut swept, mut aabb) in &mut swept {
+        let way = swept.way_to(&proxy.pose).map(|start| Moving::new(shape, start, &proxy.pose));
+        if let Some(way) = &way {
+            // What has no box has had its warning.
+            if let Ok(stretched) = tests.swept_aabb(way) {
+                aabb.0 = stretched;
+            }
+        } else if swept.stretched {
+            *aabb = bounds::world_aabb(tests, entity, shape, &proxy.pose);
+        }
+        swept.bypass_change_detection().stretched = way.is_some();
+    }
+}
+
+/// What comes back has not passed through what was between.
+fn on_disabled(event: On<Add, Disabled>, mut swept: Query<&mut Swept, Allow<Disabled>>) {
+    if let Ok(mut swept) = swept.get_mut(event.entity) {
+        swept.forget();
+    }
+}
