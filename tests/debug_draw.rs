@@ -277,6 +277,25 @@ fn a_swept_box_is_two_boxes_and_what_is_between() {
     assert_eq!(lines(&app, SWEEPS).len(), 12 + 12 + 8);
 }
 
+/// Where it came from, where it is, and what is between; of one that rests, nothing.
+#[test]
+fn the_way_of_a_swept_entity_is_drawn() {
+    let mut app = drawing(Method::default());
+    let bullet = spawn(&mut app, 0.0);
+    app.world_mut().entity_mut(bullet).insert((Swept::default(), Velocity(Vec3::X * 9.0 * TICKS_PER_SECOND)));
+    let sweeps = CollisionGizmos { sweeps: Some(SWEEPS), ..NOTHING };
+    draw(&mut app, sweeps);
+    draw(&mut app, sweeps);
+    let way = [9.0, 18.0].map(|x| Aabb3d::new(Vec3::X * x, Vec3::splat(0.5)));
+    assert_eq!(boxes_in(&app, &[SWEEPS]), way);
+    app.world_mut().entity_mut(bullet).insert(DebugDraw::Hidden);
+    draw(&mut app, sweeps);
+    assert!(paths(&app).is_empty());
+    app.world_mut().entity_mut(bullet).remove::<DebugDraw>().insert(Velocity::default());
+    draw(&mut app, sweeps);
+    assert!(paths(&app).is_empty());
+}
+
 /// By default everything but leaves; the switch that all gizmo groups have turns it all off.
 #[test]
 fn a_group_that_is_disabled_draws_nothing() {

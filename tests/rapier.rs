@@ -308,6 +308,42 @@ fn a_velocity_of_ours_moves_a_kinematic_body() {
     assert!(app.world().get::<MovedElsewhere>(body).is_none());
 }
 
+/// Rapier moves it, as fast as it moves anything, sixty times its size per step: it is met on the way, and told to turn around.
+#[test]
+fn what_rapier_moves_is_swept_too() {
+    let mut app = fixed_app();
+    let paper = spawn(&mut app, Collider::cuboid(0.001, 5.0, 5.0), Vec3::X * 2.0, rapier::Sensor);
+    let start = rapier::Velocity::linear(Vec3::X * 400.0);
+    let body = (RigidBody::KinematicVelocityBased, start, rapier::Sensor, Swept::default());
+    let bounce = Bounce::Reflect { restitution: 1.0 };
+    let bullet = spawn(&mut app, Collider::ball(0.05), Vec3::X * -20.0, (body, bounce));
+    let mut met = Vec::new();
+    for n in 1..=4 {
+        tick(&mut app, 1);
+        if !contacts(&app).is_empty() {
+            assert_eq!(contacts(&app), [pair(paper, bullet)]);
+            met.push((n, get::<Transform>(&app, bullet).translation.x, get::<rapier::Velocity>(&app, bullet).linear.x));
+        }
+    }
+    let [(4, x, speed)] = met[..] else { panic!("{met:?}") };
+    assert!(x > 2.1 && speed < 0.0, "Rapier has the last word on where it is, we on where it goes: {met:?}");
+}
+
+/// A bullet and a floor without an end.
+#[test]
+fn what_is_swept_bounces_off_half_spaces() {
+    let mut app = app(Method::default());
+    let floor = app.world_mut().spawn(half_space()).id();
+    let bounce = Bounce::Reflect { restitution: 1.0 };
+    let velocity = Velocity(Vec3::new(30.0, -100.0, 0.0) * TICKS_PER_SECOND);
+    let bullet = ball(&mut app, Vec3::Y * 40.0, (Swept::default(), velocity, bounce));
+    tick(&mut app, 1);
+    assert_eq!(contacts(&app), [pair(floor, bullet)]);
+    let end = get::<Transform>(&app, bullet).translation;
+    let radius = 0.5;
+    assert!(end.distance(Vec3::new(30.0, 60.0 + 2.0 * radius, 0.0)) < 1e-2, "{end}");
+}
+
 fn half_space() -> CollisionShape {
     Shape::from(&Collider::halfspace(Vec3::Y).unwrap()).into()
 }

@@ -8,7 +8,7 @@ use crate::{
     components::{BroadPhaseProxy, WorldAabb},
 };
 
-/// How the box of one entity is drawn, whatever the [`CollisionGizmos`] say about others.
+/// How the box of one entity is drawn, and its way if it is [swept](crate::swept::Swept), whatever the [`CollisionGizmos`] say about others.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, PartialEq)]
 pub enum DebugDraw {
@@ -20,7 +20,7 @@ pub enum DebugDraw {
 
 type Boxes<'a, M> = (&'a WorldAabb, &'a BroadPhaseProxy, M);
 
-/// Draws the boxes of all entities that are in the index.
+/// Draws the boxes of all entities that are in the index, but endless ones.
 pub(super) fn draw_boxes(
     mut gizmos: Gizmos<CollisionGizmos>,
     index: Res<CollisionIndex>,
@@ -37,7 +37,7 @@ pub(super) fn draw_boxes(
             None if proxies.is_resting(id) => resting,
             None => moving,
         };
-        if let Some(color) = color {
+        if let Some(color) = color.filter(|_| *aabb != WorldAabb::ENDLESS) {
             gizmos.aabb_3d(aabb.0, Transform::IDENTITY, color);
         }
     };

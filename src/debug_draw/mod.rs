@@ -57,7 +57,7 @@ impl Plugin for CollisionDebugPlugin {
         }
         app.register_type::<DebugDraw>().init_gizmo_group::<CollisionGizmos>().add_systems(
             Last,
-            (leaves::draw_leaves, boxes::draw_boxes, contacts::draw_contacts)
+            (leaves::draw_leaves, boxes::draw_boxes, sweep::draw_ways, contacts::draw_contacts)
                 .chain()
                 .after(CollisionSystems::Last)
                 .before(GizmoMeshSystems)
@@ -109,7 +109,8 @@ pub struct CollisionGizmos {
     pub rays: Option<Color>,
     /// How far rays that hit nothing are drawn, in world units.
     pub ray_length: f32,
-    /// Boxes on their way from one place to another: see [`QueryGizmos::swept_box`].
+    /// Boxes on their way from one place to another: those of entities that are [`Swept`](crate::swept::Swept), and
+    /// [others](QueryGizmos::swept_box).
     pub sweeps: Option<Color>,
 }
 

@@ -6,6 +6,34 @@ use bevy::{
     prelude::*,
 };
 
+use super::{CollisionGizmos, DebugDraw};
+use crate::{
+    components::{BroadPhaseProxy, CollisionShape},
+    swept::Swept,
+};
+
+/// Draws the ways of swept entities that moved in the last tick: from where they began to where they ended, though there may
+/// have been bounces on the way.
+pub(super) fn draw_ways(
+    mut gizmos: Gizmos<CollisionGizmos>,
+    swept: Query<(&CollisionShape, &BroadPhaseProxy, &Swept, Option<&DebugDraw>)>,
+) {
+    let CollisionGizmos { sweeps: Some(color), .. } = *gizmos.config_ext else { return };
+    for (shape, proxy, swept, own) in &swept {
+        let way = swept.last_start().filter(|start| start.translation != proxy.pose.translation);
+        let color = match own {
+            Some(DebugDraw::Hidden) => continue,
+            Some(DebugDraw::Color(own)) => *own,
+            None => color,
+        };
+        if let Some(start) = way
+            && let [Ok(start), Ok(end)] = [start, &proxy.pose].map(|at| shape.world_aabb(at))
+        {
+            swept_box(&mut gizmos, &start, &end, color);
+        }
+    }
+}
+
 /// Draws a box at its start and at its end, and the lines of its corners between the two.
 pub(super) fn swept_box<Config: GizmoConfigGroup, Clear: Send + Sync + 'static>(
     gizmos: &mut GizmoBuffer<Config, Clear>,

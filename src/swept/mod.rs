@@ -75,6 +75,9 @@ pub struct Swept {
     /// Where its way in this tick begins.
     #[reflect(ignore)]
     start: Option<Transform>,
+    /// Where that in the last tick began.
+    #[reflect(ignore)]
+    last: Option<Transform>,
     /// Does its box cover more than the place where it is?
     #[reflect(ignore)]
     stretched: bool,
@@ -87,18 +90,18 @@ impl Swept {
     /// Swept, with a bound of one's own to the number of bounces within a tick.
     #[must_use]
     pub const fn new(sub_steps: u32) -> Self {
-        Self { sub_steps, start: None, stretched: false }
+        Self { sub_steps, start: None, last: None, stretched: false }
     }
 
-    /// Where its way began in the last tick; `None` before its first.
+    /// Where in the world its way began in the last tick; `None` before its first.
     #[must_use]
-    pub const fn start(&self) -> Option<&Transform> {
-        self.start.as_ref()
+    pub const fn last_start(&self) -> Option<&Transform> {
+        self.last.as_ref()
     }
 
     /// Has its way begin where it is at the next tick.
     pub(crate) fn forget(&mut self) {
-        self.start = None;
+        (self.start, self.last) = (None, None);
     }
 
     /// Where its way began, if it leads anywhere.
@@ -152,7 +155,9 @@ fn begin_ways(
 fn end_ways(mut swept: Query<(&BroadPhaseProxy, &mut Swept)>) {
     for (proxy, mut swept) in &mut swept {
         if swept.start.is_some() {
-            swept.bypass_change_detection().start = proxy.pose.is_finite().then_some(proxy.pose);
+            let swept = swept.bypass_change_detection();
+            swept.last = swept.start.replace(proxy.pose).filter(|_| proxy.pose.is_finite());
+            swept.start = swept.start.filter(Transform::is_finite);
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::{
     broad_phase::ProxyId,
     collision_index::CollisionIndex,
     filters::Sensor,
-    motion::{PositionTrack, Velocity},
+    motion::{MovedElsewhere, PositionTrack, Velocity},
     narrow_phase::Moving,
     response::{Bounce, approach, respond},
 };
@@ -42,6 +42,7 @@ impl Track {
         let swept = world.get::<Swept>(entity);
         let is_moved_by_velocity = world.entity(entity).contains::<Velocity>()
             && !world.entity(entity).contains::<PositionTrack>()
+            && !world.entity(entity).contains::<MovedElsewhere>()
             && !world.entity(entity).contains::<ChildOf>();
         Some(Self {
             entity,
