@@ -1,10 +1,11 @@
 //! Layers, static entities, lists of entities to ignore, sensors and hooks.
 
-use bevy::{
-    ecs::{schedule::ScheduleLabel, system::SystemParam},
-    prelude::*,
-};
+#[path = "common/hook.rs"]
+mod hook;
+
+use bevy::{ecs::schedule::ScheduleLabel, prelude::*};
 use bevy_octree::prelude::*;
+use hook::*;
 
 fn app() -> App {
     let mut app = App::new();
@@ -197,18 +198,6 @@ fn nothing_bounces_off_a_sensor() {
         assert!(app.world().get::<Velocity>(ball).unwrap().0.x <= 0.0, "{bounce:?}");
         app.world_mut().despawn(ball);
         app.world_mut().despawn(sensor);
-    }
-}
-
-#[derive(Component)]
-struct Ghost;
-
-#[derive(SystemParam)]
-struct NoGhosts<'w, 's>(Query<'w, 's, (), With<Ghost>>);
-
-impl PairHook for NoGhosts<'static, 'static> {
-    fn admits(hook: &NoGhosts, a: Entity, b: Entity) -> bool {
-        !hook.0.contains(a) && !hook.0.contains(b)
     }
 }
 

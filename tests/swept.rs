@@ -2,10 +2,13 @@
 
 #[expect(dead_code, reason = "shared with other tests")]
 mod common;
+#[path = "common/hook.rs"]
+mod hook;
 
-use bevy::{ecs::system::SystemParam, prelude::*};
+use bevy::prelude::*;
 use bevy_octree::{narrow_phase::Shape, prelude::*};
 use common::*;
+use hook::*;
 
 const ELASTIC: Bounce = Bounce::Reflect { restitution: 1.0 };
 
@@ -320,15 +323,6 @@ fn a_child_is_swept_by_the_way_of_its_parent() {
 
 #[test]
 fn what_is_filtered_is_passed_through_after_a_bounce_too() {
-    #[derive(Component)]
-    struct Ghost;
-    #[derive(SystemParam)]
-    struct NoGhosts<'w, 's>(Query<'w, 's, (), With<Ghost>>);
-    impl PairHook for NoGhosts<'static, 'static> {
-        fn admits(hook: &NoGhosts, a: Entity, b: Entity) -> bool {
-            !hook.0.contains(a) && !hook.0.contains(b)
-        }
-    }
     for kind in 0..4 {
         let mut app = app(Method::default());
         app.add_plugins(PairHookPlugin::<NoGhosts>::default());
