@@ -21,7 +21,8 @@ pub(super) fn add_systems(app: &mut App, schedule: InternedScheduleLabel) {
     app.add_systems(
         schedule,
         (
-            (begin_to_mirror, read).chain().after(CollisionSystems::NarrowPhase).before(CollisionSystems::Response),
+            // Impacts on the way are answered as early as in the narrow phase.
+            (begin_to_mirror, read).chain().after(CollisionSystems::First).before(CollisionSystems::Motion),
             write.after(CollisionSystems::Response).before(CollisionSystems::Report),
         ),
     )
