@@ -58,7 +58,8 @@ fn update_roots(mut roots: Query<Bounded, ChangedRoot>, settings: Res<NarrowPhas
 }
 
 type Child<'a> = (Entity, Ref<'a, CollisionShape>, &'a mut WorldAabb, &'a mut BroadPhaseProxy);
-type Ancestor<'a> = (Ref<'a, Transform>, Option<Ref<'a, ChildOf>>);
+/// What an ancestor, or the entity itself, has to do with where an entity is.
+pub(crate) type Ancestor<'a> = (Ref<'a, Transform>, Option<Ref<'a, ChildOf>>);
 
 fn update_children(
     mut children: Query<Child, With<ChildOf>>,
@@ -67,15 +68,8 @@ fn update_children(
     settings: Res<NarrowPhaseSettings>,
 ) {
     for (entity, shape, mut aabb, mut proxy) in &mut children {
-        let mut changed = shape.is_changed() || proxy.is_changed();
-        let mut world = GlobalTransform::IDENTITY;
-        let mut next = Some(entity);
-        while let Some(Ok((transform, parent))) = next.map(|ancestor| ancestors.get(ancestor)) {
-            changed |= transform.is_changed() || parent.as_ref().is_some_and(|parent| parent.is_changed());
-            world = *transform * world;
-            next = parent.map(|parent| parent.parent());
-        }
-        if changed {
+        let (world, moved) = place_in_world(entity, &ancestors);
+        if moved || shape.is_changed() || proxy.is_changed() {
             let pose = world.compute_transform();
             proxy.bypass_change_detection().pose = pose;
             *aabb = world_aabb(settings.tests(), entity, &shape, &pose);
@@ -83,21 +77,16 @@ fn update_children(
     }
 }
 
-/// Where an entity is in the world, by its own transform and those of its ancestors.
-pub(crate) fn world_pose(
-    entity: Entity,
-    ancestors: &Query<(&Transform, Option<&ChildOf>), Allow<Disabled>>,
-) -> Transform {
-    let mut world = GlobalTransform::IDENTITY;
+/// Where an entity is in the world, by its own transform and those of its ancestors; and whether any of these changed.
+pub(crate) fn place_in_world(entity: Entity, ancestors: &Query<Ancestor, Allow<Disabled>>) -> (GlobalTransform, bool) {
+    let (mut world, mut changed) = (GlobalTransform::IDENTITY, false);
     let mut next = Some(entity);
     while let Some(Ok((transform, parent))) = next.map(|ancestor| ancestors.get(ancestor)) {
-        if parent.is_none() && next == Some(entity) {
-            return *transform;
-        }
+        changed |= transform.is_changed() || parent.as_ref().is_some_and(|parent| parent.is_changed());
         world = *transform * world;
-        next = parent.map(ChildOf::parent);
+        next = parent.map(|parent| parent.parent());
     }
-    world.compute_transform()
+    (world, changed)
 }
 
 pub(crate) fn world_aabb(

@@ -8,7 +8,7 @@ use crate::{
     counters::CollisionCounters,
     filters::Sensor,
     motion::Velocity,
-    narrow_phase::{APPROACH, Placed, Workspace},
+    narrow_phase::{Placed, Workspace},
     plugin::{CollisionSystems, NarrowPhaseSettings},
     swept::{Outcomes, apply_outcomes, clear_outcomes, resolve_impacts},
 };
@@ -60,8 +60,7 @@ impl Plugin for BouncePlugin {
 fn solid(contacts: &Contacts, sensors: &Query<(), With<Sensor>>) -> impl Iterator<Item = ContactPair> {
     let some = !sensors.is_empty();
     let is_sensor = move |entity| some && sensors.contains(entity);
-    let at_rest =
-        |contact: &ContactPair| contacts.impacts().is_empty() || contacts.time_of_impact(contact.pair).is_none();
+    let at_rest = |contact: &ContactPair| contacts.time_of_impact(contact.pair).is_none();
     contacts.iter().copied().filter(at_rest).filter(move |contact| !is_sensor(contact.a) && !is_sensor(contact.b))
 }
 
@@ -101,12 +100,6 @@ impl Bounce {
             Self::Reflect { restitution } => Some(share(restitution)),
         }
     }
-}
-
-/// Do two come nearer to each other along a normal from the first to the second? More so than rounding would have them.
-pub(crate) fn approach(velocities: [Vec3; 2], normal: Vec3) -> bool {
-    let velocity = velocities[0] - velocities[1];
-    velocity.dot(normal) > APPROACH * velocity.length()
 }
 
 /// The velocities that a contact leaves two with which approach each other; `None` for those that keep theirs. Who is

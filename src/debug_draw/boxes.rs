@@ -18,6 +18,17 @@ pub enum DebugDraw {
     Color(Color),
 }
 
+impl DebugDraw {
+    /// The colour of what belongs to an entity, given that of others.
+    pub(super) fn color(own: Option<&Self>, others: Option<Color>) -> Option<Color> {
+        match own {
+            Some(Self::Hidden) => None,
+            Some(Self::Color(color)) => Some(*color),
+            None => others,
+        }
+    }
+}
+
 type Boxes<'a, M> = (&'a WorldAabb, &'a BroadPhaseProxy, M);
 
 /// Draws the boxes of all entities that are in the index, but endless ones.
@@ -31,13 +42,8 @@ pub(super) fn draw_boxes(
     let proxies = index.index().proxies();
     let mut draw = |aabb: &WorldAabb, proxy: &BroadPhaseProxy, own: Option<&DebugDraw>| {
         let Some(id) = proxy.id() else { return };
-        let color = match own {
-            Some(DebugDraw::Hidden) => None,
-            Some(DebugDraw::Color(color)) => Some(*color),
-            None if proxies.is_resting(id) => resting,
-            None => moving,
-        };
-        if let Some(color) = color.filter(|_| *aabb != WorldAabb::ENDLESS) {
+        let others = if proxies.is_resting(id) { resting } else { moving };
+        if let Some(color) = DebugDraw::color(own, others).filter(|_| *aabb != WorldAabb::ENDLESS) {
             gizmos.aabb_3d(aabb.0, Transform::IDENTITY, color);
         }
     };

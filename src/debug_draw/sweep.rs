@@ -18,15 +18,11 @@ pub(super) fn draw_ways(
     mut gizmos: Gizmos<CollisionGizmos>,
     swept: Query<(&CollisionShape, &BroadPhaseProxy, &Swept, Option<&DebugDraw>)>,
 ) {
-    let CollisionGizmos { sweeps: Some(color), .. } = *gizmos.config_ext else { return };
+    let color @ Some(_) = gizmos.config_ext.sweeps else { return };
     for (shape, proxy, swept, own) in &swept {
         let way = swept.last_start().filter(|start| start.translation != proxy.pose.translation);
-        let color = match own {
-            Some(DebugDraw::Hidden) => continue,
-            Some(DebugDraw::Color(own)) => *own,
-            None => color,
-        };
         if let Some(start) = way
+            && let Some(color) = DebugDraw::color(own, color)
             && let [Ok(start), Ok(end)] = [start, &proxy.pose].map(|at| shape.world_aabb(at))
         {
             swept_box(&mut gizmos, &start, &end, color);

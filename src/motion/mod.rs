@@ -101,7 +101,13 @@ fn follow_tracks(mut followers: Query<(&PositionTrack, &mut Transform)>, clock: 
     }
 }
 
+/// Beside a [`Velocity`].
 type MovedByVelocity = (Without<PositionTrack>, Without<MovedElsewhere>);
+
+/// Does [`move_by_velocity`] move this entity?
+pub(crate) fn is_moved_by_velocity(entity: EntityRef) -> bool {
+    entity.contains::<Velocity>() && !entity.contains::<PositionTrack>() && !entity.contains::<MovedElsewhere>()
+}
 
 fn move_by_velocity(
     mut moving: Query<(Entity, &Velocity, &mut Transform), MovedByVelocity>,

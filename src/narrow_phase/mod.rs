@@ -128,6 +128,6 @@ pub use proximity::Proximity;
 pub use ray::Impact;
 pub use shape::Shape;
 pub use stage::{Stage, StageCount, StageCounters};
-pub(crate) use time_of_impact::APPROACH;
+pub(crate) use time_of_impact::approach;
 pub use time_of_impact::{Moving, TimedContact};
 pub use workspace::Workspace;

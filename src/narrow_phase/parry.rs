@@ -15,6 +15,7 @@ use super::contact::{LocalContact, MOST_STEPS};
 use super::edge_polygon;
 use super::oriented_box::effective_scale;
 use super::pair::{Pair, ROUNDING};
+use super::ray;
 use super::triangulate::triangulate;
 use super::{BoundsError, Impact, Placed, PolygonMesh, Shape, Workspace};
 
@@ -154,7 +155,7 @@ pub(super) fn cast_ray(
     let distance = met.time_of_impact;
     // No normal inside.
     let normal = met.normal.try_normalize().filter(|_| distance > 0.0).unwrap_or(-*direction);
-    let normal = if normal.dot(*direction) > 0.0 { -normal } else { normal };
+    let normal = ray::against(normal, direction);
     let is_within = distance >= 0.0 && distance <= max_distance;
     is_within.then(|| Impact { distance, point: origin + direction * distance, normal })
 }
@@ -176,7 +177,7 @@ pub(super) fn sweep(moving: Placed, direction: Dir3, max_distance: f32, target: 
     let point = target.transform.translation + rotation * hit.witness2;
     let normal = rotation * hit.normal2;
     let normal = normal.try_normalize().unwrap_or(-*direction);
-    let normal = if normal.dot(*direction) > 0.0 { -normal } else { normal };
+    let normal = ray::against(normal, direction);
     Some(Impact { distance, point, normal })
 }
 

@@ -24,6 +24,11 @@ pub struct Impact {
     pub normal: Vec3,
 }
 
+/// A normal, turned against what comes along a direction.
+pub(super) fn against(normal: Vec3, direction: Dir3) -> Vec3 {
+    if normal.dot(*direction) > 0.0 { -normal } else { normal }
+}
+
 impl NarrowPhase {
     /// Where a ray first meets a shape, if it does so within `max_distance`.
     ///
@@ -101,8 +106,7 @@ impl LocalRay {
     /// Normals scale inversely. Turned against the ray, whichever side of a polygon it meets.
     fn to_world(&self, normal: DVec3, target: Placed, direction: Dir3) -> Vec3 {
         let scaled = (normal / self.scale).normalize_or_zero().as_vec3();
-        let normal = (target.transform.rotation.normalize() * scaled).normalize_or(-*direction);
-        if normal.dot(*direction) > 0.0 { -normal } else { normal }
+        against((target.transform.rotation.normalize() * scaled).normalize_or(-*direction), direction)
     }
 
     fn cuboid(&self, half: DVec3) -> Option<Met> {

@@ -18,8 +18,8 @@ use super::{BoundsError, Contact, NarrowPhase, Placed, Shape, Workspace};
 /// [`LEAST_STEP`] of the way that is left.
 const LOOKS: u32 = 64;
 
-/// Of two velocities, the share towards each other that is more than rounding.
-pub(crate) const APPROACH: f32 = 1e-6;
+/// The share of a velocity along a normal that is more than rounding.
+const APPROACH: f32 = 1e-6;
 
 /// See [`LOOKS`]: it is two that pass each other within a hair's breadth that get there.
 const LEAST_STEP: f32 = 1.0 / 64.0;
@@ -50,6 +50,13 @@ pub struct TimedContact {
     pub contact: Contact,
 }
 
+impl TimedContact {
+    /// The contact on what was left of a way after a share of it, by the time of the whole way.
+    pub(crate) fn after(self, time: f32) -> Self {
+        Self { time: time + self.time * (1.0 - time), ..self }
+    }
+}
+
 impl<'a> Moving<'a> {
     /// From `start` to `end`.
     #[must_use]
@@ -60,7 +67,7 @@ impl<'a> Moving<'a> {
     /// At rest.
     #[must_use]
     pub fn resting(placed: Placed<'a>) -> Self {
-        Self { shape: placed.shape, start: *placed.transform, end: *placed.transform }
+        Self::new(placed.shape, placed.transform, placed.transform)
     }
 
     /// What is on its way.
@@ -179,9 +186,8 @@ impl NarrowPhase {
         let turn = a.turns() || b.turns();
         let mut on_the_way = None;
         if !turn {
-            on_the_way = self
-                .straight(&a.after(free_from), &b.after(free_from), workspace)
-                .map(|met| TimedContact { time: free_from + met.time * (1.0 - free_from), ..met });
+            on_the_way =
+                self.straight(&a.after(free_from), &b.after(free_from), workspace).map(|met| met.after(free_from));
         }
         // Parry does not find every impact.
         if turn || (on_the_way.is_none() && !(is_own(a.shape) && is_own(b.shape))) {
@@ -193,14 +199,12 @@ impl NarrowPhase {
 
     /// The contact after a share of the way.
     fn touch(&self, a: &Moving, b: &Moving, time: f32, workspace: &mut Workspace) -> Option<TimedContact> {
-        let (at_a, at_b) = (a.at(time), b.at(time));
-        let contact = self.contact(Placed::new(a.shape, &at_a), Placed::new(b.shape, &at_b), workspace)?;
+        let contact = at_once(a, b, time, |a, b| self.contact(a, b, workspace))?;
         Some(TimedContact { time, contact })
     }
 
     fn touches(&self, a: &Moving, b: &Moving, time: f32, workspace: &mut Workspace) -> bool {
-        let (at_a, at_b) = (a.at(time), b.at(time));
-        self.intersects(Placed::new(a.shape, &at_a), Placed::new(b.shape, &at_b), workspace)
+        at_once(a, b, time, |a, b| self.intersects(a, b, workspace))
     }
 
     /// Between a time at which the two are in contact and one at which they are not: two such times, close to each other.
@@ -252,19 +256,18 @@ impl NarrowPhase {
         let (mut last, mut time) = (from, from);
         // Was the last step longer than was safe?
         let mut hurried = false;
-        for look in 0.. {
-            let (at_a, at_b) = (a.at(time), b.at(time));
-            let placed = [Placed::new(a.shape, &at_a), Placed::new(b.shape, &at_b)];
-            let near = self.closest_points(placed[0], placed[1], workspace);
+        let mut looks = 0;
+        while time <= 1.0 {
+            let near = at_once(a, b, time, |a, b| self.closest_points(a, b, workspace));
             let touching = match near {
                 Some(near) => near.distance <= tolerance,
                 // Parry does not always find an answer.
-                None => self.intersects(placed[0], placed[1], workspace),
+                None => self.touches(a, b, time, workspace),
             };
             if touching {
                 let time = if hurried { self.narrow(a, b, [time, last], workspace)[0] } else { time };
                 let direction = near.and_then(|near| near.offset.try_normalize()).unwrap_or(Vec3::Y);
-                let point = near.map_or(at_b.translation, |near| near.points[1]);
+                let point = near.map_or(b.at(time).translation, |near| near.points[1]);
                 let at_tolerance = TimedContact { time, contact: Contact { normal: direction, point, depth: 0.0 } };
                 return Some(self.touch(a, b, time, workspace).unwrap_or(at_tolerance));
             }
@@ -277,16 +280,19 @@ impl NarrowPhase {
                     return None;
                 }
             }
-            let hurry = look >= LOOKS || near.is_none();
+            let hurry = looks >= LOOKS || near.is_none();
             let least = if hurry { LEAST_STEP * (1.0 - from) } else { 0.0 };
             hurried = free < least;
             (last, time) = (time, time + free.max(least));
-            if time > 1.0 {
-                return None;
-            }
+            looks += 1;
         }
         None
     }
+}
+
+/// Asks about the two where they are after a share of their ways.
+fn at_once<T>(a: &Moving, b: &Moving, time: f32, ask: impl FnOnce(Placed, Placed) -> T) -> T {
+    ask(Placed::new(a.shape, &a.at(time)), Placed::new(b.shape, &b.at(time)))
 }
 
 /// Is there a plane between this shape and any other such that is apart from it?
@@ -299,8 +305,13 @@ fn is_own(shape: &Shape) -> bool {
     is_convex(shape) || matches!(shape, Shape::Mesh(_))
 }
 
-/// Do the two come nearer to each other where they touch at the start? More so than rounding would have them.
+/// Do the two come nearer to each other where they touch at the start?
 fn comes_nearer(a: &Moving, b: &Moving, contact: &Contact) -> bool {
-    let velocity = a.velocity_at(contact.point) - b.velocity_at(contact.point);
-    velocity.dot(contact.normal) > APPROACH * velocity.length()
+    approach([a, b].map(|moving| moving.velocity_at(contact.point)), contact.normal)
+}
+
+/// Do two come nearer to each other along a normal from the first to the second? More so than rounding would have them.
+pub(crate) fn approach(velocities: [Vec3; 2], normal: Vec3) -> bool {
+    let velocity = velocities[0] - velocities[1];
+    velocity.dot(normal) > APPROACH * velocity.length()
 }

@@ -52,7 +52,7 @@ use bevy::{
 pub(crate) use resolve::{Outcomes, apply_outcomes, clear_outcomes, resolve_impacts};
 
 use crate::{
-    bounds,
+    bounds::{self, Ancestor},
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     narrow_phase::Moving,
     plugin::{CollisionSystems, NarrowPhaseSettings},
@@ -141,12 +141,13 @@ impl Plugin for SweptPlugin {
 
 /// The way of an entity that is new begins where it is before it first moves.
 fn begin_ways(
-    mut swept: Query<(Entity, &mut Swept), With<BroadPhaseProxy>>,
-    ancestors: Query<(&Transform, Option<&ChildOf>), Allow<Disabled>>,
+    mut swept: Query<(Entity, &Transform, Has<ChildOf>, &mut Swept), With<BroadPhaseProxy>>,
+    ancestors: Query<Ancestor, Allow<Disabled>>,
 ) {
-    for (entity, mut swept) in &mut swept {
+    for (entity, transform, has_parent, mut swept) in &mut swept {
         if swept.start.is_none() {
-            let pose = bounds::world_pose(entity, &ancestors);
+            let in_world = || bounds::place_in_world(entity, &ancestors).0.compute_transform();
+            let pose = if has_parent { in_world() } else { *transform };
             swept.bypass_change_detection().start = pose.is_finite().then_some(pose);
         }
     }

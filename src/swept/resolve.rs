@@ -226,8 +226,7 @@ impl Resolver {
         tests: &NarrowPhase,
     ) -> Option<TimedContact> {
         let (a, b) = (self.moving(index, pair.a, from)?, self.moving(index, pair.b, from)?);
-        let met = tests.time_of_impact(&a, &b, &mut self.workspace)?;
-        Some(TimedContact { time: from + met.time * (1.0 - from), ..met })
+        Some(tests.time_of_impact(&a, &b, &mut self.workspace)?.after(from))
     }
 
     /// Tells what has become of all who met something.

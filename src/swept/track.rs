@@ -7,9 +7,9 @@ use crate::{
     broad_phase::ProxyId,
     collision_index::CollisionIndex,
     filters::Sensor,
-    motion::{MovedElsewhere, PositionTrack, Velocity},
-    narrow_phase::Moving,
-    response::{Bounce, approach, respond},
+    motion::{Velocity, is_moved_by_velocity},
+    narrow_phase::{Moving, approach},
+    response::{Bounce, respond},
 };
 
 /// A body that met something in this tick, and where it is going since.
@@ -40,16 +40,13 @@ impl Track {
         let index = world.resource::<CollisionIndex>();
         let (entity, moving) = (index.body(id)?.entity, index.moving(id)?);
         let swept = world.get::<Swept>(entity);
-        let is_moved_by_velocity = world.entity(entity).contains::<Velocity>()
-            && !world.entity(entity).contains::<PositionTrack>()
-            && !world.entity(entity).contains::<MovedElsewhere>()
-            && !world.entity(entity).contains::<ChildOf>();
+        let steers = is_moved_by_velocity(world.entity(entity)) && !world.entity(entity).contains::<ChildOf>();
         Some(Self {
             entity,
             velocity: world.get::<Velocity>(entity).map_or(Vec3::ZERO, |velocity| velocity.0),
             bounce: world.get::<Bounce>(entity).copied(),
             is_sensor: world.entity(entity).contains::<Sensor>(),
-            steers: swept.map(|swept| swept.sub_steps).filter(|_| is_moved_by_velocity),
+            steers: swept.map(|swept| swept.sub_steps).filter(|_| steers),
             since: 0.0,
             from: moving.at(0.0).translation,
             way: moving.at(1.0).translation - moving.at(0.0).translation,
