@@ -144,7 +144,7 @@ impl LinearOctree {
         }
         self.exact = self.make_all_skins(proxies, horizon);
         self.tree.refit();
-        if self.order.growth(self.tree.looseness()) > TOO_LOOSE {
+        if self.tree.looseness() > TOO_LOOSE {
             self.sort(proxies, has_skins);
             self.exact = self.make_all_skins(proxies, horizon);
             self.tree.refit();
@@ -283,9 +283,9 @@ impl BroadPhase for LinearOctree {
         } else if !self.escaped.is_empty() {
             self.renew_escaped(proxies);
             // Those that jumped have made blocks large, in which all searches end.
-            let growth = self.order.growth(self.tree.looseness());
-            let is_dear = growth * self.escaped.len() as f64 > proxies.len() as f64;
-            if is_dear || (growth > TOO_LOOSE && self.near.are_all_wanted()) {
+            let looseness = self.tree.looseness();
+            let is_dear = looseness * self.escaped.len() as f64 > proxies.len() as f64;
+            if is_dear || (looseness > TOO_LOOSE && self.near.are_all_wanted()) {
                 self.order.forget();
                 self.refresh(proxies);
             }

@@ -6,6 +6,7 @@ use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::{Level, dispatch, prelude::*};
 
 use super::{
+    levels::WIDTH,
     list::{Packed, pack},
     skin::Anchor,
 };
@@ -19,9 +20,7 @@ pub(super) struct Order {
     for_skins: bool,
     /// How many objects came or went since it was made.
     changes: usize,
-    /// How loose the tree was when it was made, and how much looser it has been since, summed over the times at which it
-    /// was searched as a whole.
-    looseness: Option<f64>,
+    /// How much looser than at first the tree was, summed over the times at which it was searched as a whole since.
     excess: f64,
     items: Vec<Packed>,
     scratch: Vec<Packed>,
@@ -57,24 +56,13 @@ impl Order {
 
     /// Notes how loose the tree is that will be searched as a whole.
     pub(super) fn note_looseness(&mut self, looseness: f64) {
-        match self.looseness {
-            None => self.looseness = Some(looseness),
-            Some(_) => self.excess += (self.growth(looseness) - 1.0).max(0.0),
-        }
-    }
-
-    /// How many times as loose the tree is as when it was made.
-    pub(super) fn growth(&self, looseness: f64) -> f64 {
-        match self.looseness {
-            Some(at_first) if looseness > at_first => looseness / at_first,
-            _ => 1.0,
-        }
+        self.excess += (looseness - 1.0).max(0.0);
     }
 
     /// Sorts all objects: their indices are the second numbers of the items.
     pub(super) fn sort(&mut self, level: Level, proxies: &Proxies, for_skins: bool) -> &[Packed] {
         (self.is_known, self.for_skins, self.changes) = (true, for_skins, 0);
-        (self.looseness, self.excess) = (None, 0.0);
+        self.excess = 0.0;
         let objects = proxies.iter().map(|(id, _)| id.get());
         order(level, proxies.boxes(), objects, &mut self.items, &mut self.scratch);
         &self.items
@@ -87,32 +75,38 @@ impl Order {
 }
 
 /// Sorts by the key in the upper half: three passes of a radix sort, stable.
-fn sort(items: &mut Vec<u64>, scratch: &mut Vec<u64>) {
+fn sort(items: &mut [u64], scratch: &mut Vec<u64>) {
     const BITS: u32 = 11;
     const BUCKETS: usize = 1 << BITS;
-    scratch.clear();
-    scratch.resize(items.len(), 0);
+    scratch.resize(scratch.len().max(items.len()), 0);
+    let mut to = &mut scratch[..items.len()];
+    let mut from = items;
     let mut counts = [[0_u32; BUCKETS]; 3];
-    for item in &*items {
+    for item in &*from {
         for (pass, counts) in counts.iter_mut().enumerate() {
             counts[(item >> (32 + pass as u32 * BITS)) as usize % BUCKETS] += 1;
         }
     }
+    let mut is_in_scratch = false;
     for (pass, counts) in counts.iter_mut().enumerate() {
         // Nothing to do where all keys agree.
-        if counts.iter().any(|count| *count as usize == items.len()) {
+        if counts.iter().any(|count| *count as usize == from.len()) {
             continue;
         }
         let mut start = 0;
         for count in counts.iter_mut() {
             start += std::mem::replace(count, start);
         }
-        for item in &*items {
+        for item in &*from {
             let place = &mut counts[(item >> (32 + pass as u32 * BITS)) as usize % BUCKETS];
-            scratch[*place as usize] = *item;
+            to[*place as usize] = *item;
             *place += 1;
         }
-        std::mem::swap(items, scratch);
+        std::mem::swap(&mut from, &mut to);
+        is_in_scratch = !is_in_scratch;
+    }
+    if is_in_scratch {
+        to.copy_from_slice(from);
     }
 }
 
@@ -122,7 +116,10 @@ const LANES: usize = 16;
 const CELL_BITS: u32 = 9;
 
 /// A run of objects in the same cell that is longer than this is put in order within the cell.
-const LONG_RUN: usize = 64;
+const LONG_RUN: usize = 2 * WIDTH;
+
+/// With fewer items than this, a radix sort is not worth its tables.
+const MANY: usize = 1024;
 
 /// Fills `items` with the objects in their order on the curve, in the lower halves.
 fn order(
@@ -134,16 +131,17 @@ fn order(
 ) {
     items.clear();
     items.extend(objects.map(u64::from));
-    dispatch!(level, simd => set_keys(simd, boxes, items));
-    sort(items, scratch);
-    // Where a few objects far away make the cells large, many may share one.
-    let mut long_runs: Vec<Range<usize>> = runs(items, 0);
+    // Where objects are apart by more than cells can tell, many share one.
+    let mut long_runs: Vec<Range<usize>> = vec![0..items.len()];
     while let Some(run) = long_runs.pop() {
         let items = &mut items[run.clone()];
         dispatch!(level, simd => set_keys(simd, boxes, items));
-        items.sort_unstable();
-        let whole = 0..items.len();
-        long_runs.extend(runs(items, run.start).into_iter().filter(|inner| inner.len() < whole.len()));
+        if items.len() < MANY {
+            items.sort_unstable();
+        } else {
+            sort(items, scratch);
+        }
+        long_runs.extend(runs(items, run.start).into_iter().filter(|inner| inner.len() < run.len()));
     }
 }
 
@@ -161,37 +159,103 @@ fn runs(items: &[u64], start: usize) -> Vec<Range<usize>> {
     runs
 }
 
+/// Half the centre of a box: sums of large numbers may overflow.
+#[inline(always)]
+fn half_center(aabb: &Aabb3d) -> Vec3A {
+    aabb.min * 0.25 + aabb.max * 0.25
+}
+
+/// Half the sides of a box.
+#[inline(always)]
+fn half_sides(aabb: &Aabb3d) -> Vec3A {
+    aabb.max * 0.5 - aabb.min * 0.5
+}
+
+/// Where objects are, by half their centres, and half the longest side of all.
+struct Extent {
+    low: Vec3A,
+    high: Vec3A,
+    largest: f32,
+}
+
+impl Extent {
+    /// With so many objects or more, a few of them may be left out.
+    const MANY: usize = 512;
+    /// How many are then looked at to see where most of them are. One in eight may be far away, on each side.
+    const SAMPLE: usize = 32;
+    /// As many times as large as most as classes of size can tell apart: 4¹⁵.
+    const LARGEST: f32 = (1 << 30) as f32;
+
+    #[inline(always)]
+    fn of(boxes: &[Aabb3d], items: &[u64]) -> Self {
+        let (mut low, mut high, mut largest) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY, Vec3A::ZERO);
+        for item in items {
+            let aabb = &boxes[*item as u32 as usize];
+            let center = half_center(aabb);
+            low = low.min(center);
+            high = high.max(center);
+            largest = largest.max(half_sides(aabb));
+        }
+        let mut extent = Self { low, high, largest: largest.max_element() };
+        if items.len() >= Self::MANY {
+            extent.leave_out_a_few(boxes, items);
+        }
+        extent
+    }
+
+    /// A few objects far away would make cells so large that all others share a few of these, and a few large ones would
+    /// leave no class of size to tell the others apart.
+    fn leave_out_a_few(&mut self, boxes: &[Aabb3d], items: &[u64]) {
+        let mut samples = [[0.0; Self::SAMPLE]; 4];
+        for number in 0..Self::SAMPLE {
+            // By the golden ratio: objects may come in turns.
+            let place = (number as u32).wrapping_mul(0x9E37_79B9) as u64 * items.len() as u64 >> 32;
+            let aabb = &boxes[items[place as usize] as u32 as usize];
+            let [x, y, z] = half_center(aabb).to_array();
+            for (sample, value) in samples.iter_mut().zip([x, y, z, half_sides(aabb).max_element()]) {
+                sample[number] = value;
+            }
+        }
+        samples.iter_mut().for_each(|sample| sample.sort_unstable_by(f32::total_cmp));
+        let ranked = |rank: usize| Vec3A::from_array(std::array::from_fn(|axis| samples[axis][rank]));
+        let (low, high) = (ranked(Self::SAMPLE / 8), ranked(Self::SAMPLE - 1 - Self::SAMPLE / 8));
+        let beyond = (high - low).max_element();
+        self.low = self.low.max(low - beyond);
+        self.high = self.high.min(high + beyond);
+        let typical = samples[3][Self::SAMPLE / 2];
+        if typical > 0.0 {
+            self.largest = self.largest.min(typical * Self::LARGEST);
+        }
+    }
+}
+
+/// The key of objects that are far away from most.
+const FAR: u32 = u32::MAX;
+
 /// Gives items, which have their objects in the lower halves, keys in the upper halves.
 #[inline(always)]
 fn set_keys<S: Simd>(_: S, boxes: &[Aabb3d], items: &mut [u64]) {
-    // Half the centres, and half the longest side of all: sums of large numbers may overflow.
-    let (mut low, mut high, mut largest) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY, Vec3A::ZERO);
-    for item in &*items {
-        let aabb = &boxes[*item as u32 as usize];
-        let center = aabb.min * 0.25 + aabb.max * 0.25;
-        low = low.min(center);
-        high = high.max(center);
-        largest = largest.max(aabb.max * 0.5 - aabb.min * 0.5);
-    }
     const CELLS: f32 = (1 << CELL_BITS) as f32;
-    let largest = largest.max_element();
+    let Extent { low, high, largest } = Extent::of(boxes, items);
     let scale = CELLS / (high - low).max_element();
     let scale = if scale.is_finite() { scale } else { 0.0 };
     for items in items.chunks_mut(LANES) {
         let mut cells = [[0_u32; LANES]; 3];
         let mut classes = [0_u32; LANES];
+        let mut far = [0_u32; LANES];
         for (lane, item) in items.iter().enumerate() {
             let aabb = &boxes[*item as u32 as usize];
-            let cell = (aabb.min * 0.25 + aabb.max * 0.25 - low) * scale;
-            let cell = cell.min(Vec3A::splat(CELLS - 1.0)).to_array();
+            let center = half_center(aabb);
+            let cell = ((center - low) * scale).min(Vec3A::splat(CELLS - 1.0)).to_array();
             for axis in 0..3 {
                 cells[axis][lane] = cell[axis] as u32;
             }
-            classes[lane] = size_class(largest / (aabb.max * 0.5 - aabb.min * 0.5).max_element());
+            far[lane] = u32::from((center.cmplt(low) | center.cmpgt(high)).any()) * FAR;
+            classes[lane] = size_class(largest / half_sides(aabb).max_element());
         }
         let places = hilbert(cells);
         for (lane, item) in items.iter_mut().enumerate() {
-            *item = pack(classes[lane] << (3 * CELL_BITS) | places[lane], *item as u32);
+            *item = pack(classes[lane] << (3 * CELL_BITS) | places[lane] | far[lane], *item as u32);
         }
     }
 }
