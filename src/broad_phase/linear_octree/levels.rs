@@ -118,8 +118,9 @@ const LEAST_MOST: f32 = 4.0;
 /// size, anywhere, weigh as much as they cost, and no more.
 #[derive(Clone, Debug, Default)]
 struct Looseness {
-    /// By block of boxes: one by the sum of its sides at first.
-    at_first: Vec<f32>,
+    /// How many blocks are known, and by block, in eights: one by the sum of its sides at first.
+    blocks: usize,
+    at_first: Vec<[f32; WIDTH]>,
     /// What a block counts for at most; 1 if it is as large as at first.
     most: f32,
     sum: f64,
@@ -128,19 +129,26 @@ struct Looseness {
 impl Looseness {
     /// The mean of all blocks: 1 if they are as large as at first.
     fn mean(&self) -> f64 {
-        self.sum / self.at_first.len().max(1) as f64
+        self.sum / self.blocks.max(1) as f64
+    }
+
+    /// Forgets what blocks were at first.
+    fn start_over(&mut self) {
+        self.blocks = 0;
+        self.at_first.clear();
     }
 
     /// Measures all blocks, given their bounds.
     fn measure(&mut self, bounds: &[Block], blocks: usize) {
-        if self.at_first.len() < blocks {
+        if self.blocks < blocks {
             self.note_at_first(bounds, blocks);
         }
         self.sum = 0.0;
-        for (bounds, at_first) in bounds.iter().zip(self.at_first.chunks(WIDTH)) {
+        for (bounds, at_first) in bounds.iter().zip(&self.at_first) {
             let sides = sides(bounds);
-            let counts = sides.iter().zip(at_first).map(|(sides, at_first)| self.count(*sides, *at_first));
-            self.sum += f64::from(counts.sum::<f32>());
+            let counts: [f32; WIDTH] = std::array::from_fn(|lane| self.count(sides[lane], at_first[lane]));
+            let four: [f32; 4] = std::array::from_fn(|lane| counts[lane] + counts[lane + 4]);
+            self.sum += f64::from((four[0] + four[2]) + (four[1] + four[3]));
         }
     }
 
@@ -148,23 +156,25 @@ impl Looseness {
     /// order themselves: they are compared with what is typical of the others.
     #[cold]
     fn note_at_first(&mut self, bounds: &[Block], blocks: usize) {
-        if self.at_first.is_empty() {
-            let sides = bounds.iter().flat_map(sides).take(blocks);
-            self.at_first.extend(sides.map(|sides| sides.max(f32::MIN_POSITIVE).recip()));
-        } else {
-            // The geometric mean, nearly: the bits of a float are its logarithm, nearly.
-            let bits = self.at_first.iter().map(|at_first| u64::from(at_first.to_bits())).sum::<u64>();
-            let typical = f32::from_bits((bits / self.at_first.len() as u64) as u32);
-            self.at_first.resize(blocks, typical);
+        let known = self.at_first.as_flattened().iter().take(self.blocks);
+        // The geometric mean, nearly: the bits of a float are its logarithm, nearly.
+        let bits = known.map(|at_first| u64::from(at_first.to_bits())).sum::<u64>();
+        let typical = bits.checked_div(self.blocks as u64).map(|bits| f32::from_bits(bits as u32));
+        self.at_first.resize(blocks.div_ceil(WIDTH), [0.0; WIDTH]);
+        let all = self.at_first.as_flattened_mut().iter_mut().zip(bounds.iter().flat_map(sides));
+        for (at_first, sides) in all.take(blocks).skip(self.blocks) {
+            *at_first = typical.unwrap_or(sides.max(f32::MIN_POSITIVE).recip());
         }
+        self.blocks = blocks;
         self.most = (blocks as f32 / OVERLAPPED).max(LEAST_MOST);
     }
 
     /// Measures a block that has changed.
     #[inline]
-    fn change(&mut self, place: usize, old: f32, new: f32) {
-        if let Some(at_first) = self.at_first.get(place) {
-            self.sum += f64::from(self.count(new, *at_first)) - f64::from(self.count(old, *at_first));
+    fn change(&mut self, place: usize, old: &Aabb3d, new: &Aabb3d) {
+        if let Some(at_first) = self.at_first.get(place / WIDTH) {
+            let count = |bounds| f64::from(self.count(sides_of(bounds), at_first[place % WIDTH]));
+            self.sum += count(new) - count(old);
         }
     }
 
@@ -176,7 +186,14 @@ impl Looseness {
     }
 }
 
-/// The sums of the sides of eight boxes, or a part of these that cannot overflow; nothing for those that are empty.
+/// The sum of a box's sides, or a part of it that cannot overflow; nothing for one that is empty.
+#[inline(always)]
+fn sides_of(bounds: &Aabb3d) -> f32 {
+    let sides = bounds.max * 0.125 - bounds.min * 0.125;
+    (sides.x + sides.y + sides.z).max(0.0)
+}
+
+/// The same for eight boxes.
 #[inline(always)]
 fn sides(block: &Block) -> [f32; WIDTH] {
     let side = |axis: usize, lane: usize| block.max[axis][lane] * 0.125 - block.min[axis][lane] * 0.125;
@@ -203,7 +220,7 @@ impl Levels {
         self.levels.truncate(1);
         self.levels[0].resize(blocks, Block::EMPTY);
         self.levels[0][blocks - 1] = Block::EMPTY;
-        self.looseness.at_first.clear();
+        self.looseness.start_over();
         self.raise();
     }
 
@@ -280,12 +297,10 @@ impl Levels {
         for height in 1..self.levels.len() {
             let bounds = self.levels[height - 1][place].bounds();
             let above = &mut self.levels[height][place / WIDTH];
-            let lane = place % WIDTH;
-            let old = sides(above)[lane];
-            above.set(lane, &bounds);
             if height == 1 {
-                self.looseness.change(place, old, sides(above)[lane]);
+                self.looseness.change(place, &above.get(place % WIDTH), &bounds);
             }
+            above.set(place % WIDTH, &bounds);
             place /= WIDTH;
         }
     }
@@ -338,7 +353,7 @@ impl Levels {
 
     pub(super) fn memory_bytes(&self) -> usize {
         self.levels.iter().map(|level| level.capacity() * size_of::<Block>()).sum::<usize>()
-            + self.looseness.at_first.capacity() * size_of::<f32>()
+            + self.looseness.at_first.capacity() * size_of::<[f32; WIDTH]>()
     }
 
     /// Checks that bounds hold what is below them, and that nothing stands beyond the last of so many boxes.

@@ -75,38 +75,32 @@ impl Order {
 }
 
 /// Sorts by the key in the upper half: three passes of a radix sort, stable.
-fn sort(items: &mut [u64], scratch: &mut Vec<u64>) {
+fn sort(items: &mut Vec<u64>, scratch: &mut Vec<u64>) {
     const BITS: u32 = 11;
     const BUCKETS: usize = 1 << BITS;
-    scratch.resize(scratch.len().max(items.len()), 0);
-    let mut to = &mut scratch[..items.len()];
-    let mut from = items;
+    scratch.clear();
+    scratch.resize(items.len(), 0);
     let mut counts = [[0_u32; BUCKETS]; 3];
-    for item in &*from {
+    for item in &*items {
         for (pass, counts) in counts.iter_mut().enumerate() {
             counts[(item >> (32 + pass as u32 * BITS)) as usize % BUCKETS] += 1;
         }
     }
-    let mut is_in_scratch = false;
     for (pass, counts) in counts.iter_mut().enumerate() {
         // Nothing to do where all keys agree.
-        if counts.iter().any(|count| *count as usize == from.len()) {
+        if counts.iter().any(|count| *count as usize == items.len()) {
             continue;
         }
         let mut start = 0;
         for count in counts.iter_mut() {
             start += std::mem::replace(count, start);
         }
-        for item in &*from {
+        for item in &*items {
             let place = &mut counts[(item >> (32 + pass as u32 * BITS)) as usize % BUCKETS];
-            to[*place as usize] = *item;
+            scratch[*place as usize] = *item;
             *place += 1;
         }
-        std::mem::swap(&mut from, &mut to);
-        is_in_scratch = !is_in_scratch;
-    }
-    if is_in_scratch {
-        to.copy_from_slice(from);
+        std::mem::swap(items, scratch);
     }
 }
 
@@ -118,9 +112,6 @@ const CELL_BITS: u32 = 9;
 /// A run of objects in the same cell that is longer than this is put in order within the cell.
 const LONG_RUN: usize = 2 * WIDTH;
 
-/// With fewer items than this, a radix sort is not worth its tables.
-const MANY: usize = 1024;
-
 /// Fills `items` with the objects in their order on the curve, in the lower halves.
 fn order(
     level: Level,
@@ -131,17 +122,16 @@ fn order(
 ) {
     items.clear();
     items.extend(objects.map(u64::from));
+    dispatch!(level, simd => set_keys(simd, boxes, items));
+    sort(items, scratch);
     // Where objects are apart by more than cells can tell, many share one.
-    let mut long_runs: Vec<Range<usize>> = vec![0..items.len()];
+    let mut long_runs: Vec<Range<usize>> = runs(items, 0);
     while let Some(run) = long_runs.pop() {
         let items = &mut items[run.clone()];
         dispatch!(level, simd => set_keys(simd, boxes, items));
-        if items.len() < MANY {
-            items.sort_unstable();
-        } else {
-            sort(items, scratch);
-        }
-        long_runs.extend(runs(items, run.start).into_iter().filter(|inner| inner.len() < run.len()));
+        items.sort_unstable();
+        let whole = 0..items.len();
+        long_runs.extend(runs(items, run.start).into_iter().filter(|inner| inner.len() < whole.len()));
     }
 }
 
@@ -176,6 +166,8 @@ struct Extent {
     low: Vec3A,
     high: Vec3A,
     largest: f32,
+    /// Are all of them there?
+    holds_all: bool,
 }
 
 impl Extent {
@@ -196,7 +188,7 @@ impl Extent {
             high = high.max(center);
             largest = largest.max(half_sides(aabb));
         }
-        let mut extent = Self { low, high, largest: largest.max_element() };
+        let mut extent = Self { low, high, largest: largest.max_element(), holds_all: true };
         if items.len() >= Self::MANY {
             extent.leave_out_a_few(boxes, items);
         }
@@ -220,8 +212,10 @@ impl Extent {
         let ranked = |rank: usize| Vec3A::from_array(std::array::from_fn(|axis| samples[axis][rank]));
         let (low, high) = (ranked(Self::SAMPLE / 8), ranked(Self::SAMPLE - 1 - Self::SAMPLE / 8));
         let beyond = (high - low).max_element();
-        self.low = self.low.max(low - beyond);
-        self.high = self.high.min(high + beyond);
+        let (low, high) = (low - beyond, high + beyond);
+        self.holds_all = (low.cmple(self.low) & high.cmpge(self.high)).all();
+        self.low = self.low.max(low);
+        self.high = self.high.min(high);
         let typical = samples[3][Self::SAMPLE / 2];
         if typical > 0.0 {
             self.largest = self.largest.min(typical * Self::LARGEST);
@@ -229,33 +223,39 @@ impl Extent {
     }
 }
 
-/// The key of objects that are far away from most.
-const FAR: u32 = u32::MAX;
+/// The key of objects that are far away from most. The least: pairs of blocks are joined from the first, of which then no
+/// box reaches into the second.
+const FAR: u32 = 0;
 
 /// Gives items, which have their objects in the lower halves, keys in the upper halves.
 #[inline(always)]
 fn set_keys<S: Simd>(_: S, boxes: &[Aabb3d], items: &mut [u64]) {
     const CELLS: f32 = (1 << CELL_BITS) as f32;
-    let Extent { low, high, largest } = Extent::of(boxes, items);
+    let Extent { low, high, largest, holds_all } = Extent::of(boxes, items);
     let scale = CELLS / (high - low).max_element();
     let scale = if scale.is_finite() { scale } else { 0.0 };
     for items in items.chunks_mut(LANES) {
         let mut cells = [[0_u32; LANES]; 3];
         let mut classes = [0_u32; LANES];
-        let mut far = [0_u32; LANES];
         for (lane, item) in items.iter().enumerate() {
             let aabb = &boxes[*item as u32 as usize];
-            let center = half_center(aabb);
-            let cell = ((center - low) * scale).min(Vec3A::splat(CELLS - 1.0)).to_array();
+            let cell = ((half_center(aabb) - low) * scale).min(Vec3A::splat(CELLS - 1.0)).to_array();
             for axis in 0..3 {
                 cells[axis][lane] = cell[axis] as u32;
             }
-            far[lane] = u32::from((center.cmplt(low) | center.cmpgt(high)).any()) * FAR;
             classes[lane] = size_class(largest / half_sides(aabb).max_element());
         }
         let places = hilbert(cells);
         for (lane, item) in items.iter_mut().enumerate() {
-            *item = pack(classes[lane] << (3 * CELL_BITS) | places[lane] | far[lane], *item as u32);
+            *item = pack(classes[lane] << (3 * CELL_BITS) | places[lane], *item as u32);
+        }
+    }
+    if !holds_all {
+        for item in items {
+            let center = half_center(&boxes[*item as u32 as usize]);
+            if (center.cmplt(low) | center.cmpgt(high)).any() {
+                *item = pack(FAR, *item as u32);
+            }
         }
     }
 }
