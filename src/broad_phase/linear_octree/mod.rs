@@ -39,6 +39,7 @@
 //! - **All threads.** With the feature `multi_threaded`, each step is divided into jobs for the threads of Bevy's
 //!   `ComputeTaskPool`. The pairs come in the same order at any number of threads.
 
+mod apart;
 mod follow;
 mod join;
 mod levels;
@@ -88,6 +89,8 @@ pub struct LinearOctree {
     owners: Vec<u32>,
     /// How many slots have an owner.
     owned: usize,
+    /// How many slots there were when all were sorted: those that follow are in no order.
+    sorted: usize,
     /// By slot: where the object was when its skin was made.
     anchors: Vec<Anchor>,
     /// By slot: the box of this tick.
@@ -118,6 +121,7 @@ impl Default for LinearOctree {
             slot_of: Vec::new(),
             owners: Vec::new(),
             owned: 0,
+            sorted: 0,
             anchors: Vec::new(),
             boxes: Vec::new(),
             boxes_are_gathered: false,
@@ -173,13 +177,15 @@ impl LinearOctree {
         }
         self.order.spare_anchors = old_anchors;
         self.owned = self.owners.len();
+        self.sorted = self.owners.len();
         self.tree.resize(self.owners.len());
         self.boxes_are_gathered = false;
     }
 
     /// Gives the objects that left their skins new ones, in their old places.
     fn renew_escaped(&mut self, proxies: &Proxies) {
-        let horizon = self.horizon(proxies);
+        let horizon = self.horizon_of_escaped(proxies);
+        self.set_fast_apart(proxies);
         let one_by_one = self.escaped.len() * 32 < self.owners.len();
         for &slot in &self.escaped {
             let place = slot as usize;

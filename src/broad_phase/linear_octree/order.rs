@@ -68,6 +68,17 @@ impl Order {
         &self.items
     }
 
+    /// Puts some objects in order, as [`sort`](Self::sort) does all.
+    pub(super) fn sort_some(
+        &mut self,
+        level: Level,
+        proxies: &Proxies,
+        objects: impl Iterator<Item = u32>,
+    ) -> &[Packed] {
+        order(level, proxies.boxes(), objects, &mut self.items, &mut self.scratch);
+        &self.items
+    }
+
     pub(super) fn memory_bytes(&self) -> usize {
         (self.items.capacity() + self.scratch.capacity()) * size_of::<Packed>()
             + self.spare_anchors.capacity() * size_of::<Anchor>()
