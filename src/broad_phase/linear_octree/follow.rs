@@ -142,7 +142,7 @@ impl LinearOctree {
         slots: impl ExactSizeIterator<Item = usize>,
         proxies: &'a Proxies,
     ) -> impl Iterator<Item = (Vec3A, &'a Aabb3d)> {
-        const SAMPLE: usize = 1024;
+        const SAMPLE: usize = 512;
         let step = slots.len() / SAMPLE + 1;
         slots.step_by(step).filter_map(move |slot| {
             let aabb = proxies.boxes().get(*self.owners.get(slot)? as usize)?;
@@ -164,7 +164,7 @@ impl LinearOctree {
         let chunks = chunks.map(|chunk| (chunk, all_boxes.next()));
         parallel::for_each(chunks, |(((owners, anchors), blocks), kept)| {
             let mut passing = [EMPTY; GATHERED];
-            let mut has_skin = false;
+            let mut reach = Vec3A::ZERO;
             let mut kept = kept.unwrap_or_default();
             let parts = owners.chunks(GATHERED).zip(anchors.chunks_mut(GATHERED));
             for ((owners, anchors), blocks) in parts.zip(blocks.chunks_mut(GATHERED / WIDTH)) {
@@ -179,9 +179,9 @@ impl LinearOctree {
                 for ((boxes, anchors), block) in boxes.chunks(WIDTH).zip(anchors.chunks_mut(WIDTH)).zip(blocks) {
                     for (lane, (aabb, anchor)) in boxes.iter().zip(anchors).enumerate() {
                         if horizon > 0.0 {
-                            let skin = anchor.renew(tick, aabb, horizon);
-                            has_skin |= skin.is_some();
-                            block.set(lane, &skin.unwrap_or(*aabb));
+                            let (skin, way) = anchor.renew(tick, aabb, horizon);
+                            reach = reach.max(way.abs());
+                            block.set(lane, &skin);
                         } else {
                             block.set(lane, aabb);
                             anchor.drop_at(tick, aabb);
@@ -189,7 +189,7 @@ impl LinearOctree {
                     }
                 }
             }
-            some_skin.fetch_or(has_skin, Ordering::Relaxed);
+            some_skin.fetch_or(reach != Vec3A::ZERO, Ordering::Relaxed);
         });
         !some_skin.into_inner()
     }

@@ -186,18 +186,18 @@ impl Looseness {
     }
 }
 
-/// The sum of a box's sides, or a part of it that cannot overflow; nothing for one that is empty.
+/// The sum of a box's sides, of which each may be too large a number; nothing for one that is empty.
 #[inline(always)]
 fn sides_of(bounds: &Aabb3d) -> f32 {
-    let sides = bounds.max * 0.125 - bounds.min * 0.125;
-    (sides.x + sides.y + sides.z).max(0.0)
+    let sides = bounds.max - bounds.min;
+    (sides.x + sides.y + sides.z).clamp(0.0, f32::MAX)
 }
 
 /// The same for eight boxes.
 #[inline(always)]
 fn sides(block: &Block) -> [f32; WIDTH] {
-    let side = |axis: usize, lane: usize| block.max[axis][lane] * 0.125 - block.min[axis][lane] * 0.125;
-    std::array::from_fn(|lane| (side(0, lane) + side(1, lane) + side(2, lane)).max(0.0))
+    let side = |axis: usize, lane: usize| block.max[axis][lane] - block.min[axis][lane];
+    std::array::from_fn(|lane| (side(0, lane) + side(1, lane) + side(2, lane)).clamp(0.0, f32::MAX))
 }
 
 /// All levels: the boxes at the bottom, a single block on top.

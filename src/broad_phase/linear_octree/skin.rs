@@ -13,8 +13,8 @@ const GROWTH_FOR_SHORTEST: f32 = 2.1;
 /// fewest ticks, along one axis. What is faster has no skin, and does not count where the time ahead is chosen for all.
 const GROWTH_OF_ONE: f32 = 1.0 + SHORTEST;
 
-/// A way of this share of a box along each axis is surely within that.
-const SURELY: f32 = 0.44;
+/// A way that is no longer than this share of a box along each axis makes a skin no larger than that.
+const SHORT: f32 = 0.44;
 
 /// The most ticks that skins are made for.
 const LONGEST: f32 = 32.0;
@@ -30,26 +30,26 @@ pub(super) struct Anchor {
 }
 
 impl Anchor {
-    /// Makes the skin of a box for some ticks ahead, or fewer if it is fast: the box swept along its way. `None` if it has
-    /// none.
+    /// Makes the skin of a box for some ticks ahead, or fewer if it is fast: the box swept along its way. Returns both;
+    /// without a way, the skin is the box itself.
     #[inline(always)]
-    pub(super) fn renew(&mut self, tick: u32, aabb: &Aabb3d, horizon: f32) -> Option<Aabb3d> {
+    pub(super) fn renew(&mut self, tick: u32, aabb: &Aabb3d, horizon: f32) -> (Aabb3d, Vec3A) {
         let step = self.step(tick, aabb);
         self.drop_at(tick, aabb);
-        let mut way = step * horizon;
-        if !way.abs().cmple((aabb.max - aabb.min) * SURELY).all() {
-            way = step * own_horizon(step, aabb, horizon);
+        let way = step * horizon;
+        let skin = swept(aabb, way);
+        let is_short = way.abs().cmple((aabb.max - aabb.min) * SHORT);
+        // Compared once for both: a skin that overflows is as rare as one that is too large.
+        if (is_short & (skin.max - skin.min).cmplt(Vec3A::INFINITY)).all() {
+            (skin, way)
+        } else {
+            shorten(aabb, step, horizon)
         }
-        let margin = way.abs() * MARGIN;
-        let min = aabb.min + way.min(Vec3A::ZERO) - margin;
-        let max = aabb.max + way.max(Vec3A::ZERO) + margin;
-        // A way that overflows is not worth a skin.
-        (way != Vec3A::ZERO && (max - min).is_finite()).then_some(Aabb3d { min, max })
     }
 
     /// Is an object too fast for a skin?
     pub(super) fn is_fast(&self, tick: u32, aabb: &Aabb3d) -> bool {
-        growth(share(self.step(tick, aabb), aabb), SHORTEST) >= GROWTH_OF_ONE
+        is_fast(share(self.step(tick, aabb), aabb))
     }
 
     /// Notes where a box is, the skin of which is the box itself.
@@ -75,22 +75,37 @@ fn share(step: Vec3A, aabb: &Aabb3d) -> Vec3A {
     step / (aabb.max - aabb.min).max(step).max(Vec3A::splat(f32::MIN_POSITIVE))
 }
 
+/// Are steps of such a share of the size too fast for a skin?
+#[inline(always)]
+fn is_fast(share: Vec3A) -> bool {
+    let is_slow = (share * SHORTEST).cmple(Vec3A::splat(SHORT)).all();
+    !is_slow && growth(share, SHORTEST) >= GROWTH_OF_ONE
+}
+
 /// How many times as large as a box its skin for so many ticks is.
 fn growth(share: Vec3A, ticks: f32) -> f32 {
     (Vec3A::ONE + share * ticks).to_array().into_iter().product()
 }
 
-/// For how many ticks ahead the skin of a single object should be made; 0 if that does not pay.
-fn own_horizon(step: Vec3A, aabb: &Aabb3d, horizon: f32) -> f32 {
+/// A box swept along its way.
+#[inline(always)]
+fn swept(aabb: &Aabb3d, way: Vec3A) -> Aabb3d {
+    let margin = way.abs() * MARGIN;
+    Aabb3d { min: aabb.min + way.min(Vec3A::ZERO) - margin, max: aabb.max + way.max(Vec3A::ZERO) + margin }
+}
+
+/// The skin of a box that would be too large for so many ticks, and the way; the box itself if it is fast.
+#[cold]
+fn shorten(aabb: &Aabb3d, step: Vec3A, horizon: f32) -> (Aabb3d, Vec3A) {
     let share = share(step, aabb);
     let mut ticks = horizon;
-    while growth(share, ticks) >= GROWTH_OF_ONE {
-        if ticks <= SHORTEST {
-            return 0.0;
-        }
+    while growth(share, ticks) >= GROWTH_OF_ONE && ticks > SHORTEST {
         ticks = (0.5 * ticks).max(SHORTEST);
     }
-    ticks
+    let way = step * ticks;
+    let skin = swept(aabb, way);
+    let is_worth_it = growth(share, ticks) < GROWTH_OF_ONE && skin.min.is_finite() && skin.max.is_finite();
+    if is_worth_it { (skin, way) } else { (*aabb, Vec3A::ZERO) }
 }
 
 /// For how many ticks ahead skins should be made, given steps of a sample of objects and their boxes; 0 if that does
@@ -103,11 +118,11 @@ pub(super) fn horizon<'a>(sample: impl Iterator<Item = (Vec3A, &'a Aabb3d)>, mos
         all += 1.0;
         if step != Vec3A::ZERO {
             let share = share(step, aabb);
-            if growth(share, SHORTEST) < GROWTH_OF_ONE {
+            if is_fast(share) {
+                fast += 1.0;
+            } else {
                 sum += share;
                 slow += 1.0;
-            } else {
-                fast += 1.0;
             }
         }
     }
