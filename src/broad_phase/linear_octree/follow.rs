@@ -164,7 +164,7 @@ impl LinearOctree {
         let chunks = chunks.map(|chunk| (chunk, all_boxes.next()));
         parallel::for_each(chunks, |(((owners, anchors), blocks), kept)| {
             let mut passing = [EMPTY; GATHERED];
-            let mut reach = Vec3A::ZERO;
+            let mut has_skin = false;
             let mut kept = kept.unwrap_or_default();
             let parts = owners.chunks(GATHERED).zip(anchors.chunks_mut(GATHERED));
             for ((owners, anchors), blocks) in parts.zip(blocks.chunks_mut(GATHERED / WIDTH)) {
@@ -179,9 +179,9 @@ impl LinearOctree {
                 for ((boxes, anchors), block) in boxes.chunks(WIDTH).zip(anchors.chunks_mut(WIDTH)).zip(blocks) {
                     for (lane, (aabb, anchor)) in boxes.iter().zip(anchors).enumerate() {
                         if horizon > 0.0 {
-                            let (skin, way) = anchor.renew(tick, aabb, horizon);
-                            reach = reach.max(way.abs());
-                            block.set(lane, &skin);
+                            let skin = anchor.renew(tick, aabb, horizon);
+                            has_skin |= skin.is_some();
+                            block.set(lane, &skin.unwrap_or(*aabb));
                         } else {
                             block.set(lane, aabb);
                             anchor.drop_at(tick, aabb);
@@ -189,7 +189,7 @@ impl LinearOctree {
                     }
                 }
             }
-            some_skin.fetch_or(reach != Vec3A::ZERO, Ordering::Relaxed);
+            some_skin.fetch_or(has_skin, Ordering::Relaxed);
         });
         !some_skin.into_inner()
     }

@@ -190,8 +190,8 @@ impl LinearOctree {
         for &slot in &self.escaped {
             let place = slot as usize;
             let aabb = &proxies.boxes()[self.owners[place] as usize];
-            let (skin, _) = self.anchors[place].renew(self.tick, aabb, horizon);
-            self.tree.set(place, &skin);
+            let skin = self.anchors[place].renew(self.tick, aabb, horizon);
+            self.tree.set(place, &skin.unwrap_or(*aabb));
             if one_by_one {
                 self.tree.refit_above(place);
             }

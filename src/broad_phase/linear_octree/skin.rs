@@ -13,7 +13,7 @@ const GROWTH_FOR_SHORTEST: f32 = 2.1;
 /// fewest ticks, along one axis. What is faster has no skin, and does not count where the time ahead is chosen for all.
 const GROWTH_OF_ONE: f32 = 1.0 + SHORTEST;
 
-/// A way that is no longer than this share of a box along each axis makes a skin no larger than that.
+/// A skin that is longer than its box by no more than this share along each axis is no larger than that.
 const SHORT: f32 = 0.44;
 
 /// The most ticks that skins are made for.
@@ -30,21 +30,20 @@ pub(super) struct Anchor {
 }
 
 impl Anchor {
-    /// Makes the skin of a box for some ticks ahead, or fewer if it is fast: the box swept along its way. Returns both;
-    /// without a way, the skin is the box itself.
+    /// Makes the skin of a box for some ticks ahead, or fewer if it is fast: the box swept along its way. `None` if it has
+    /// none.
     #[inline(always)]
-    pub(super) fn renew(&mut self, tick: u32, aabb: &Aabb3d, horizon: f32) -> (Aabb3d, Vec3A) {
+    pub(super) fn renew(&mut self, tick: u32, aabb: &Aabb3d, horizon: f32) -> Option<Aabb3d> {
         let step = self.step(tick, aabb);
         self.drop_at(tick, aabb);
-        let way = step * horizon;
-        let skin = swept(aabb, way);
-        let is_short = way.abs().cmple((aabb.max - aabb.min) * SHORT);
-        // Compared once for both: a skin that overflows is as rare as one that is too large.
-        if (is_short & (skin.max - skin.min).cmplt(Vec3A::INFINITY)).all() {
-            (skin, way)
-        } else {
-            shorten(aabb, step, horizon)
+        if step == Vec3A::ZERO {
+            return None;
         }
+        let skin = swept(aabb, step * horizon);
+        let size = aabb.max - aabb.min;
+        // A skin that overflows is no shorter than the largest number.
+        let short = (size * (1.0 + SHORT)).min(Vec3A::MAX);
+        if (skin.max - skin.min).cmple(short).all() { Some(skin) } else { shorter(aabb, step, horizon) }
     }
 
     /// Is an object too fast for a skin?
@@ -90,22 +89,23 @@ fn growth(share: Vec3A, ticks: f32) -> f32 {
 /// A box swept along its way.
 #[inline(always)]
 fn swept(aabb: &Aabb3d, way: Vec3A) -> Aabb3d {
-    let margin = way.abs() * MARGIN;
-    Aabb3d { min: aabb.min + way.min(Vec3A::ZERO) - margin, max: aabb.max + way.max(Vec3A::ZERO) + margin }
+    let (ahead, behind) = (way * (1.0 + MARGIN), way * -MARGIN);
+    Aabb3d { min: aabb.min + ahead.min(behind), max: aabb.max + ahead.max(behind) }
 }
 
-/// The skin of a box that would be too large for so many ticks, and the way; the box itself if it is fast.
+/// The skin of a box that may be too large for so many ticks. `None` if it is fast, or its way overflows.
 #[cold]
-fn shorten(aabb: &Aabb3d, step: Vec3A, horizon: f32) -> (Aabb3d, Vec3A) {
+fn shorter(aabb: &Aabb3d, step: Vec3A, horizon: f32) -> Option<Aabb3d> {
     let share = share(step, aabb);
     let mut ticks = horizon;
-    while growth(share, ticks) >= GROWTH_OF_ONE && ticks > SHORTEST {
+    while growth(share, ticks) >= GROWTH_OF_ONE {
+        if ticks <= SHORTEST {
+            return None;
+        }
         ticks = (0.5 * ticks).max(SHORTEST);
     }
-    let way = step * ticks;
-    let skin = swept(aabb, way);
-    let is_worth_it = growth(share, ticks) < GROWTH_OF_ONE && skin.min.is_finite() && skin.max.is_finite();
-    if is_worth_it { (skin, way) } else { (*aabb, Vec3A::ZERO) }
+    let skin = swept(aabb, step * ticks);
+    (skin.min.is_finite() && skin.max.is_finite()).then_some(skin)
 }
 
 /// For how many ticks ahead skins should be made, given steps of a sample of objects and their boxes; 0 if that does
