@@ -24,10 +24,12 @@
 //! - **Skins.** What is indexed is not the box but its *skin*: the box swept along its recent motion for some ticks
 //!   ahead. While an object stays in its skin, the index stays as it is, and so does the list of *near pairs*, those
 //!   whose skins overlap; a tick then compares the boxes of near pairs, and nothing else. How far ahead is chosen from
-//!   the speeds: fast objects get no skin, and near pairs are then the pairs themselves.
+//!   the speeds: where many are fast, none has a skin, and near pairs are then the pairs themselves. A few that are much
+//!   faster than others have none, and are kept at the end, apart from these.
 //! - **Sorted seldom.** When more than a share of the objects have left their skins, all get new ones, in their old
 //!   order: neighbours mostly stay neighbours. Only when the bounds of blocks have become so loose that searching them
-//!   has cost as much as sorting would are all objects put in order anew.
+//!   has cost as much as sorting would are all objects put in order anew. Each block is compared with itself as it was
+//!   after the last sort, so that a few objects of any size, anywhere, do not hide what has become of all others.
 //! - **No branches.** The tree is joined with itself level by level, and objects that left their skins go down the tree
 //!   side by side. One comparison gives the verdict on eight boxes as a mask; a table turns the mask into a list of those
 //!   to look at next. Branches on single verdicts would be mispredicted at every other one, and cost more than all else.
@@ -35,7 +37,8 @@
 //! - **The order in memory is the order in space.** Boxes are gathered in the order of the curve once a tick, many at a
 //!   time; all else finds its neighbours in the cache.
 //! - **Sizes apart.** Objects four times smaller than others are sorted apart from them, so that a large box does not
-//!   blow up the bounds of a block of small ones.
+//!   blow up the bounds of a block of small ones. So are a few that are far away from most, for which the cells of the
+//!   curve would have to be large.
 //! - **All threads.** With the feature `multi_threaded`, each step is divided into jobs for the threads of Bevy's
 //!   `ComputeTaskPool`. The pairs come in the same order at any number of threads.
 
@@ -50,6 +53,8 @@ mod query;
 mod skin;
 mod validate;
 
+#[cfg(test)]
+mod outlier_tests;
 #[cfg(test)]
 mod tests;
 
