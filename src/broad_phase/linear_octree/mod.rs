@@ -39,6 +39,7 @@
 //! - **All threads.** With the feature `multi_threaded`, each step is divided into jobs for the threads of Bevy's
 //!   `ComputeTaskPool`. The pairs come in the same order at any number of threads.
 
+mod crowd;
 mod follow;
 mod join;
 mod levels;
@@ -55,6 +56,7 @@ mod tests;
 use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::Level;
 
+pub(super) use crowd::Crowd;
 use levels::Levels;
 pub(super) use levels::{Block, WIDTH};
 use list::{List, Packed, unpack};
