@@ -24,7 +24,7 @@ use crate::{filters::CollisionLayers, narrow_phase::Contact};
 /// });
 /// ```
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Debug, PartialEq)]
+#[reflect(Event, Message, Clone, Debug, PartialEq)]
 pub struct CollisionStarted {
     /// Of an event, the target. Of a message, the entity with the lower handle in the
     /// [`CollisionIndex`](crate::collision_index::CollisionIndex).
@@ -46,7 +46,7 @@ pub struct CollisionStarted {
 ///
 /// Every contact that started ends exactly once, and whoever was told of the start is told of the end.
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Debug, PartialEq)]
+#[reflect(Event, Message, Clone, Debug, PartialEq)]
 pub struct CollisionEnded {
     /// Of an event, the target. Of a message, the entity with the lower handle in the
     /// [`CollisionIndex`](crate::collision_index::CollisionIndex).

@@ -24,7 +24,7 @@ pub struct Velocity(pub Vec3);
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 pub struct MovedElsewhere;
 
-/// Counts ticks from zero: the runs of the schedule that the plugins are in.
+/// Counts ticks from zero: the runs of the schedule that the plugins are in. After tick [`u64::MAX`], it is zero again.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Debug, Default, PartialEq)]
 pub struct CollisionClock {
@@ -44,7 +44,7 @@ impl CollisionClock {
     }
 
     pub(crate) fn advance(mut clock: ResMut<Self>) {
-        clock.tick += 1;
+        clock.tick = clock.tick.wrapping_add(1);
     }
 }
 

@@ -3,7 +3,7 @@
 use bevy::math::{Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
-use super::pair::{Pair, in_order};
+use super::pair::{Pair, Shrunk, in_order};
 use super::{BoundsError, NarrowPhase, Placed, Shape, Workspace, box_proximity, polygon_proximity};
 
 /// How far two shapes are apart, and where they are closest.
@@ -45,9 +45,11 @@ impl NarrowPhase {
             return is_finite.then(|| super::parry::closest_point(shape, target.transform, point));
         }
         let (at_point, here) = (Shape::Sphere { radius: 0.0 }, Transform::from_translation(point));
-        let pair = Pair::new(Placed::new(&at_point, &here), target, self.tolerance()).ok()?;
+        let at_point = Placed::new(&at_point, &here);
+        let shrunk = Shrunk::of(at_point, target);
+        let (pair, factor) = self.pair(at_point, target, shrunk.as_ref()).ok()?;
         // The frame of the pair has its origin at the point.
-        let closest = point + Vec3::from(closest_to_center(&pair, workspace)?);
+        let closest = point + Vec3::from(closest_to_center(&pair, workspace)? / factor);
         closest.is_finite().then_some(closest)
     }
 
@@ -83,8 +85,9 @@ impl NarrowPhase {
             return found;
         }
         let (first, second, swapped) = in_order(a, b);
-        let points = match Pair::new(first, second, self.tolerance()) {
-            Ok(pair) => local_points(&pair, workspace),
+        let shrunk = Shrunk::of(first, second);
+        let points = match self.pair(first, second, shrunk.as_ref()) {
+            Ok((pair, factor)) => local_points(&pair, workspace).map(|points| points.map(|point| point / factor)),
             Err(BoundsError::Unbounded) => unbounded(first, second),
             Err(BoundsError::NonFinite) => None,
         };
@@ -94,9 +97,32 @@ impl NarrowPhase {
         }
         let (origin, offset) = (first.transform.translation, to - from);
         let points = [from, to].map(|point| origin + Vec3::from(point));
-        let found = Proximity { distance: offset.length(), points, offset: offset.into() };
+        let found = Proximity { distance: length(offset), points, offset: offset.into() };
         (found.distance.is_finite() && points.iter().all(|point| point.is_finite())).then_some(found)
     }
+
+    /// Two shapes as a pair, and by how much it is smaller than they are.
+    fn pair<'a>(
+        &self,
+        a: Placed<'a>,
+        b: Placed<'a>,
+        shrunk: Option<&'a Shrunk>,
+    ) -> Result<(Pair<'a>, f32), BoundsError> {
+        match shrunk {
+            None => Ok((Pair::new(a, b, self.tolerance())?, 1.0)),
+            Some(Shrunk { factor, transforms: [at_a, at_b] }) => {
+                let (a, b) = (Placed::new(a.shape, at_a), Placed::new(b.shape, at_b));
+                Ok((Pair::new(a, b, self.tolerance() * factor)?, *factor))
+            }
+        }
+    }
+}
+
+/// The length of a vector, of which no square overflows.
+#[inline]
+pub(super) fn length(vector: Vec3A) -> f32 {
+    let length = vector.length();
+    if length.is_finite() { length } else { vector.as_dvec3().length() as f32 }
 }
 
 /// The closest points of two shapes, in the frame of the pair.

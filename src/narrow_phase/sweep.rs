@@ -4,6 +4,7 @@ use bevy::math::{Dir3, Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
 use super::pair::Pair;
+use super::proximity::length;
 use super::surface::{Face, Surface};
 use super::{Impact, NarrowPhase, Placed, PolygonMesh, Shape, Workspace, closest, edge_polygon};
 
@@ -58,7 +59,7 @@ impl NarrowPhase {
         }
         // Up to where their bounding spheres may touch: what follows is as exact after a long way as after a short one.
         let pair = pair.ok()?;
-        let apart = pair.box_a.center.distance(pair.box_b.center) - pair.box_a.radius - pair.box_b.radius;
+        let apart = length(pair.box_a.center - pair.box_b.center) - pair.box_a.radius - pair.box_b.radius;
         let free = apart.max(0.0);
         if free > max_distance {
             return None;

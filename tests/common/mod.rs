@@ -80,7 +80,7 @@ impl Log {
         clock: Res<CollisionClock>,
         contacts: Res<Contacts>,
     ) {
-        let tick = clock.tick() + 1;
+        let tick = clock.tick().wrapping_add(1);
         for pair in ended.read().map(|message| pair(message.a, message.b)) {
             let place = log.open.iter().position(|open| *open == pair);
             log.open.swap_remove(place.expect("what ends has started"));

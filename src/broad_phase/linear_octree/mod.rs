@@ -43,6 +43,7 @@
 //!   `ComputeTaskPool`. The pairs come in the same order at any number of threads.
 
 mod apart;
+mod crowd;
 mod follow;
 mod join;
 mod levels;
@@ -61,6 +62,7 @@ mod tests;
 use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::Level;
 
+pub(super) use crowd::Crowd;
 use levels::Levels;
 pub(super) use levels::{Block, WIDTH};
 use list::{List, Packed, unpack};
