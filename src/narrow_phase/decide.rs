@@ -211,7 +211,7 @@ fn complete(pair: &Pair, workspace: &mut Workspace) -> bool {
         (Shape::Rapier(_), _) | (_, Shape::Rapier(_)) => {
             let cuboids = super::parry::cuboids(pair, |pair| boxes(pair).unwrap_or_else(|| complete(pair, workspace)));
             cuboids.unwrap_or_else(|| {
-                super::parry::intersects(pair.a, pair.b, pair.tolerance)
+                workspace.known(super::parry::intersects(pair.a, pair.b, pair.tolerance))
                     || super::parry::enclosed(pair, workspace).is_some()
             })
         }
@@ -233,7 +233,7 @@ pub(super) fn stages(pair: &Pair, workspace: &mut Workspace) -> ([Option<bool>; 
 fn unbounded(a: Placed, b: Placed, tolerance: f32, workspace: &mut Workspace) -> bool {
     #[cfg(feature = "rapier")]
     if a.transform.is_finite() && b.transform.is_finite() {
-        let verdict = super::parry::intersects(a, b, tolerance);
+        let verdict = workspace.known(super::parry::intersects(a, b, tolerance));
         workspace.counters.count(Stage::Complete, Some(verdict));
         return verdict;
     }

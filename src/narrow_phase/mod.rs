@@ -83,15 +83,21 @@ mod bevy_mesh;
 mod box_proximity;
 mod closest;
 mod contact;
+#[cfg(feature = "rapier")]
+mod convex;
 mod convex_contact;
 mod convex_mesh;
 mod decide;
 mod edge_polygon;
 mod error;
+#[cfg(feature = "rapier")]
+mod gjk;
 mod oriented_box;
 mod pair;
 #[cfg(feature = "rapier")]
 mod parry;
+#[cfg(feature = "rapier")]
+mod parts;
 mod polygon_mesh;
 mod polygon_proximity;
 mod proximity;

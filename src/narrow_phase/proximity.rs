@@ -40,9 +40,10 @@ impl NarrowPhase {
     #[must_use]
     pub fn closest_point(&self, target: Placed, point: Vec3, workspace: &mut Workspace) -> Option<Vec3> {
         #[cfg(feature = "rapier")]
-        if let Shape::Rapier(shape) = target.shape {
+        if matches!(target.shape, Shape::Rapier(_)) {
             let is_finite = point.is_finite() && target.transform.is_finite();
-            return is_finite.then(|| super::parry::closest_point(shape, target.transform, point));
+            let closest = is_finite.then(|| super::parry::closest_point(target, point)).flatten();
+            return closest.filter(|closest| closest.is_finite());
         }
         let (at_point, here) = (Shape::Sphere { radius: 0.0 }, Transform::from_translation(point));
         let pair = Pair::new(Placed::new(&at_point, &here), target, self.tolerance()).ok()?;

@@ -53,8 +53,11 @@ impl NarrowPhase {
             return None;
         }
         #[cfg(feature = "rapier")]
-        if let Shape::Rapier(shape) = target.shape {
-            return super::parry::cast_ray(shape, target.transform, origin, direction, max_distance);
+        if matches!(target.shape, Shape::Rapier(_)) {
+            return match super::parry::own(target) {
+                Some((own, at)) => self.cast_ray(Placed::new(&own, &at), origin, direction, max_distance),
+                None => super::parry::cast_ray(target, origin, direction, max_distance),
+            };
         }
         let ray = LocalRay::new(target, origin, direction)?;
         let met = match target.shape {

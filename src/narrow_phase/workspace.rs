@@ -10,4 +10,16 @@ pub struct Workspace {
     pub counters: StageCounters,
     /// The two meshes of a pair, in place.
     pub(super) surfaces: [Surface; 2],
+    /// There was a pair of shapes about which nothing can be said.
+    #[cfg(feature = "rapier")]
+    pub(crate) met_unknown: bool,
+}
+
+#[cfg(feature = "rapier")]
+impl Workspace {
+    /// A verdict, if there is one; apart, and a note, if not.
+    pub(super) fn known(&mut self, verdict: Option<bool>) -> bool {
+        self.met_unknown |= verdict.is_none();
+        verdict == Some(true)
+    }
 }
