@@ -121,6 +121,8 @@ mod impact_tests;
 mod parry_tests;
 #[cfg(test)]
 mod proximity_tests;
+#[cfg(all(test, feature = "rapier"))]
+mod rapier_tests;
 #[cfg(test)]
 mod tests;
 
