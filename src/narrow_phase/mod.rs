@@ -92,6 +92,7 @@ mod edge_polygon;
 mod error;
 #[cfg(feature = "rapier")]
 mod gjk;
+mod large;
 mod oriented_box;
 mod pair;
 #[cfg(feature = "rapier")]
@@ -131,6 +132,8 @@ pub use convex_mesh::ConvexMesh;
 pub use decide::{Exactness, NarrowPhase};
 pub use error::{BoundsError, ShapeError, ToleranceError};
 pub use pair::Placed;
+#[cfg(feature = "rapier")]
+pub(crate) use parry::is_known;
 pub use polygon_mesh::PolygonMesh;
 pub use proximity::Proximity;
 pub use ray::Impact;

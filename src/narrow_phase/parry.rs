@@ -12,6 +12,7 @@ use super::contact::LocalContact;
 use super::convex::{Convex, Place};
 use super::edge_polygon;
 use super::gjk::Gap;
+use super::large::length;
 use super::oriented_box::effective_scale;
 use super::pair::{Pair, ROUNDING};
 use super::parts::{self, Body, Search, Simple};
@@ -22,9 +23,9 @@ use super::{BoundsError, Impact, NarrowPhase, Placed, PolygonMesh, Shape, Worksp
 /// Half extents beyond this stand for infinity: parry gives endless shapes boxes of this order.
 const ENDLESS: f32 = f32::MAX / 8.0;
 
-/// How far something on its way may be from what it is said to touch, as a share of the sizes of both: what rounding
-/// leaves uncertain of places in 32-bit floats.
-pub(super) const TOUCHING: f64 = 2.0 * f32::EPSILON as f64;
+/// How near something on its way comes to what it is going to touch before the rest is taken as straight, as a share of the
+/// sizes of both.
+const NEAR: f64 = 1e-7;
 
 /// A mesh as parry knows it, made when it first meets a Rapier shape; `None` if parry refuses it.
 #[derive(Clone, Debug, Default)]
@@ -54,7 +55,7 @@ pub(super) fn local_bounds(shape: &SharedShape) -> Result<(Vec3A, Vec3A, f32), B
     if half.max_element() > ENDLESS {
         return Err(BoundsError::Unbounded);
     }
-    Ok((min * 0.5 + max * 0.5, half, half.length()))
+    Ok((min * 0.5 + max * 0.5, half, length(half)))
 }
 
 /// A half-space where it is in the world, grown by a margin and by rounding. `None` for other shapes.
@@ -126,24 +127,33 @@ pub(super) fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalConta
 /// Where a ray meets a shape. Solids are solid.
 pub(super) fn cast_ray(target: Placed, origin: Vec3, direction: Dir3, max_distance: f32) -> Option<Impact> {
     let ray = Body::Simple(Simple::Convex(Convex::point(DVec3::ZERO)));
-    impact(&ray, origin, direction, max_distance, &body(target, origin)?)
+    let from_place = origin.as_dvec3() - target.transform.translation.as_dvec3();
+    impact(&ray, (origin, ray::slack(origin, from_place)), direction, max_distance, &body(target, origin)?)
 }
 
 /// Where a shape on its way meets another that it does not touch at the start.
 pub(super) fn sweep(moving: Placed, direction: Dir3, max_distance: f32, target: Placed) -> Option<Impact> {
     let origin = moving.transform.translation;
-    impact(&body(moving, origin)?, origin, direction, max_distance, &body(target, origin)?)
+    impact(&body(moving, origin)?, (origin, 0.0), direction, max_distance, &body(target, origin)?)
 }
 
-/// Where a body on its way, given relative to an origin, meets another.
-fn impact(moving: &Body, origin: Vec3, direction: Dir3, max_distance: f32, target: &Body) -> Option<Impact> {
+/// Where a body on its way meets another. Both are given relative to an origin, beside which is how far apart two may be at
+/// the start and count as touching.
+fn impact(
+    moving: &Body,
+    (origin, touching): (Vec3, f64),
+    direction: Dir3,
+    max_distance: f32,
+    target: &Body,
+) -> Option<Impact> {
     let way = direction.as_dvec3();
     let sizes = [moving, target].map(|body| body.size()).into_iter().filter(|size| size.is_finite());
-    let near = TOUCHING * sizes.sum::<f64>();
-    let search = Search { direction: way, limit: Cell::new(max_distance.into()), ..Search::within(near) };
+    let near = NEAR * sizes.sum::<f64>();
+    let search =
+        Search { direction: way, limit: Cell::new(max_distance.into()), ..Search::within(near.max(touching)) };
     let mut first: Option<(f64, Gap)> = None;
     search.pairs(moving, target, &mut |a, b| {
-        let Ok(found) = parts::first_impact(a, b, way, search.limit.get(), near) else { return false };
+        let Ok(found) = parts::first_impact(a, b, way, search.limit.get(), [near.max(touching), near]) else { return false };
         if let Some((distance, _)) = found.filter(|found| first.is_none_or(|first| found.0 < first.0)) {
             search.limit.set(distance);
             first = found;
@@ -153,7 +163,8 @@ fn impact(moving: &Body, origin: Vec3, direction: Dir3, max_distance: f32, targe
     let (distance, gap) = first?;
     let normal = if distance > 0.0 { -gap.normal.as_vec3() } else { -*direction };
     let point = (origin.as_dvec3() + gap.points[1]).as_vec3();
-    Some(Impact { distance: distance as f32, point, normal: ray::against(normal, direction) })
+    let (distance, normal) = (distance as f32, ray::against(normal, direction));
+    (distance.is_finite() && point.is_finite()).then_some(Impact { distance, point, normal })
 }
 
 /// The point of a shape that is closest to another; that one itself, if it is inside.

@@ -345,7 +345,7 @@ pub(super) fn gap(a: &Simple, b: &Simple, limit: f64, with_depth: bool) -> Resul
 }
 
 /// How far the first of two that have no parts goes until it meets the other, and how they then are to each other. They
-/// touch if they are no further apart than `near`.
+/// touch if they are no further apart than `near`: the first is for the start, the other for the way.
 ///
 /// The distance of two convex shapes along a way is a convex function, whose slope is that of the normal: Newton's method
 /// comes to its zero from before, and never goes past it.
@@ -354,12 +354,12 @@ pub(super) fn first_impact(
     b: &Simple,
     direction: DVec3,
     limit: f64,
-    near: f64,
+    near: [f64; 2],
 ) -> Result<Option<(f64, Gap)>, Unknown> {
     if let (Simple::Convex(ray), Simple::Convex(target)) = (a, b)
         && ray.is_point()
         && let Some(corners) = target.as_triangle()
-        && let Some(found) = ray_triangle(ray.at.translation, direction, corners, near)
+        && let Some(found) = ray_triangle(ray.at.translation, direction, corners, near[0])
     {
         return Ok(found.filter(|(distance, _)| *distance <= limit));
     }
@@ -367,7 +367,7 @@ pub(super) fn first_impact(
     for _ in 0..MOST_STEPS {
         let Some(gap) = gap(&a.moved(direction * time), b, f64::INFINITY, false)? else { break };
         let closing = gap.normal.dot(direction);
-        if gap.distance <= near {
+        if gap.distance <= near[usize::from(time > 0.0)] {
             // What is left of the way, but for rounding; the normal of what overlaps is that of the step before.
             let rest = if time > 0.0 && closing > 0.0 { (gap.distance / closing).max(0.0) } else { 0.0 };
             let gap = if gap.distance > 0.0 { gap } else { last.unwrap_or(gap) };

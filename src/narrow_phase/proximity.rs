@@ -3,6 +3,7 @@
 use bevy::math::{Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
+use super::large::{Smaller, length};
 use super::pair::{Pair, in_order};
 use super::{BoundsError, NarrowPhase, Placed, Shape, Workspace, box_proximity, polygon_proximity};
 
@@ -47,6 +48,13 @@ impl NarrowPhase {
         }
         let (at_point, here) = (Shape::Sphere { radius: 0.0 }, Transform::from_translation(point));
         let pair = Pair::new(Placed::new(&at_point, &here), target, self.tolerance()).ok()?;
+        if pair.is_wide()
+            && let Some(smaller) = Smaller::of(&pair, self)
+        {
+            let [at_point, target] = smaller.placed(&pair);
+            let closest = smaller.tests.closest_point(target, at_point.transform.translation, workspace)?;
+            return Some(closest * smaller.factor).filter(|closest| closest.is_finite());
+        }
         // The frame of the pair has its origin at the point.
         let closest = point + Vec3::from(closest_to_center(&pair, workspace)?);
         closest.is_finite().then_some(closest)
@@ -85,6 +93,13 @@ impl NarrowPhase {
         }
         let (first, second, swapped) = in_order(a, b);
         let points = match Pair::new(first, second, self.tolerance()) {
+            Ok(pair) if pair.is_wide() => match Smaller::of(&pair, self) {
+                Some(smaller) => {
+                    let [a, b] = smaller.placed(&pair);
+                    return larger(smaller.tests.closest_points(a, b, workspace)?, smaller.factor, swapped);
+                }
+                None => local_points(&pair, workspace),
+            },
             Ok(pair) => local_points(&pair, workspace),
             Err(BoundsError::Unbounded) => unbounded(first, second),
             Err(BoundsError::NonFinite) => None,
@@ -95,9 +110,23 @@ impl NarrowPhase {
         }
         let (origin, offset) = (first.transform.translation, to - from);
         let points = [from, to].map(|point| origin + Vec3::from(point));
-        let found = Proximity { distance: offset.length(), points, offset: offset.into() };
-        (found.distance.is_finite() && points.iter().all(|point| point.is_finite())).then_some(found)
+        Proximity { distance: length(offset), points, offset: offset.into() }.if_finite()
     }
+}
+
+impl Proximity {
+    fn if_finite(self) -> Option<Self> {
+        let is_finite = self.distance.is_finite() && self.points.iter().all(|point| point.is_finite());
+        is_finite.then_some(self)
+    }
+}
+
+/// What was found at a smaller scale, by the order in which it was asked for.
+fn larger(found: Proximity, factor: f32, swapped: bool) -> Option<Proximity> {
+    let Proximity { distance, points: [from, to], offset } = found;
+    let points = if swapped { [to, from] } else { [from, to] }.map(|point| point * factor);
+    let offset = if swapped { -offset } else { offset } * factor;
+    Proximity { distance: distance * factor, points, offset }.if_finite()
 }
 
 /// The closest points of two shapes, in the frame of the pair.

@@ -6,6 +6,7 @@ use bevy::math::bounding::{Aabb3d, BoundingSphere};
 use bevy::math::{Vec3, Vec3A, primitives};
 use bevy::transform::components::Transform;
 
+use super::large::length;
 use super::oriented_box::OrientedBox;
 use super::{BoundsError, ConvexMesh, PolygonMesh, ShapeError};
 
@@ -132,7 +133,7 @@ impl Shape {
         match self {
             Self::Cuboid { half_size } => {
                 let half = Vec3A::from(*half_size).abs();
-                Ok((Vec3A::ZERO, half, half.length()))
+                Ok((Vec3A::ZERO, half, length(half)))
             }
             Self::Sphere { radius } => {
                 let radius = radius.abs();
