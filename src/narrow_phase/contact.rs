@@ -78,7 +78,8 @@ impl NarrowPhase {
         let origin = Vec3A::from(first.transform.translation);
         let found = match Pair::new(first, second, self.tolerance()) {
             Ok(pair) if pair.is_large() => {
-                let found = self.large_contact(&pair, workspace).map(|found| if swapped { found.reversed() } else { found });
+                let found =
+                    self.large_contact(&pair, workspace).map(|found| if swapped { found.reversed() } else { found });
                 if found.is_some() {
                     return found;
                 }

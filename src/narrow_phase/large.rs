@@ -74,6 +74,18 @@ pub(super) fn direction_and_length(v: Vec3) -> Option<(Dir3, f32)> {
     Some((Dir3::new(v / length).ok()?, length))
 }
 
+/// The direction of a vector whose squares may overflow, or underflow; zero for zero.
+#[inline]
+pub(super) fn unit(v: Vec3A) -> Vec3A {
+    let unit = v.normalize_or_zero();
+    if unit == Vec3A::ZERO { safe_unit(v) } else { unit }
+}
+
+#[cold]
+fn safe_unit(v: Vec3A) -> Vec3A {
+    (v / v.abs().max_element()).normalize_or_zero()
+}
+
 #[cold]
 fn safe_length(v: Vec3A) -> f32 {
     let greatest = v.abs().max_element();

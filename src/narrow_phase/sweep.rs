@@ -72,7 +72,11 @@ impl NarrowPhase {
         {
             let ([moving, target], factor) = (smaller.placed(&pair), smaller.factor);
             let found = smaller.tests.sweep(moving, direction, left / factor, target, workspace)?;
-            return Some(Impact { distance: in_all(found.distance * factor), point: origin + found.point * factor, ..found });
+            return Some(Impact {
+                distance: in_all(found.distance * factor),
+                point: origin + found.point * factor,
+                ..found
+            });
         }
         let mut first = First::new((*direction).into(), left);
         match (moving.shape, target.shape) {
