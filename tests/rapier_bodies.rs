@@ -205,7 +205,8 @@ fn a_pair_that_nothing_is_known_of_is_told_once_with_both_entities() {
     let (a, b) = tracing::subscriber::with_default(logged.clone(), || {
         let mut app = app(Method::default());
         let unheard = || CollisionShape(Shape::Rapier(SharedShape(Arc::new(Unheard(Ball::new(0.5))))));
-        let [near, far] = [0.0, 100.0].map(|x| app.world_mut().spawn((unheard(), Transform::from_xyz(x, 0.0, 0.0))).id());
+        let [near, far] =
+            [0.0, 100.0].map(|x| app.world_mut().spawn((unheard(), Transform::from_xyz(x, 0.0, 0.0))).id());
         let cube = CollisionShape::cuboid(Vec3::splat(0.5)).unwrap();
         let other = app.world_mut().spawn((cube, Transform::from_xyz(0.2, 0.0, 0.0))).id();
         for _ in 0..4 {

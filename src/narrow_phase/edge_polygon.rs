@@ -64,7 +64,8 @@ pub(super) fn sphere_closest(pair: &Pair, workspace: &mut Workspace) -> Option<(
 #[cfg(feature = "rapier")]
 pub(super) fn encloses(pair: &Pair, point: Vec3A, workspace: &mut Workspace) -> bool {
     // An open one is not even put in place.
-    polygons_of(pair.b.shape).is_some_and(|(mesh, _)| mesh.is_closed()) && fill_second(pair, &Region::NOWHERE, workspace).is_some_and(|(mesh, surface)| surface.encloses(mesh, point))
+    polygons_of(pair.b.shape).is_some_and(|(mesh, _)| mesh.is_closed())
+        && fill_second(pair, &Region::NOWHERE, workspace).is_some_and(|(mesh, surface)| surface.encloses(mesh, point))
 }
 
 /// Puts the second mesh in place, with the edges and faces in a region.

@@ -44,8 +44,8 @@ impl Smaller {
         if matches!((pair.a.shape, pair.b.shape), (Shape::Rapier(_), _) | (_, Shape::Rapier(_))) {
             return None;
         }
-        // Powers of two are exact, and so is half of one of the greatest.
-        let factor = pair.extent().log2().floor().exp2();
+        // The power of two that is next below: its exponent alone.
+        let factor = f32::from_bits(pair.extent().to_bits() & f32::INFINITY.to_bits());
         let smaller = |placed: &Placed<'_>| {
             let Transform { translation, rotation, scale } = *placed.transform;
             Transform { translation: translation / factor, rotation, scale: scale / factor }
