@@ -79,6 +79,26 @@ fn test_candidates(
         contacts.impacts.sort_unstable_by_key(|impact| impact.pair);
     }
     counters.tick.stages = std::mem::take(&mut workspace.counters);
+    #[cfg(feature = "rapier")]
+    if workspace.is_first_unknown() {
+        warn_of_unknown(&index, &candidates);
+    }
+}
+
+/// Tells of the first pair of shapes about which nothing can be said.
+#[cfg(feature = "rapier")]
+fn warn_of_unknown(index: &CollisionIndex, candidates: &CandidatePairs) {
+    let is_unknown = |pair: &&Pair| placed(index, **pair).is_some_and(|[a, b]| !crate::narrow_phase::is_known(a, b));
+    let Some(pair) = candidates.iter().find(is_unknown) else { return };
+    if let (Some(a), Some(b)) = (index.body(pair.a), index.body(pair.b)) {
+        tracing::warn!(
+            "{} and {} count as apart, as do all others of their kinds: nothing is known of how {:?} and {:?} meet",
+            a.entity,
+            b.entity,
+            a.shape,
+            b.shape
+        );
+    }
 }
 
 fn take_up_verdicts(

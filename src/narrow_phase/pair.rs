@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use bevy::transform::components::Transform;
 
-use super::oriented_box::{OrientedBox, effective_scale};
+use super::oriented_box::OrientedBox;
 use super::{BoundsError, Shape};
 
 /// Rounding, as a share of the size of a pair: no tolerance can be less.
@@ -28,45 +28,6 @@ impl<'a> Placed<'a> {
     #[must_use]
     pub fn new(shape: &'a Shape, transform: &'a Transform) -> Self {
         Self { shape, transform }
-    }
-}
-
-/// Lengths up to this can be multiplied, four of them together, without an overflow.
-const LONGEST: f32 = (1_u64 << 30) as f32;
-
-/// Two shapes that are so large, or so far from each other, that products of their lengths would overflow, made smaller by
-/// a power of two. That is exact.
-pub(super) struct Shrunk {
-    pub factor: f32,
-    pub transforms: [Transform; 2],
-}
-
-impl Shrunk {
-    /// `None` if the two are as they should be, have no size, or none that can be changed.
-    pub fn of(a: Placed, b: Placed) -> Option<Self> {
-        #[cfg(feature = "rapier")]
-        if matches!(a.shape, Shape::Rapier(_)) || matches!(b.shape, Shape::Rapier(_)) {
-            return None;
-        }
-        let reach = |placed: Placed| {
-            let (center, _, radius) = placed.shape.local_bounds().ok()?;
-            Some(
-                (center.abs().max_element() + radius)
-                    * effective_scale(placed.shape, placed.transform).abs().max_element(),
-            )
-        };
-        let apart = (b.transform.translation * 0.5 - a.transform.translation * 0.5).abs().max_element();
-        let size = apart.max(reach(a)?).max(reach(b)?);
-        // Not for a NaN either. What is infinite but for a factor of two is as large as can be.
-        (size > LONGEST).then(|| {
-            let factor = 0.5_f32.powi((size.min(f32::MAX).log2() as i32).min(126));
-            let shrunk = |transform: &Transform| Transform {
-                translation: transform.translation * factor,
-                scale: transform.scale * factor,
-                ..*transform
-            };
-            Self { factor, transforms: [a, b].map(|placed| shrunk(placed.transform)) }
-        })
     }
 }
 
@@ -104,6 +65,8 @@ pub(super) struct Pair<'a> {
     pub b: Placed<'a>,
     pub box_a: OrientedBox,
     pub box_b: OrientedBox,
+    /// The sum of the greatest half extents.
+    pub size: f32,
     /// At least what rounding leaves uncertain at the size of the pair.
     pub tolerance: f32,
 }
@@ -121,7 +84,7 @@ impl<'a> Pair<'a> {
             (_, Err(error)) | (Err(error), _) => return Err(error),
         };
         let size = box_a.half.max_element() + box_b.half.max_element();
-        Ok(Self { a, b, box_a, box_b, tolerance: tolerance.max(ROUNDING * size) })
+        Ok(Self { a, b, box_a, box_b, size, tolerance: tolerance.max(ROUNDING * size) })
     }
 
     /// The same pair with the two swapped; the frame stays.

@@ -6,10 +6,11 @@
 //! Body Systems*, 1996): the two go on for as long as they cannot possibly meet, given their distance and how fast they
 //! move and turn, and then look again.
 
+use bevy::math::Vec3;
 use bevy::math::bounding::{Aabb3d, BoundingVolume};
-use bevy::math::{Dir3, Vec3};
 use bevy::transform::components::Transform;
 
+use super::large::direction_and_length;
 use super::oriented_box::OrientedBox;
 use super::pair::Pair;
 use super::{BoundsError, Contact, NarrowPhase, Placed, Shape, Workspace};
@@ -236,7 +237,7 @@ impl NarrowPhase {
 
     /// The first meeting of two that do not turn: as one of them sees it, the other comes along a line.
     fn straight(&self, a: &Moving, b: &Moving, workspace: &mut Workspace) -> Option<TimedContact> {
-        let (direction, distance) = Dir3::new_and_length(a.way() - b.way()).ok()?;
+        let (direction, distance) = direction_and_length(a.way() - b.way())?;
         let (moving, target) = (Placed::new(a.shape, &a.start), Placed::new(b.shape, &b.start));
         let impact = self.sweep(moving, direction, distance, target, workspace)?;
         let time = (impact.distance / distance).min(1.0);
