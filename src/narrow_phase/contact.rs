@@ -188,7 +188,7 @@ pub(super) fn mean_hit(pair: &Pair, workspace: &mut Workspace) -> Option<Vec3A> 
 /// Meshes of any form: the mean of all crossings.
 fn meshes(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> {
     let (mut count, mut points, mut normals) = (0.0, Vec3A::ZERO, Vec3A::ZERO);
-    edge_polygon::hits(pair, workspace, |Hit { point, normal }| {
+    edge_polygon::hits(pair, workspace, |Hit { point, normal, .. }| {
         count += 1.0;
         points += point;
         normals += normal;

@@ -92,6 +92,7 @@ mod oriented_box;
 mod pair;
 #[cfg(feature = "rapier")]
 mod parry;
+mod passing;
 mod polygon_mesh;
 mod polygon_proximity;
 mod proximity;
