@@ -268,7 +268,10 @@ mod tests {
     fn what_is_too_fast_for_numbers_keeps_its_velocity() {
         let elastic = Some(Bounce::Reflect { restitution: 1.0 });
         let party = |x: f32, bounce| Party { velocity: Vec3::X * x, bounce, ..default() };
-        assert_eq!(respond([party(3e38, elastic), party(-3e38, elastic)], Vec3::X), [Some(Vec3::X * -3e38), Some(Vec3::X * 3e38)]);
+        assert_eq!(
+            respond([party(3e38, elastic), party(-3e38, elastic)], Vec3::X),
+            [Some(Vec3::X * -3e38), Some(Vec3::X * 3e38)]
+        );
         assert_eq!(respond([party(3e38, elastic), party(-3e38, None)], Vec3::X), [None; 2]);
     }
 }

@@ -76,8 +76,13 @@ impl Slide {
             app.world_mut().spawn((shape(made, half), at)).id()
         };
         let reach = (self.start.abs() + self.step.length() * ticks as f32 + 3.0) / (2.0 * self.spacing);
-        for i in -(4.0 / self.spacing) as i32..=reach as i32 {
-            place(&mut app, self.floor, Vec3::new(self.spacing, 0.5, 1.5), Vec3::new(i as f32 * 2.0 * self.spacing, -0.5, 0.0));
+        for i in -reach as i32..=reach as i32 {
+            place(
+                &mut app,
+                self.floor,
+                Vec3::new(self.spacing, 0.5, 1.5),
+                Vec3::new(i as f32 * 2.0 * self.spacing, -0.5, 0.0),
+            );
         }
         let slider = place(&mut app, self.slider, Vec3::splat(0.5), Vec3::new(self.start, 0.5, 0.0));
         let velocity = Velocity(self.turned * self.step * TICKS_PER_SECOND);
@@ -119,7 +124,7 @@ fn whatever_both_are_made_of() {
     for swept in [true, false] {
         for floor in [Made::Cuboid, Made::Convex, Made::Mesh] {
             for slider in [Made::Cuboid, Made::Convex, Made::Mesh, Made::Ball] {
-                for (step, start) in [(0.25, 0.0), (0.3, 0.1), (2.0, 0.25)] {
+                for (step, start) in [(0.25, 0.0), (-0.25, 0.0), (0.3, 0.1), (2.0, 0.25), (-2.0, -0.3)] {
                     Slide { swept, floor, slider, step: Vec3::X * step, start, ..default() }.check(16);
                     Slide { swept, floor, slider, step: Vec3::X * step, start, scaled: true, ..default() }.check(16);
                 }
@@ -141,7 +146,8 @@ fn turned_whichever_way() {
             for floor in [Made::Cuboid, Made::Convex, Made::Mesh] {
                 for slider in [Made::Cuboid, Made::Convex, Made::Mesh, Made::Ball] {
                     Slide { swept, floor, slider, turned, ..default() }.check(16);
-                    Slide { swept, floor, slider, turned, step: Vec3::new(0.3, 0.0, 0.01), scaled: true, ..default() }.check(16);
+                    Slide { swept, floor, slider, turned, step: Vec3::new(0.3, 0.0, 0.01), scaled: true, ..default() }
+                        .check(16);
                 }
             }
         }
@@ -172,7 +178,8 @@ fn under_gravity() {
                 app.world_mut().spawn((block, Transform::from_xyz(i as f32, -0.5, 0.0)));
             }
             let slider = (shape(slider, Vec3::splat(0.5)), Transform::from_xyz(0.0, 0.5, 0.0), Swept::default());
-            let slider = app.world_mut().spawn((slider, Bounce::Reflect { restitution }, Velocity(Vec3::X * 16.0))).id();
+            let slider =
+                app.world_mut().spawn((slider, Bounce::Reflect { restitution }, Velocity(Vec3::X * 16.0))).id();
             if !swept {
                 app.world_mut().entity_mut(slider).remove::<Swept>();
             }
@@ -206,7 +213,10 @@ fn a_real_step_stops_it() {
                 }
                 tick(&mut app, 12);
                 let (at, velocity) = (get::<Transform>(&app, slider).translation, get::<Velocity>(&app, slider).0);
-                assert!(velocity.distance(Vec3::X * -16.0) < 0.01, "{made:?} {height} swept {swept}: {velocity} at {at}");
+                assert!(
+                    velocity.distance(Vec3::X * -16.0) < 0.01,
+                    "{made:?} {height} swept {swept}: {velocity} at {at}"
+                );
             }
         }
     }

@@ -77,7 +77,8 @@ fn a_child_gives_what_it_has_in_the_world() {
         for swept in [true, false] {
             let mut app = app(Method::default());
             let above = parent(&mut app, Transform::from_scale(Vec3::splat(scale)).with_rotation(turn));
-            let child = ball(&mut app, Transform::from_scale(Vec3::splat(1.0 / scale)), turn.inverse() * Vec3::X * own, swept);
+            let child =
+                ball(&mut app, Transform::from_scale(Vec3::splat(1.0 / scale)), turn.inverse() * Vec3::X * own, swept);
             adopt(&mut app, above, child);
             let other = ball(&mut app, Transform::from_xyz(2.0, 0.0, 0.0), Vec3::ZERO, swept);
             tick(&mut app, 8);
@@ -106,7 +107,8 @@ fn a_sheared_space_changes_nothing_in_the_world() {
             wall(&mut app, axis * side * 3.5, Vec3::splat(4.0) * (Vec3::ONE - axis) + axis * 0.5);
         }
     }
-    let grand = parent(&mut app, Transform::from_scale(Vec3::new(3.0, 1.0, -0.5)).with_rotation(Quat::from_rotation_x(0.4)));
+    let grand =
+        parent(&mut app, Transform::from_scale(Vec3::new(3.0, 1.0, -0.5)).with_rotation(Quat::from_rotation_x(0.4)));
     let turned = Quat::from_euler(EulerRot::XYZ, 0.5, -1.0, 0.8);
     let above = parent(&mut app, Transform::from_xyz(0.1, 0.2, 0.3).with_rotation(turned));
     adopt(&mut app, grand, above);

@@ -8,7 +8,7 @@ use bevy::{
 use super::edge_polygon::{self, Hit};
 use super::pair::{Pair, in_order};
 use super::separation::{Separation, sign};
-use super::{NarrowPhase, Placed, Shape, Workspace, convex_contact};
+use super::{BoundsError, NarrowPhase, Placed, Shape, Workspace, convex_contact};
 
 /// How often to go back and forth between two shapes in search of a point of both: twice is the
 /// rule.
@@ -77,7 +77,9 @@ impl NarrowPhase {
         let origin = Vec3A::from(first.transform.translation);
         let found = match Pair::new(first, second, self.tolerance()) {
             Ok(pair) => local_contact(&pair, workspace),
-            Err(_) => unbounded_contact(first, second, self.tolerance()),
+            Err(BoundsError::Unbounded) => unbounded_contact(first, second, self.tolerance()),
+            // So large that squares are beyond all numbers.
+            Err(BoundsError::NonFinite) => straight(first, second),
         };
         let found = if swapped { found.reversed() } else { found };
         Some(Contact { normal: found.normal.into(), point: (origin + found.point).into(), depth: found.depth })

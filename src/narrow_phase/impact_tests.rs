@@ -159,7 +159,8 @@ fn met_in_time(name: &str, search: impl FnOnce() -> Option<TimedContact> + Send 
 #[test]
 fn every_search_has_an_end() {
     let sizes = [1e-30, 1e-3, 0.5, 1e4, 1e10, 1e19, 1e30, 1e37, 1e38];
-    let shapes = |size: f32| [Shape::sphere(size).unwrap(), box_of(size, size, size), super::tests::mesh_of(Vec3::splat(size))];
+    let shapes =
+        |size: f32| [Shape::sphere(size).unwrap(), box_of(size, size, size), super::tests::mesh_of(Vec3::splat(size))];
     for (size, far) in sizes.into_iter().flat_map(|size| sizes.map(|far| (size, far))) {
         for (one, other) in shapes(size).into_iter().flat_map(|one| shapes(0.5).map(|other| (one.clone(), other))) {
             for (angle, gap) in [0.0, 0.3, 3.0].into_iter().flat_map(|angle| [0.0, 2e-4, 1.0].map(|gap| (angle, gap))) {
@@ -184,7 +185,9 @@ fn every_search_has_an_end() {
 fn the_search_above_a_half_space_has_an_end() {
     use bevy_rapier3d::geometry::Collider;
     for radius in [0.4995, 0.5, 0.5005] {
-        for (way, gap) in [4e2, 4e3, 4e4].into_iter().flat_map(|way| [0.0, 1e-4, 1.5e-4, 2e-4, 3e-4, 1e-3].map(|gap| (way, gap))) {
+        for (way, gap) in
+            [4e2, 4e3, 4e4].into_iter().flat_map(|way| [0.0, 1e-4, 1.5e-4, 2e-4, 3e-4, 1e-3].map(|gap| (way, gap)))
+        {
             for angle in [0.003, 0.3, 1.0, 3.0] {
                 met_in_time(&format!("{radius} from {way} to {gap}, turned by {angle}"), move || {
                     let ground = Shape::from(&Collider::halfspace(Vec3::Y).unwrap());

@@ -17,7 +17,7 @@ use crate::{
     filters,
     frame::{Ancestor, Frame},
     motion::{MotionSettings, Velocity},
-    narrow_phase::{Moving, NarrowPhase, TimedContact, Workspace},
+    narrow_phase::{Contact, Moving, NarrowPhase, Placed, TimedContact, Workspace},
     plugin::NarrowPhaseSettings,
 };
 
@@ -183,8 +183,23 @@ impl Resolver {
                 self.tracks.insert(id, track);
             }
         }
+        let index = world.resource::<CollisionIndex>();
+        let contact =
+            Contact { normal: self.normal(index, impact, world.resource::<NarrowPhaseSettings>()), ..contact };
         let [Some(a), Some(b)] = self.tracks.get_disjoint_mut([&pair.a, &pair.b]) else { return [false; 2] };
         meet([a, b], &contact, time, seconds)
+    }
+
+    /// The normal that counts for the velocities of the two: what is left of their ways may be too short to tell.
+    fn normal(&mut self, index: &CollisionIndex, impact: &Impact, settings: &NarrowPhaseSettings) -> Vec3 {
+        let Impact { pair, met: TimedContact { time, contact }, .. } = *impact;
+        let moving = [pair.a, pair.b].map(|id| self.moving(index, id, time));
+        let velocities = [pair.a, pair.b].map(|id| self.tracks.get(&id).map_or(Vec3::ZERO, Track::velocity));
+        let [Some(a), Some(b)] = moving else { return contact.normal };
+        let (at_a, at_b) = (a.at(0.0), b.at(0.0));
+        let placed = [Placed::new(a.shape(), &at_a), Placed::new(b.shape(), &at_b)];
+        let velocity = velocities[0] - velocities[1];
+        settings.tests().normal_in_passing(placed[0], placed[1], contact.normal, velocity, &mut self.workspace)
     }
 
     /// Looks for what a body meets on its new course.

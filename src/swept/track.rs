@@ -78,6 +78,11 @@ impl Track {
         self.frame.map_or(Some(self.party.velocity), |frame| frame.own_velocity(self.party.velocity))
     }
 
+    /// Its velocity in the world, for as long as it moves.
+    pub(super) fn velocity(&self) -> Vec3 {
+        if self.stays { Vec3::ZERO } else { self.party.velocity }
+    }
+
     /// Where it is after a share of the tick.
     pub(super) fn place(&self, time: f32) -> Vec3 {
         self.from + self.way * (time - self.since)
@@ -131,8 +136,7 @@ impl Track {
 /// course.
 pub(super) fn meet(tracks: [&mut Track; 2], contact: &Contact, time: f32, seconds: f32) -> [bool; 2] {
     let [a, b] = tracks;
-    let velocity = |track: &Track| if track.stays { Vec3::ZERO } else { track.party.velocity };
-    if a.is_sensor || b.is_sensor || !approach([velocity(a), velocity(b)], contact.normal) {
+    if a.is_sensor || b.is_sensor || !approach([a.velocity(), b.velocity()], contact.normal) {
         return [false; 2];
     }
     let answers = respond([a.party(), b.party()], contact.normal);
