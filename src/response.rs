@@ -18,7 +18,8 @@ use crate::{
     swept::{Outcomes, apply_outcomes, clear_outcomes, resolve_impacts},
 };
 
-/// How an entity's [`Velocity`] answers to contacts. Entities without this component pass through each other, and are
+/// How an entity's [`Velocity`] answers to contacts. This happens in the world: velocities of entities with a parent are
+/// taken there and back, through the whole hierarchy. One whose ancestors are scaled to nothing has no answer. Entities without this component pass through each other, and are
 /// only reported. Those that are [swept](crate::swept::Swept), and what they meet, answer at the time of impact.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
@@ -32,6 +33,12 @@ pub enum Bounce {
     /// The velocity is reflected about the contact's normal, if the two approach each other: as between bodies of
     /// equal mass if both reflect, and as from a wall otherwise. Contacts act one after the other, in the order of the
     /// [`Contacts`].
+    ///
+    /// What has no `Bounce` is a wall that moves as its velocity says. One that is [reversed](Self::Reverse) is at rest to
+    /// what it comes towards. So bounces make no energy but by the walls that move.
+    ///
+    /// Where two no more than touch, edge on edge, the normal is the one along which they approach the least: a box that
+    /// slides over a floor of flush boxes goes on over the seams.
     Reflect {
         /// The share of the approaching speed that is given back: 0 slides along, 1 loses nothing. A number outside
         /// 0 to 1 is taken as the nearest inside, and NaN as 0.

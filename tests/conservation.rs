@@ -138,15 +138,17 @@ fn who_has_come_to_stay_is_a_wall_to_all_that_come_after() {
         let ball = (CollisionShape::sphere(0.5).unwrap(), Velocity(Vec3::X * velocity), ELASTIC);
         app.world_mut().spawn((ball, Swept::new(sub_steps), Transform::from_xyz(x, 0.0, 0.0))).id()
     };
-    let balls = [ball(-1.0, 16.0, 0), ball(-4.0, 8.0, 8), ball(-9.0, 12.0, 8)];
+    let balls = [ball(-1.0, 16.0, 0), ball(-4.0, 8.0, 8), ball(-10.0, 12.0, 8)];
     tick(&mut app, 1);
     let found = balls.map(|ball| (get::<Transform>(&app, ball).translation.x, get::<Velocity>(&app, ball).x));
-    // The first is at the wall for good. The second is thrown back by it, exchanges its velocity with the third, is thrown
-    // back once more, and catches up with the third.
-    assert_eq!([found[0].1, found[1].1, found[2].1], [16.0, -8.0, -12.0]);
-    assert!((found[0].0 + 0.5).abs() < 1e-3 && found.iter().all(|(x, _)| *x < -0.499), "{found:?}");
-    let energy: f32 = found.iter().map(|(_, v)| v * v).sum();
-    assert!((energy - (16.0 * 16.0 + 8.0 * 8.0 + 12.0 * 12.0)).abs() < 1e-2, "{found:?}");
+    // The first is at the wall for good. The second is thrown back by it after 5/16, exchanges its velocity with the third
+    // after 1/2, and is thrown back once more after 5/8.
+    for (found, expected) in found.into_iter().zip([(-0.5, 16.0), (-6.0, -12.0), (-8.0, -8.0)]) {
+        assert!(
+            (found.0 - expected.0).abs().max((found.1 - expected.1).abs()) < 1e-3,
+            "{found:?}, expected {expected:?}"
+        );
+    }
 }
 
 /// The defaults at nine times the size of the room, one bounce for each of many, and all that is between.
