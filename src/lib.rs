@@ -73,6 +73,7 @@ pub mod counters;
 pub mod debug_draw;
 pub mod diagnostics;
 pub mod filters;
+mod frame;
 pub mod motion;
 pub mod narrow_phase;
 pub mod octree;

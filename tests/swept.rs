@@ -309,16 +309,27 @@ fn who_was_away_has_not_passed_through_what_is_between() {
 
 #[test]
 fn a_child_is_swept_by_the_way_of_its_parent() {
-    let mut app = app(Method::default());
-    let wall = paper(&mut app, 0.0);
-    let parent = app.world_mut().spawn((Transform::from_xyz(-50.0, 0.0, 0.0), Velocity(Vec3::X * 100.0 * 64.0))).id();
-    let child = elastic_bullet(&mut app, Vec3::Y, Vec3::ZERO);
-    app.world_mut().entity_mut(parent).add_child(child);
-    tick(&mut app, 1);
-    assert_eq!((contacts(&app), place(&app, child)), (vec![pair(wall, child)], Vec3::Y));
-    assert!((time(&app, wall, child).unwrap() - 0.49949).abs() < 1e-5);
-    tick(&mut app, 1);
-    assert!(contacts(&app).is_empty());
+    for bounces in [false, true] {
+        let mut app = app(Method::default());
+        let wall = paper(&mut app, 0.0);
+        let velocity = Velocity(Vec3::X * 100.0 * TICKS_PER_SECOND);
+        let parent = app.world_mut().spawn((Transform::from_xyz(-50.0, 0.0, 0.0), velocity)).id();
+        let child = bullet(&mut app, Vec3::Y, Vec3::ZERO);
+        if bounces {
+            app.world_mut().entity_mut(child).insert(ELASTIC);
+        }
+        app.world_mut().entity_mut(parent).add_child(child);
+        tick(&mut app, 1);
+        assert_eq!(contacts(&app), [pair(wall, child)]);
+        assert!((time(&app, wall, child).unwrap() - 0.49949).abs() < 1e-5);
+        // Where the parent goes on to 50, one that bounces goes back to the other side, and on from there.
+        let expected = if bounces { Vec3::new(-100.102, 1.0, 0.0) } else { Vec3::Y };
+        assert_near(place(&app, child), expected, 1e-3);
+        tick(&mut app, 1);
+        assert!(contacts(&app).is_empty());
+        let expected = if bounces { Vec3::new(-300.102, 1.0, 0.0) } else { Vec3::Y };
+        assert_near(place(&app, child), expected, 1e-2);
+    }
 }
 
 #[test]

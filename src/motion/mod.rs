@@ -11,6 +11,9 @@ pub use track::{Interpolation, Outside, PositionTrack, TrackError};
 
 /// How fast and where to an entity moves, in units per second, in the space of its parent.
 ///
+/// Contacts count with its velocity in the world, to which that of each ancestor adds: one that is moved by other means than
+/// its velocity may have one beside [`MovedElsewhere`], which says how fast it is.
+///
 /// The report gives each object a direction and a speed; this is their product. A velocity that is not finite moves
 /// nothing, with a warning in the log.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect, Deref, DerefMut)]

@@ -9,7 +9,7 @@ use super::edge_polygon::{self, Hit};
 use super::large::Smaller;
 use super::pair::{Pair, in_order};
 use super::separation::{Separation, sign};
-use super::{NarrowPhase, Placed, Shape, Workspace, convex_contact};
+use super::{BoundsError, NarrowPhase, Placed, Shape, Workspace, convex_contact};
 
 /// How often to go back and forth between two shapes in search of a point of both: twice is the
 /// rule.
@@ -87,7 +87,9 @@ impl NarrowPhase {
                 local_contact(&pair, workspace)
             }
             Ok(pair) => local_contact(&pair, workspace),
-            Err(_) => unbounded_contact(first, second, self.tolerance()),
+            Err(BoundsError::Unbounded) => unbounded_contact(first, second, self.tolerance()),
+            // So large that squares are beyond all numbers.
+            Err(BoundsError::NonFinite) => straight(first, second),
         };
         let found = if swapped { found.reversed() } else { found };
         Some(Contact { normal: found.normal.into(), point: (origin + found.point).into(), depth: found.depth })
@@ -226,7 +228,7 @@ pub(super) fn mean_hit(pair: &Pair, workspace: &mut Workspace) -> Option<Vec3A> 
 /// Meshes of any form: the mean of all crossings.
 fn meshes(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> {
     let (mut count, mut points, mut normals) = (0.0, Vec3A::ZERO, Vec3A::ZERO);
-    edge_polygon::hits(pair, workspace, |Hit { point, normal }| {
+    edge_polygon::hits(pair, workspace, |Hit { point, normal, .. }| {
         count += 1.0;
         points += point;
         normals += normal;

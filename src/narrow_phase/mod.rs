@@ -111,6 +111,7 @@ mod pair;
 mod parry;
 #[cfg(feature = "rapier")]
 mod parts;
+mod passing;
 mod polygon_mesh;
 mod polygon_proximity;
 mod proximity;

@@ -66,12 +66,14 @@ use crate::{
 ///
 /// Where it meets another and [bounces](crate::response::Bounce), it does so only if the two come nearer to each other, by
 /// their velocities, and as often as it meets something: what is said of ticks there, holds for impacts here. It moves on
-/// for the rest of the tick if it is moved by its [`Velocity`](crate::motion::Velocity) and has no parent.
+/// for the rest of the tick if it is moved by its [`Velocity`](crate::motion::Velocity); one with a parent does so in the
+/// world, wherever the parent goes.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[component(on_discard = shrink_box)]
 pub struct Swept {
-    /// How often it may bounce within a tick. At the impact after that, it stays where it is, until the next tick.
+    /// How often it may bounce within a tick. At the impact after that, it stays where it is until the next tick, as a wall
+    /// at rest to all that it meets, and keeps its velocity. This bounds the search for impacts, too.
     pub sub_steps: u32,
     /// Where its way in this tick begins.
     #[reflect(ignore)]

@@ -15,8 +15,9 @@ use crate::{
     contacts::{Contacts, SweptContact},
     counters::CollisionCounters,
     filters,
+    frame::{Ancestor, Frame},
     motion::{MotionSettings, Velocity},
-    narrow_phase::{Moving, NarrowPhase, TimedContact, Workspace},
+    narrow_phase::{Contact, Moving, NarrowPhase, Placed, TimedContact, Workspace},
     plugin::NarrowPhaseSettings,
 };
 
@@ -25,16 +26,20 @@ use crate::{
 struct Impact {
     pair: Pair,
     met: TimedContact,
+    /// How fast the two come nearer to each other, per tick.
+    closing: f32,
     /// How often each had changed course when this was found.
     versions: [u32; 2],
 }
 
-/// By time, and by pair where times are equal.
+/// By time; where times are equal, those first that come nearer to each other the least, and then by pair. What slides into
+/// a corner, or falls a little while it slides, thus answers to what it is on before it answers to what it is up against.
 impl Ord for Impact {
     fn cmp(&self, other: &Self) -> Ordering {
         self.met
             .time
             .total_cmp(&other.met.time)
+            .then(self.closing.total_cmp(&other.closing))
             .then(self.pair.cmp(&other.pair))
             .then(self.versions.cmp(&other.versions))
     }
@@ -64,10 +69,27 @@ pub(crate) struct Outcomes {
 #[derive(Clone, Copy, Debug)]
 struct Outcome {
     entity: Entity,
-    velocity: Vec3,
+    /// In its own space.
+    velocity: Option<Vec3>,
     bounces: u64,
     /// Where it is at the end of the tick, if it changed course.
-    place: Option<Vec3>,
+    place: Option<Place>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    in_world: Vec3,
+    /// In its own space.
+    own: Vec3,
+}
+
+impl Outcome {
+    /// What has become of a body whose space is reached from the world by `to_own`.
+    fn of(track: &Track, to_own: impl FnOnce(Vec3) -> Option<Vec3>) -> Self {
+        let in_world = (track.version > 0).then(|| track.place(1.0));
+        let place = in_world.and_then(|in_world| Some(Place { in_world, own: to_own(in_world)? }));
+        Self { entity: track.entity, velocity: track.own_velocity(), bounces: track.bounces, place }
+    }
 }
 
 impl Outcomes {
@@ -116,9 +138,10 @@ impl Default for Resolver {
 pub(crate) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) {
     let time = world.get_resource::<Time>().copied();
     let seconds = world.resource::<MotionSettings>().step.seconds(time.as_ref()).unwrap_or(0.0);
-    resolver.begin(world.resource::<Contacts>());
+    resolver.begin(world.resource::<Contacts>(), world.resource::<CollisionIndex>());
+    // Impacts are found for those who changed course, and nobody does so more often than its sub-steps say, plus once.
     while let Some(Reverse(impact)) = resolver.to_come.pop() {
-        let Impact { pair, met, versions } = impact;
+        let Impact { pair, met, versions, .. } = impact;
         if [pair.a, pair.b].map(|id| resolver.version(id)) != versions {
             continue;
         }
@@ -130,15 +153,20 @@ pub(crate) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) 
             except = Some(id);
         }
     }
-    resolver.tell(&mut world.resource_mut::<Outcomes>().bodies);
+    let mut outcomes = std::mem::take(&mut world.resource_mut::<Outcomes>().bodies);
+    resolver.tell(world, &mut outcomes);
+    world.resource_mut::<Outcomes>().bodies = outcomes;
     world.resource_mut::<Contacts>().set_impacts(resolver.happened.drain(..));
     resolver.end();
 }
 
 impl Resolver {
-    fn begin(&mut self, contacts: &Contacts) {
-        let impact = |found: &SweptContact| Reverse(Impact { pair: found.pair, met: found.met, versions: [0; 2] });
-        self.to_come.extend(contacts.impacts().iter().map(impact));
+    fn begin(&mut self, contacts: &Contacts, index: &CollisionIndex) {
+        let impact = |&SweptContact { pair, met }: &SweptContact| {
+            let closing = closing(&index.moving(pair.a)?, &index.moving(pair.b)?, &met);
+            Some(Reverse(Impact { pair, met, closing, versions: [0; 2] }))
+        };
+        self.to_come.extend(contacts.impacts().iter().filter_map(impact));
     }
 
     /// How often a body has changed course.
@@ -155,8 +183,23 @@ impl Resolver {
                 self.tracks.insert(id, track);
             }
         }
+        let index = world.resource::<CollisionIndex>();
+        let contact =
+            Contact { normal: self.normal(index, impact, world.resource::<NarrowPhaseSettings>()), ..contact };
         let [Some(a), Some(b)] = self.tracks.get_disjoint_mut([&pair.a, &pair.b]) else { return [false; 2] };
-        meet([a, b], contact.normal, time, seconds)
+        meet([a, b], &contact, time, seconds)
+    }
+
+    /// The normal that counts for the velocities of the two: what is left of their ways may be too short to tell.
+    fn normal(&mut self, index: &CollisionIndex, impact: &Impact, settings: &NarrowPhaseSettings) -> Vec3 {
+        let Impact { pair, met: TimedContact { time, contact }, .. } = *impact;
+        let moving = [pair.a, pair.b].map(|id| self.moving(index, id, time));
+        let velocities = [pair.a, pair.b].map(|id| self.tracks.get(&id).map_or(Vec3::ZERO, Track::velocity));
+        let [Some(a), Some(b)] = moving else { return contact.normal };
+        let (at_a, at_b) = (a.at(0.0), b.at(0.0));
+        let placed = [Placed::new(a.shape(), &at_a), Placed::new(b.shape(), &at_b)];
+        let velocity = velocities[0] - velocities[1];
+        settings.tests().normal_in_passing(placed[0], placed[1], contact.normal, velocity, &mut self.workspace)
     }
 
     /// Looks for what a body meets on its new course.
@@ -183,10 +226,10 @@ impl Resolver {
         for other in candidates.drain(..) {
             let pair = Pair::new(id, other);
             if filters::may_meet(world, pair)
-                && let Some(met) = self.time_of_impact(world.resource(), pair, time, &tests)
+                && let Some((met, closing)) = self.time_of_impact(world.resource(), pair, time, &tests)
             {
                 let versions = [pair.a, pair.b].map(|id| self.version(id));
-                self.to_come.push(Reverse(Impact { pair, met, versions }));
+                self.to_come.push(Reverse(Impact { pair, met, closing, versions }));
             }
         }
         self.candidates = candidates;
@@ -224,22 +267,44 @@ impl Resolver {
         pair: Pair,
         from: f32,
         tests: &NarrowPhase,
-    ) -> Option<TimedContact> {
+    ) -> Option<(TimedContact, f32)> {
         let (a, b) = (self.moving(index, pair.a, from)?, self.moving(index, pair.b, from)?);
-        Some(tests.time_of_impact(&a, &b, &mut self.workspace)?.after(from))
+        let met = tests.time_of_impact(&a, &b, &mut self.workspace)?;
+        // The ways are those of what is left of the tick.
+        let left = (1.0 - from).max(f32::MIN_POSITIVE);
+        Some((met.after(from), closing(&a, &b, &met) / left))
     }
 
-    /// Tells what has become of all who met something.
-    fn tell(&self, outcomes: &mut Vec<Outcome>) {
-        let changed = self.tracks.values().filter(|track| track.bounces > 0 || track.version > 0);
-        let outcome = |track: &Track| Outcome {
-            entity: track.entity,
-            velocity: track.velocity,
-            bounces: track.bounces,
-            place: (track.version > 0).then(|| track.place(1.0)),
-        };
+    /// Tells what has become of all who met something, in the order of their entities.
+    fn tell(&self, world: &World, outcomes: &mut Vec<Outcome>) {
         outcomes.clear();
-        outcomes.extend(changed.map(outcome));
+        let changed = self.tracks.values().filter(|track| track.bounces > 0 || track.version > 0);
+        let (mut children, mut places) = (Vec::new(), HashMap::<Entity, Vec3>::default());
+        for track in changed {
+            match track.frame {
+                None => outcomes.push(Outcome::of(track, |in_world| Some(in_world))),
+                Some(frame) => children.push((frame.depth(), track)),
+            }
+        }
+        if !children.is_empty() {
+            // Who hangs on another that was put elsewhere has its own place by that.
+            places.extend(outcomes.iter().filter_map(|outcome| Some((outcome.entity, outcome.place?.own))));
+            children.sort_unstable_by_key(|(depth, track)| (*depth, track.entity));
+        }
+        for (_, track) in children {
+            let outcome = Outcome::of(track, |in_world| {
+                let parent = world.get::<ChildOf>(track.entity)?.parent();
+                let look = |entity| {
+                    let mut ancestor = Ancestor::of(entity, world)?;
+                    ancestor.transform.translation =
+                        places.get(&entity).copied().unwrap_or(ancestor.transform.translation);
+                    Some(ancestor)
+                };
+                Frame::of(parent, look).own_place(in_world)
+            });
+            places.extend(outcome.place.map(|place| (track.entity, place.own)));
+            outcomes.push(outcome);
+        }
         outcomes.sort_unstable_by_key(|body| body.entity);
     }
 
@@ -254,6 +319,12 @@ impl Resolver {
     }
 }
 
+/// How fast two come nearer to each other where they meet.
+fn closing(a: &Moving, b: &Moving, met: &TimedContact) -> f32 {
+    let velocity = |moving: &Moving| moving.velocity_at(met.time, met.contact.point);
+    (velocity(a) - velocity(b)).dot(met.contact.normal)
+}
+
 /// Velocities and places become what the impacts have made of them.
 pub(crate) fn apply_outcomes(
     outcomes: Res<Outcomes>,
@@ -265,16 +336,18 @@ pub(crate) fn apply_outcomes(
     for outcome in &outcomes.bodies {
         // It may be gone.
         let Ok((mut velocity, mut transform, mut proxy)) = bodies.get_mut(outcome.entity) else { continue };
-        if outcome.bounces > 0 {
-            velocity.0 = outcome.velocity;
+        if outcome.bounces > 0
+            && let Some(answer) = outcome.velocity
+        {
+            velocity.0 = answer;
             counters.tick.bounces += outcome.bounces;
         }
         if let Some(place) = outcome.place
             && let Some(id) = proxy.id
         {
-            transform.translation = place;
+            transform.translation = place.own;
             let proxy = proxy.bypass_change_detection();
-            proxy.pose.translation = place;
+            proxy.pose.translation = place.in_world;
             index.place(id, &proxy.pose, settings.tests());
         }
     }
