@@ -1,7 +1,7 @@
 //! Bounces of entities with a velocity of Rapier's.
 
 use bevy::{
-    ecs::{entity_disabling::Disabled, schedule::InternedScheduleLabel},
+    ecs::{schedule::InternedScheduleLabel, world::DeferredWorld},
     prelude::*,
 };
 use bevy_rapier3d::dynamics::Velocity as RapierVelocity;
@@ -53,12 +53,8 @@ fn write(mut mirrored: Query<(&Velocity, &mut RapierVelocity), (WithMirror, Chan
     }
 }
 
-fn on_velocity_removed(
-    event: On<Remove, RapierVelocity>,
-    mirrored: Query<(), (With<Mirrored>, Allow<Disabled>)>,
-    mut commands: Commands,
-) {
-    if mirrored.contains(event.entity) {
-        commands.entity(event.entity).try_remove::<(Velocity, Mirrored, MovedElsewhere)>();
+fn on_velocity_removed(event: On<Remove, RapierVelocity>, mut world: DeferredWorld) {
+    if world.get::<Mirrored>(event.entity).is_some() {
+        world.commands().entity(event.entity).try_remove::<(Velocity, Mirrored, MovedElsewhere)>();
     }
 }

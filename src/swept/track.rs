@@ -39,13 +39,14 @@ impl Track {
     pub(super) fn of(id: ProxyId, world: &World) -> Option<Self> {
         let index = world.resource::<CollisionIndex>();
         let (entity, moving) = (index.body(id)?.entity, index.moving(id)?);
-        let swept = world.get::<Swept>(entity);
-        let steers = is_moved_by_velocity(world.entity(entity)) && !world.entity(entity).contains::<ChildOf>();
+        let parts = world.get_entity(entity).ok()?;
+        let swept = parts.get::<Swept>();
+        let steers = is_moved_by_velocity(parts) && !parts.contains::<ChildOf>();
         Some(Self {
             entity,
             velocity: world.get::<Velocity>(entity).map_or(Vec3::ZERO, |velocity| velocity.0),
             bounce: world.get::<Bounce>(entity).copied(),
-            is_sensor: world.entity(entity).contains::<Sensor>(),
+            is_sensor: parts.contains::<Sensor>(),
             steers: swept.map(|swept| swept.sub_steps).filter(|_| steers),
             since: 0.0,
             from: moving.at(0.0).translation,
