@@ -79,7 +79,8 @@ fn update_roots(
     }
 }
 
-type Child = (&'static CollisionShape, &'static mut WorldAabb, &'static mut BroadPhaseProxy, Option<&'static mut Sheared>);
+type Child =
+    (&'static CollisionShape, &'static mut WorldAabb, &'static mut BroadPhaseProxy, Option<&'static mut Sheared>);
 
 fn update_children(
     world: &mut World,
@@ -117,12 +118,7 @@ fn update_children(
 }
 
 /// The box around a shape at a place.
-pub(crate) fn world_aabb(
-    tests: &NarrowPhase,
-    entity: Entity,
-    shape: &Shape,
-    transform: &Transform,
-) -> WorldAabb {
+pub(crate) fn world_aabb(tests: &NarrowPhase, entity: Entity, shape: &Shape, transform: &Transform) -> WorldAabb {
     match tests.world_aabb(Placed::new(shape, transform)) {
         Ok(aabb) => WorldAabb(aabb),
         Err(BoundsError::Unbounded) => WorldAabb::ENDLESS,

@@ -367,11 +367,7 @@ fn find_candidates(
 }
 
 /// Has all components observed that disable entities. Those that already do so unobserved are dealt with in maintenance.
-fn watch_disabling(
-    filters: Option<Res<DefaultQueryFilters>>,
-    mut upkeep: ResMut<Upkeep>,
-    mut commands: Commands,
-) {
+fn watch_disabling(filters: Option<Res<DefaultQueryFilters>>, mut upkeep: ResMut<Upkeep>, mut commands: Commands) {
     for id in filters.iter().flat_map(|filters| filters.disabling_ids()) {
         if !upkeep.disabling.contains(&id) {
             upkeep.disabling.push(id);

@@ -81,8 +81,7 @@ impl<D: QueryData + 'static, F: QueryFilter + 'static> FromWorld for Unfiltered<
 
 type Moved = Or<(Changed<Transform>, Changed<ChildOf>)>;
 type Altered = Or<(Moved, Changed<CollisionShape>, Changed<BroadPhaseProxy>)>;
-type Node<'a> =
-    (Option<&'a Transform>, Option<&'a ChildOf>, Option<&'a Children>, Has<Carrier>, Has<CollisionShape>);
+type Node<'a> = (Option<&'a Transform>, Option<&'a ChildOf>, Option<&'a Children>, Has<Carrier>, Has<CollisionShape>);
 
 /// Finds the entities with a shape and a parent that are elsewhere since the last time, with a look at what changed and what
 /// hangs on it.

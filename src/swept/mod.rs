@@ -136,8 +136,7 @@ impl Plugin for SweptPlugin {
         let begin_ways = hierarchy::see_disabled(app.world_mut(), begin_ways);
         let begin = begin_ways.after(CollisionSystems::First).before(CollisionSystems::Motion);
         let end = end_ways.after(CollisionSystems::Response).before(CollisionSystems::Report);
-        app.add_systems(self.0, (begin, end).run_if(any_with_component::<Swept>))
-            .register_type::<Swept>();
+        app.add_systems(self.0, (begin, end).run_if(any_with_component::<Swept>)).register_type::<Swept>();
     }
 }
 
