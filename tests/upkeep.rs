@@ -352,3 +352,27 @@ fn an_update_takes_up_a_new_tolerance() {
     };
     assert_eq!(app.world_mut().run_system_cached(find).unwrap(), [ball]);
 }
+
+#[cfg(feature = "rapier")]
+#[test]
+fn a_collider_that_changed_while_its_entity_was_disabled_is_taken_up() {
+    use bevy_rapier3d::prelude::{Collider, RapierPhysicsPlugin, TimestepMode};
+
+    let plugins = (TransformPlugin, OctreePlugins::new(PostUpdate), RapierInteropPlugin::new(PostUpdate));
+    let mut app = app_with(plugins, PostUpdate);
+    app.insert_resource(TimestepMode::Fixed { dt: 1.0 / TICKS_PER_SECOND, substeps: 1 })
+        .add_plugins(RapierPhysicsPlugin::<()>::default());
+    app.finish();
+    app.cleanup();
+    app.world_mut().register_disabling_component::<Parked>();
+    let probe = block(&mut app, 2.0);
+    let ball = app.world_mut().spawn((Collider::ball(1.0), ShapeFromRapier, Transform::default())).id();
+    tick(&mut app, 2);
+    assert!(contacts(&app).is_empty());
+    app.world_mut().entity_mut(ball).insert((Parked, Collider::ball(2.5)));
+    tick(&mut app, 2);
+    assert_in_index(&app, &[probe]);
+    app.world_mut().entity_mut(ball).remove::<Parked>();
+    tick(&mut app, 1);
+    assert_eq!(contacts(&app), [pair(probe, ball)]);
+}
