@@ -92,12 +92,12 @@ fn update_children(
     for entity in unparented.iter(world).collect::<Vec<_>>() {
         world.entity_mut(entity).remove::<Sheared>();
     }
-    for (entity, place) in hierarchy.moved(world) {
+    hierarchy.for_each_moved(world, |world, entity, place| {
         // It may be disabled.
-        let Ok((own, mut aabb, mut proxy, sheared)) = children.get_mut(world, entity) else { continue };
+        let Ok((own, mut aabb, mut proxy, sheared)) = children.get_mut(world, entity) else { return };
         let Some(place) = place else {
             aabb.set_if_neq(WorldAabb::NONE);
-            continue;
+            return;
         };
         let placement = shear::place(own, &place, sheared.as_deref());
         proxy.bypass_change_detection().pose = placement.transform;
@@ -114,7 +114,7 @@ fn update_children(
             }
             world.entity_mut(entity).insert(sheared);
         }
-    }
+    });
 }
 
 /// The box around a shape at a place.

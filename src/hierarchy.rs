@@ -3,9 +3,10 @@
 //! `GlobalTransform` is up to date only after transform propagation, and entities have to be where they are in the tick in
 //! which something moved. Places are computed in 64 bits, so that a deep hierarchy does not bend what hangs on it.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use bevy::{
     ecs::{
-        entity::{EntityHashMap, EntityHashSet},
         entity_disabling::{DefaultQueryFilters, Disabled},
         query::{QueryData, QueryFilter},
         system::System,
@@ -22,6 +23,11 @@ use crate::components::{BroadPhaseProxy, CollisionShape, WorldAabb};
 pub(crate) struct Carrier {
     /// Has it lost its transform?
     lost: bool,
+    /// The runs of [`Hierarchy`] in which its place was found, and what hangs on it visited.
+    known: u64,
+    visited: u64,
+    /// Where it is, in that run; `None` if it is its own ancestor.
+    place: Option<DAffine3>,
 }
 
 /// Where an entity is in the space of its parent.
@@ -81,135 +87,175 @@ impl<D: QueryData + 'static, F: QueryFilter + 'static> FromWorld for Unfiltered<
 
 type Moved = Or<(Changed<Transform>, Changed<ChildOf>)>;
 type Altered = Or<(Moved, Changed<CollisionShape>, Changed<BroadPhaseProxy>)>;
-type Node<'a> = (Option<&'a Transform>, Option<&'a ChildOf>, Option<&'a Children>, Has<Carrier>, Has<CollisionShape>);
+type Child = (Entity, Option<&'static Transform>, &'static ChildOf);
+type Node = (
+    Option<&'static Transform>,
+    Option<&'static ChildOf>,
+    Option<&'static Children>,
+    Option<&'static mut Carrier>,
+    Has<CollisionShape>,
+);
 
 /// Finds the entities with a shape and a parent that are elsewhere since the last time, with a look at what changed and what
 /// hangs on it.
 pub(crate) struct Hierarchy {
-    nodes: Unfiltered<Node<'static>, ()>,
-    carriers: Unfiltered<(Entity, Has<Transform>, &'static mut Carrier), Moved>,
+    nodes: Unfiltered<Node, ()>,
+    moved_carriers: Unfiltered<(Entity, Has<Transform>, &'static mut Carrier), Moved>,
     unplaced_carriers: Unfiltered<(Entity, &'static mut Carrier), Without<Transform>>,
-    shapes: QueryState<Entity, (With<ChildOf>, With<WorldAabb>, Altered)>,
-    places: Places,
-    visited: EntityHashSet,
-    to_visit: Vec<Entity>,
-    moved: Vec<(Entity, Option<DAffine3>)>,
+    altered: QueryState<Child, (With<ChildOf>, With<WorldAabb>, Altered)>,
+    /// Carriers that moved.
+    moved: Vec<Entity>,
+    /// Entities with a shape that changed, and their parents.
+    altered_children: Vec<(Entity, Option<Transform>, Entity)>,
+    /// What hangs on something that moved, and where that is.
+    to_visit: Vec<(Entity, Option<DAffine3>)>,
+    /// The way up.
+    path: Vec<(Entity, DAffine3)>,
+    /// The number of this run, which no other has.
+    run: u64,
+    /// Has anything been visited in this run?
+    has_visited: bool,
 }
 
 impl FromWorld for Hierarchy {
     fn from_world(world: &mut World) -> Self {
         Self {
             nodes: Unfiltered::from_world(world),
-            carriers: Unfiltered::from_world(world),
+            moved_carriers: Unfiltered::from_world(world),
             unplaced_carriers: Unfiltered::from_world(world),
-            shapes: QueryState::new(world),
-            places: Places::default(),
-            visited: EntityHashSet::default(),
-            to_visit: Vec::new(),
+            altered: QueryState::new(world),
             moved: Vec::new(),
+            altered_children: Vec::new(),
+            to_visit: Vec::new(),
+            path: Vec::new(),
+            run: 0,
+            has_visited: false,
         }
     }
 }
 
 impl Hierarchy {
-    /// All entities with a shape and a parent that moved, were moved by an ancestor, or changed shape; and where they are:
-    /// `None` if they, or an ancestor, are their own ancestor. Each once; some may be disabled.
-    pub(crate) fn moved(&mut self, world: &mut World) -> std::vec::Drain<'_, (Entity, Option<DAffine3>)> {
-        self.places.known.clear();
-        self.visited.clear();
+    /// Calls `found` with all entities with a shape and a parent that moved, were moved by an ancestor, or changed shape,
+    /// each once, and where they are: `None` if they, or an ancestor, are their own ancestor. Some may be disabled.
+    pub(crate) fn for_each_moved(
+        &mut self,
+        world: &mut World,
+        mut found: impl FnMut(&mut World, Entity, Option<DAffine3>),
+    ) {
+        static RUNS: AtomicU64 = AtomicU64::new(1);
+        self.run = RUNS.fetch_add(1, Ordering::Relaxed);
         self.find_moved_carriers(world);
-        let nodes = self.nodes.0.query(world);
-        // What hangs on one that moved has moved.
-        while let Some(entity) = self.to_visit.pop() {
-            let Ok((_, _, children, carries, has_shape)) = nodes.get(entity) else { continue };
-            if !(carries || has_shape) || !self.visited.insert(entity) {
+        self.has_visited = !self.moved.is_empty();
+        while let Some(entity) = self.moved.pop() {
+            let Ok((_, parent, _, Some(carrier), _)) = self.nodes.0.get_mut(world, entity) else { continue };
+            if carrier.visited == self.run {
                 continue;
             }
-            let place = self.places.of(entity, &nodes);
-            if has_shape {
-                self.moved.push((entity, place));
-            }
-            self.to_visit.extend(children.into_iter().flatten());
-        }
-        for entity in self.shapes.query(world) {
-            if !self.visited.contains(&entity) {
-                let place = self.places.of(entity, &nodes);
-                self.moved.push((entity, place));
+            let parent = parent.map(ChildOf::parent);
+            let place = self.place_of_parent(world, parent);
+            self.to_visit.push((entity, place));
+            // What hangs on one that moved has moved.
+            while let Some((entity, parent)) = self.to_visit.pop() {
+                self.visit(world, entity, parent, &mut found);
             }
         }
-        for carrier in self.places.new_carriers.drain(..) {
-            world.entity_mut(carrier).insert(Carrier::default());
-        }
-        self.moved.drain(..)
+        self.find_altered(world, found);
     }
 
     /// Those that moved, and those that lost their transform since the last time.
     fn find_moved_carriers(&mut self, world: &mut World) {
-        self.to_visit.clear();
-        for (entity, is_placed, mut carrier) in self.carriers.0.query_mut(world) {
+        for (entity, is_placed, mut carrier) in self.moved_carriers.0.query_mut(world) {
             carrier.lost = !is_placed;
-            self.to_visit.push(entity);
+            self.moved.push(entity);
         }
         for (entity, mut carrier) in self.unplaced_carriers.0.query_mut(world) {
             if !std::mem::replace(&mut carrier.lost, true) {
-                self.to_visit.push(entity);
+                self.moved.push(entity);
             }
         }
     }
-}
 
-/// Places that are known, each computed once.
-#[derive(Default)]
-struct Places {
-    known: EntityHashMap<Place>,
-    path: Vec<(Entity, DAffine3)>,
-    /// Ancestors that were not known to be ones.
-    new_carriers: Vec<Entity>,
-}
+    /// Puts an entity in its place, given that of its parent, and has what hangs on it visited.
+    fn visit(
+        &mut self,
+        world: &mut World,
+        entity: Entity,
+        parent: Option<DAffine3>,
+        found: &mut impl FnMut(&mut World, Entity, Option<DAffine3>),
+    ) {
+        let Ok((transform, child_of, children, carrier, has_shape)) = self.nodes.0.get_mut(world, entity) else {
+            return;
+        };
+        let place = transform.and_then(|transform| Some(parent? * local(transform)));
+        let has_shape = has_shape && child_of.is_some();
+        if let Some(mut carrier) = carrier {
+            if carrier.visited == self.run {
+                return;
+            }
+            (carrier.visited, carrier.known, carrier.place) = (self.run, self.run, place);
+            let origin = if transform.is_some() { place } else { Some(DAffine3::IDENTITY) };
+            self.to_visit.extend(children.into_iter().flatten().map(|child| (*child, origin)));
+        }
+        if has_shape {
+            found(world, entity, place);
+        }
+    }
 
-#[derive(Clone, Copy)]
-enum Place {
-    /// The walk that began here has not come to its end.
-    Asked,
-    Found(Option<DAffine3>),
-}
+    /// Those that moved by themselves without taking others with them, and those that changed otherwise.
+    fn find_altered(&mut self, world: &mut World, mut found: impl FnMut(&mut World, Entity, Option<DAffine3>)) {
+        let altered = self.altered.query(world);
+        let mut changed = std::mem::take(&mut self.altered_children);
+        changed.extend(altered.iter().map(|(entity, own, parent)| (entity, own.copied(), parent.parent())));
+        let visited = |carrier: Option<&Carrier>| carrier.is_some_and(|carrier| carrier.visited == self.run);
+        if self.has_visited {
+            changed.retain(|(entity, _, parent)| !visited(world.get(*entity)) && !visited(world.get(*parent)));
+        }
+        for (entity, own, parent) in changed.drain(..) {
+            let place = self.place_of_parent(world, Some(parent));
+            found(world, entity, own.and_then(|own| Some(place? * local(&own))));
+        }
+        self.altered_children = changed;
+    }
 
-impl Places {
-    /// That of an entity; `None` if it has none.
-    fn of(&mut self, entity: Entity, nodes: &Query<Node>) -> Option<DAffine3> {
-        let (mut next, mut is_ancestor) = (Some(entity), false);
-        let mut world = loop {
-            let Some((asked, node)) = next.and_then(|next| Some((next, nodes.get(next).ok()?))) else {
+    /// Where a parent is, each computed once.
+    fn place_of_parent(&mut self, world: &mut World, mut next: Option<Entity>) -> Option<DAffine3> {
+        let mut place = loop {
+            let Some((entity, node)) = next.and_then(|next| Some((next, self.nodes.0.get_mut(world, next).ok()?)))
+            else {
                 break Some(DAffine3::IDENTITY);
             };
-            let (transform, parent, _, carries, _) = node;
-            if is_ancestor && !carries {
-                self.new_carriers.push(asked);
-            }
-            match self.known.get(&asked) {
-                Some(Place::Found(place)) => break *place,
-                Some(Place::Asked) => {
-                    tracing::warn!(
-                        "{asked} is its own ancestor: it and what hangs on it are left out of collision detection"
-                    );
-                    break None;
-                }
-                None => {}
-            }
-            let Some(transform) = transform else {
-                // An ancestor that is nowhere ends the walk.
-                break is_ancestor.then_some(DAffine3::IDENTITY);
+            let (transform, parent, _, carrier, _) = node;
+            let (transform, parent) = (transform.copied(), parent.map(ChildOf::parent));
+            let Some(mut carrier) = carrier else {
+                world.entity_mut(entity).insert(Carrier::default());
+                continue;
             };
-            self.known.insert(asked, Place::Asked);
-            self.path.push((asked, local(transform)));
-            next = parent.map(ChildOf::parent);
-            is_ancestor = true;
+            let Some(transform) = transform else {
+                // One that is nowhere ends the walk.
+                carrier.lost = true;
+                break Some(DAffine3::IDENTITY);
+            };
+            if carrier.known == self.run {
+                let place = carrier.place;
+                if place.is_none() && self.path.iter().any(|(below, _)| *below == entity) {
+                    tracing::warn!(
+                        "{entity} is its own ancestor: it and what hangs on it are left out of collision detection"
+                    );
+                }
+                break place;
+            }
+            // Who comes here again before the way back is in a circle.
+            (carrier.known, carrier.place) = (self.run, None);
+            self.path.push((entity, local(&transform)));
+            next = parent;
         };
         for (entity, local) in self.path.drain(..).rev() {
-            world = world.map(|world| world * local);
-            self.known.insert(entity, Place::Found(world));
+            place = place.map(|place| place * local);
+            if let Some(mut carrier) = world.get_mut::<Carrier>(entity) {
+                carrier.place = place;
+            }
         }
-        world
+        place
     }
 }
 

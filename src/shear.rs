@@ -78,9 +78,12 @@ pub(crate) fn place(shape: &Shape, world: &DAffine3, sheared: Option<&Sheared>) 
 
 /// Are the axes at right angles to each other? Those of what is not finite count as if they were.
 fn is_upright(linear: &DMat3) -> bool {
-    let leans = |a: DVec3, b: DVec3| a.dot(b).abs() > RIGHT_ANGLE * a.length() * b.length();
-    let DMat3 { x_axis, y_axis, z_axis } = *linear;
-    !(leans(x_axis, y_axis) || leans(y_axis, z_axis) || leans(z_axis, x_axis))
+    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = *linear;
+    let [x_squared, y_squared, z_squared] = [x, y, z].map(DVec3::length_squared);
+    let leans = |both: f64, squared: f64| both * both > RIGHT_ANGLE * RIGHT_ANGLE * squared;
+    !(leans(x.dot(y), x_squared * y_squared)
+        || leans(y.dot(z), y_squared * z_squared)
+        || leans(z.dot(x), z_squared * x_squared))
 }
 
 /// The turn after which the axes of a map are at right angles: Jacobi rotations of two axes at a time.
