@@ -18,7 +18,7 @@ use crate::{
 ///
 /// The place is taken from the [`Transform`]s of the entity and its ancestors, not from `GlobalTransform`, which is up
 /// to date only after transform propagation: boxes are right in the tick in which something moved. A parent without a
-/// `Transform` is at the origin. What rests is not looked at, however deep the hierarchy.
+/// `Transform` is at the origin of the world. What rests is not looked at, however deep the hierarchy.
 ///
 /// An entity whose box cannot be computed is left out of collision detection until that changes, with a warning in the
 /// log: one with a transform that is not finite, its own or an ancestor's, and one that is its own ancestor. So is one

@@ -19,6 +19,9 @@ use crate::{
 /// despawned, no longer does, from that moment on. A shape that is overwritten is changed; one that is removed and
 /// inserted again, even within a frame, starts anew: its contacts end and start.
 ///
+/// It is placed by the [`Transform`]s of the entity and its ancestors. What becomes of shapes that a scaled parent shears is
+/// said of the [`BoundsPlugin`](crate::BoundsPlugin#sheared-shapes).
+///
 /// An entity with a shape and no [`Velocity`] is *static*: while its [`Transform`] stays
 /// unchanged, it is looked at by nothing.
 ///
