@@ -1,22 +1,31 @@
 //! The broad phase as a resource: entities in, candidate pairs out.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use bevy::{
-    ecs::{entity_disabling::Disabled, schedule::InternedScheduleLabel, system::RegisteredSystemError},
+    ecs::{
+        archetype::Archetype, component::ComponentId, entity_disabling::DefaultQueryFilters,
+        schedule::InternedScheduleLabel, system::RegisteredSystemError, world::DeferredWorld,
+    },
     prelude::*,
 };
 
 use crate::{
     broad_phase::{BroadPhase, Method, Pair, PairFilter, PairKinds, ProxyId, SpatialIndex},
-    components::{BroadPhaseProxy, CollisionShape, WorldAabb},
+    components::{self, BroadPhaseProxy, CollisionShape, WorldAabb},
     counters::CollisionCounters,
     filters::{self, FilterParts},
     narrow_phase::{Moving, NarrowPhase, Placed, Shape},
     plugin::{CollisionSystems, NarrowPhaseSettings},
+    shear::{self, Sheared},
     swept::Swept,
 };
 
 /// The [`SpatialIndex`] of all entities with a [`CollisionShape`].
-#[derive(Resource, Debug, Default, Reflect)]
+///
+/// It may be taken out of the world for a while, or be replaced by another: at the next tick, or
+/// [update](crate::spatial_query::update_spatial_index), it holds what it should.
+#[derive(Resource, Debug, Reflect)]
 #[reflect(Debug, Default, from_reflect = false)]
 pub struct CollisionIndex {
     #[reflect(ignore)]
@@ -29,6 +38,51 @@ pub struct CollisionIndex {
     /// By proxy index, as far as there are any: where the ways of swept bodies begin.
     #[reflect(ignore)]
     starts: Vec<Option<Transform>>,
+    /// What tells it from all others.
+    #[reflect(ignore)]
+    number: u64,
+}
+
+impl Default for CollisionIndex {
+    fn default() -> Self {
+        static NUMBER: AtomicU64 = AtomicU64::new(1);
+        Self {
+            index: SpatialIndex::default(),
+            method: Method::default(),
+            bodies: Vec::new(),
+            starts: Vec::new(),
+            number: NUMBER.fetch_add(1, Ordering::Relaxed),
+        }
+    }
+}
+
+/// What the index has to know to be right, though it may miss things: hooks may run while it is out of the world.
+#[derive(Resource, Debug, Default)]
+pub(crate) struct Upkeep {
+    /// The index that all entries are about.
+    index: u64,
+    /// Has something come to pass that it does not know of?
+    missed: bool,
+    /// The components that disable an entity, each with its observers.
+    disabling: Vec<ComponentId>,
+}
+
+impl Upkeep {
+    fn disables(&self, archetype: &Archetype) -> bool {
+        self.disabling.iter().any(|id| archetype.contains(*id))
+    }
+}
+
+/// Does something to an entity's entry, at once. What the index misses, it mends at the next tick.
+pub(crate) fn in_index(world: &mut DeferredWorld, entity: Entity, act: impl FnOnce(&mut CollisionIndex, ProxyId)) {
+    let Some(id) = world.get::<BroadPhaseProxy>(entity).and_then(BroadPhaseProxy::id) else { return };
+    if let Some(mut index) = world.get_resource_mut::<CollisionIndex>()
+        && index.is_entry_of(id, entity)
+    {
+        act(&mut index, id);
+    } else if let Some(mut upkeep) = world.get_resource_mut::<Upkeep>() {
+        upkeep.missed = true;
+    }
 }
 
 /// What the exact tests need of an entity, in one place: they visit entities in no order of memory.
@@ -137,7 +191,22 @@ impl CollisionIndex {
         self.index.remove(id);
     }
 
-    /// Takes up an entity's box of this tick. A box that is refused takes the entity out of the index.
+    /// Is this handle that of this entity? Others may have a copy of it, or one of another index.
+    #[inline]
+    pub(crate) fn is_entry_of(&self, id: ProxyId, entity: Entity) -> bool {
+        self.bodies.get(id.index()).is_some_and(|body| body.entity == entity)
+    }
+
+    /// Removes all whose entities do not say that the entry is theirs.
+    fn remove_strays(&mut self, is_entry: impl Fn(ProxyId, Entity) -> bool) {
+        let proxies = self.index.proxies();
+        let all = proxies.iter().map(|(id, _)| id).chain(proxies.endless());
+        let strays: Vec<_> = all.filter(|id| !is_entry(*id, self.bodies[id.index()].entity)).collect();
+        strays.into_iter().for_each(|id| self.remove(id));
+    }
+
+    /// Takes up an entity's box of this tick. A box that is refused takes the entity out of the index. The filter is that
+    /// of a new one; `None` if it is not to come in.
     fn take_up(
         &mut self,
         entity: Entity,
@@ -145,27 +214,28 @@ impl CollisionIndex {
         proxy: &mut BroadPhaseProxy,
         what: Described,
         tests: &NarrowPhase,
-        filter: impl FnOnce() -> PairFilter,
+        filter: impl FnOnce() -> Option<PairFilter>,
     ) {
+        let own = proxy.id.filter(|id| self.is_entry_of(*id, entity));
         let index = &mut self.index;
         let pose = proxy.pose;
         // What fills all the space there is has no end: where it is, is up to its shape.
         let side = || (*aabb == WorldAabb::ENDLESS).then(|| tests.side(Placed::new(what.shape, &pose)));
-        let known = proxy.id.filter(|id| {
+        let known = own.filter(|id| {
             index.set(*id, &aabb.0).is_ok() || side().is_some_and(|side| index.set_endless(*id, side).is_ok())
         });
-        let insert = || index.insert(aabb.0).ok().or_else(|| index.insert_endless(side()?).ok());
-        let Some(id) = known.or_else(insert) else {
-            if let Some(id) = proxy.id.take() {
-                self.index.remove(id);
-            }
-            return;
-        };
+        let mut insert = || index.insert(aabb.0).ok().or_else(|| index.insert_endless(side()?).ok());
+        let filter = if known.is_some() { None } else { filter() };
+        let id = known.or_else(|| filter.and_then(|_| insert()));
         if known.is_none() {
-            if let Some(old) = proxy.id.replace(id) {
+            proxy.id = id;
+            if let Some(old) = own {
                 self.index.remove(old);
             }
-            self.change_filter(id, |old| *old = filter());
+        }
+        let Some(id) = id else { return };
+        if let Some(filter) = filter {
+            self.change_filter(id, |old| *old = filter);
             let body = Body { entity, pose: proxy.pose, shape: what.shape.clone() };
             match self.bodies.get_mut(id.index()) {
                 Some(place) => *place = body,
@@ -176,7 +246,7 @@ impl CollisionIndex {
             self.index.touch(id);
             let body = &mut self.bodies[id.index()];
             body.pose = proxy.pose;
-            if what.shape_changed {
+            if !body.shape.is_same(what.shape) {
                 body.shape = what.shape.clone();
             }
         }
@@ -187,7 +257,6 @@ impl CollisionIndex {
 /// What an entity is, besides its box.
 struct Described<'a> {
     shape: &'a Shape,
-    shape_changed: bool,
     swept: Option<&'a Swept>,
 }
 
@@ -219,28 +288,33 @@ pub struct BroadPhasePlugin(pub(crate) InternedScheduleLabel);
 
 impl Plugin for BroadPhasePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(
+        app.init_resource::<Upkeep>().add_systems(
             self.0,
-            (maintain.in_set(CollisionSystems::Maintenance), find_candidates.in_set(CollisionSystems::BroadPhase)),
-        )
-        .add_observer(on_disabled)
-        .add_observer(on_enabled);
+            (
+                (watch_disabling, maintain).chain().in_set(CollisionSystems::Maintenance),
+                find_candidates.in_set(CollisionSystems::BroadPhase),
+            ),
+        );
     }
 }
 
 /// Takes up all boxes that changed, at any moment.
 pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
+    world.run_system_cached(watch_disabling)?;
     world.run_system_cached(maintain)
 }
 
-type Boxed<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy);
-type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<&'a Swept>);
+type Shaped<'a> = (&'a CollisionShape, Option<&'a Sheared>, Option<&'a Swept>);
+type BoxedItem<'w, 's, 'a> = bevy::ecs::query::QueryItem<'w, 's, Boxed<'a>>;
+type Boxed<'a> = (Entity, &'a WorldAabb, &'a mut BroadPhaseProxy, Shaped<'a>, FilterParts<'a>);
 
 fn maintain(
     mut index: ResMut<CollisionIndex>,
+    mut upkeep: ResMut<Upkeep>,
     settings: Res<BroadPhaseSettings>,
     narrow: Res<NarrowPhaseSettings>,
-    mut boxes: Query<ChangedBoxes, Changed<WorldAabb>>,
+    mut boxes: ParamSet<(Query<Boxed, Changed<WorldAabb>>, Query<Boxed>)>,
+    archetypes: Query<&Archetype>,
     mut counters: ResMut<CollisionCounters>,
 ) {
     let index = &mut *index;
@@ -251,9 +325,27 @@ fn maintain(
         index.index.touch_all();
     }
     index.index.set_pair_kinds(settings.pair_kinds);
-    for ((entity, aabb, shape, mut proxy), filter, swept) in &mut boxes {
-        let what = Described { shape: &shape.0, shape_changed: shape.is_changed(), swept };
-        index.take_up(entity, aabb, proxy.bypass_change_detection(), what, narrow.tests(), || filters::filter(filter));
+    let is_disabled = |entity| archetypes.get(entity).is_ok_and(|archetype| upkeep.disables(archetype));
+    let take_up = |index: &mut CollisionIndex, (entity, aabb, mut proxy, shaped, parts): BoxedItem| {
+        let (own, sheared, swept) = shaped;
+        let what = Described { shape: shear::shape(own, sheared), swept };
+        let filter = || (!is_disabled(entity)).then(|| filters::filter(parts));
+        index.take_up(entity, aabb, proxy.bypass_change_detection(), what, narrow.tests(), filter);
+    };
+    if upkeep.missed || upkeep.index != index.number {
+        let mut all = boxes.p1();
+        let id = |entity| all.get(entity).ok().filter(|_| !is_disabled(entity)).and_then(|(_, _, proxy, ..)| proxy.id);
+        index.remove_strays(|stray, entity| id(entity) == Some(stray));
+        for item in &mut all {
+            let (entity, .., parts) = &item;
+            if let Some(id) = item.2.id.filter(|id| index.is_entry_of(*id, *entity)) {
+                index.change_filter(id, |old| *old = filters::filter(*parts));
+            }
+            take_up(index, item);
+        }
+        (upkeep.index, upkeep.missed) = (index.number, false);
+    } else {
+        boxes.p0().iter_mut().for_each(|item| take_up(index, item));
     }
     index.index.update();
     let proxies = index.index.proxies();
@@ -274,22 +366,30 @@ fn find_candidates(
     counters.tick.pairs_tested = index.index.pairs_tested();
 }
 
-/// A disabled entity is out of the world until it is enabled again.
-fn on_disabled(
-    event: On<Add, Disabled>,
-    mut proxies: Query<&mut BroadPhaseProxy, Allow<Disabled>>,
-    mut index: ResMut<CollisionIndex>,
-) {
-    if let Ok(mut proxy) = proxies.get_mut(event.entity)
-        && let Some(id) = proxy.id.take()
-    {
-        index.remove(id);
+/// Has all components observed that disable entities. Those that already do so unobserved are dealt with in maintenance.
+fn watch_disabling(filters: Option<Res<DefaultQueryFilters>>, mut upkeep: ResMut<Upkeep>, mut commands: Commands) {
+    for id in filters.iter().flat_map(|filters| filters.disabling_ids()) {
+        if !upkeep.disabling.contains(&id) {
+            upkeep.disabling.push(id);
+            upkeep.missed = true;
+            commands.spawn(Observer::new(on_disabled).with_component(id));
+            commands.spawn(Observer::new(on_enabled).with_component(id));
+        }
     }
 }
 
-/// Has the box computed anew, which puts the entity back into the index.
-fn on_enabled(event: On<Remove, Disabled>, mut proxies: Query<&mut BroadPhaseProxy, Allow<Disabled>>) {
-    if let Ok(mut proxy) = proxies.get_mut(event.entity) {
+/// A disabled entity is out of the world until it is enabled again.
+fn on_disabled(event: On<Add>, mut world: DeferredWorld) {
+    components::leave(&mut world, event.entity);
+}
+
+/// Has the box computed anew, which puts the entity back into the index. What comes back has not passed through what was
+/// between.
+fn on_enabled(event: On<Remove>, mut world: DeferredWorld) {
+    if let Some(mut swept) = world.get_mut::<Swept>(event.entity) {
+        swept.forget();
+    }
+    if let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(event.entity) {
         proxy.set_changed();
     }
 }

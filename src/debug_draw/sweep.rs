@@ -9,6 +9,7 @@ use bevy::{
 use super::{CollisionGizmos, DebugDraw};
 use crate::{
     components::{BroadPhaseProxy, CollisionShape},
+    shear::{self, Sheared},
     swept::Swept,
 };
 
@@ -16,10 +17,11 @@ use crate::{
 /// have been bounces on the way.
 pub(super) fn draw_ways(
     mut gizmos: Gizmos<CollisionGizmos>,
-    swept: Query<(&CollisionShape, &BroadPhaseProxy, &Swept, Option<&DebugDraw>)>,
+    swept: Query<(&CollisionShape, Option<&Sheared>, &BroadPhaseProxy, &Swept, Option<&DebugDraw>)>,
 ) {
     let color @ Some(_) = gizmos.config_ext.sweeps else { return };
-    for (shape, proxy, swept, own) in &swept {
+    for (shape, sheared, proxy, swept, own) in &swept {
+        let shape = shear::shape(shape, sheared);
         let way = swept.last_start().filter(|start| start.translation != proxy.pose.translation);
         if let Some(start) = way
             && let Some(color) = DebugDraw::color(own, color)

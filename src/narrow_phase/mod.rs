@@ -125,6 +125,7 @@ mod time_of_impact;
 mod topology;
 #[cfg(feature = "rapier")]
 mod triangulate;
+mod turned;
 mod workspace;
 
 #[cfg(test)]

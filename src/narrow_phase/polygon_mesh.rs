@@ -168,6 +168,19 @@ impl PolygonMesh {
         (self.center, self.half_size, self.radius)
     }
 
+    /// The same polygons elsewhere: vertices and normals are mapped, which has to keep orientations.
+    pub(super) fn turned(&self, vertex: impl Fn(Vec3) -> Vec3, normal: impl Fn(Vec3) -> Vec3) -> Self {
+        let mut turned = Self {
+            vertices: self.vertices.iter().copied().map(vertex).collect(),
+            normals: self.normals.iter().copied().map(normal).collect(),
+            #[cfg(feature = "rapier")]
+            parry: super::parry::Cache::default(),
+            ..self.clone()
+        };
+        turned.measure();
+        turned
+    }
+
     /// Turns every polygon around.
     pub(super) fn flip(&mut self) {
         for polygon in 0..self.ends.len() {

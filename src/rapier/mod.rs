@@ -64,7 +64,6 @@ mod velocity;
 
 use bevy::{
     ecs::{
-        entity_disabling::Disabled,
         lifecycle::HookContext,
         schedule::{InternedScheduleLabel, ScheduleLabel},
         world::DeferredWorld,
@@ -77,7 +76,7 @@ use bevy_rapier3d::{
 };
 use std::sync::Arc;
 
-use crate::{components::CollisionShape, narrow_phase::Shape, plugin::CollisionSystems};
+use crate::{components::CollisionShape, hierarchy, narrow_phase::Shape, plugin::CollisionSystems};
 
 /// Gives an entity the shape of its Rapier `Collider`.
 ///
@@ -127,6 +126,7 @@ impl Plugin for RapierInteropPlugin {
             tracing::warn!("colliders do not become shapes by themselves: {error}");
         }
         // Where Rapier runs in another schedule, its set is empty here, and orders nothing.
+        let follow_colliders = hierarchy::see_disabled(app.world_mut(), follow_colliders);
         app.configure_sets(self.schedule, CollisionSystems::First.after(PhysicsSet::Writeback))
             .add_systems(
                 self.schedule,
@@ -152,7 +152,7 @@ type Altered = Or<(Changed<Collider>, Added<ShapeFromRapier>, Added<RapierCollid
 fn follow_colliders(
     mut commands: Commands,
     // What changes in a disabled entity is not seen as a change once it is enabled.
-    mut colliders: Query<Followed, (Known, Altered, Allow<Disabled>)>,
+    mut colliders: Query<Followed, (Known, Altered)>,
 ) {
     for (entity, collider, shape) in &mut colliders {
         match shape {
@@ -168,13 +168,9 @@ fn follow_colliders(
 }
 
 /// The shape goes in the moment in which the collider goes.
-fn on_collider_removed(
-    event: On<Remove, Collider>,
-    followers: Query<(), (With<ShapeFromRapier>, Allow<Disabled>)>,
-    mut commands: Commands,
-) {
-    if followers.contains(event.entity) {
-        commands.entity(event.entity).try_remove::<CollisionShape>();
+fn on_collider_removed(event: On<Remove, Collider>, mut world: DeferredWorld) {
+    if world.get::<ShapeFromRapier>(event.entity).is_some() {
+        world.commands().entity(event.entity).try_remove::<CollisionShape>();
     }
 }
 

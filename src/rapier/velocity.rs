@@ -1,7 +1,7 @@
 //! Velocities of Rapier's bodies: what contacts count with, and what bounces change.
 
 use bevy::{
-    ecs::{entity_disabling::Disabled, schedule::InternedScheduleLabel},
+    ecs::{schedule::InternedScheduleLabel, world::DeferredWorld},
     prelude::*,
 };
 use bevy_rapier3d::dynamics::{RigidBody, RigidBodyDisabled, Velocity as RapierVelocity};
@@ -66,13 +66,9 @@ fn write(mut mirrored: Query<(&Velocity, &mut RapierVelocity), (With<Mirrored>, 
 
 /// The mirror goes the moment in which it is of no more use: without the velocity itself, or if the entity neither takes
 /// part by its collider nor bounces any more.
-fn on_loss(
-    event: On<Remove, (RapierVelocity, ShapeFromRapier, Bounce)>,
-    mirrored: Query<(), (With<Mirrored>, Allow<Disabled>)>,
-    mut commands: Commands,
-) {
-    if mirrored.contains(event.entity) {
-        commands.entity(event.entity).queue_silenced(|mut entity: EntityWorldMut| {
+fn on_loss(event: On<Remove, (RapierVelocity, ShapeFromRapier, Bounce)>, mut world: DeferredWorld) {
+    if world.get::<Mirrored>(event.entity).is_some() {
+        world.commands().entity(event.entity).queue_silenced(|mut entity: EntityWorldMut| {
             let takes_part = entity.contains::<ShapeFromRapier>() || entity.contains::<Bounce>();
             if !(takes_part && entity.contains::<RapierVelocity>()) {
                 entity.remove::<(Velocity, Mirrored, MovedElsewhere)>();

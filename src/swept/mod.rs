@@ -52,10 +52,12 @@ use bevy::{
 pub(crate) use resolve::{Outcomes, apply_outcomes, clear_outcomes, resolve_impacts};
 
 use crate::{
-    bounds::{self, Ancestor},
+    bounds,
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
+    hierarchy::{self, Ancestor},
     narrow_phase::Moving,
     plugin::{CollisionSystems, NarrowPhaseSettings},
+    shear::{self, Sheared},
 };
 
 /// An entity that is looked at all along its way, however fast it is: see the [module's documentation](self).
@@ -133,27 +135,31 @@ pub struct SweptPlugin(pub(crate) InternedScheduleLabel);
 
 impl Plugin for SweptPlugin {
     fn build(&self, app: &mut App) {
+        let begin_ways = hierarchy::see_disabled(app.world_mut(), begin_ways);
         let begin = begin_ways.after(CollisionSystems::First).before(CollisionSystems::Motion);
         let end = end_ways.after(CollisionSystems::Response).before(CollisionSystems::Report);
-        app.add_systems(self.0, (begin, end).run_if(any_with_component::<Swept>))
-            .add_observer(on_disabled)
-            .register_type::<Swept>();
+        app.add_systems(self.0, (begin, end).run_if(any_with_component::<Swept>)).register_type::<Swept>();
     }
 }
 
 /// The way of an entity that is new begins where it is before it first moves.
 fn begin_ways(
-    mut swept: Query<(Entity, &Transform, Has<ChildOf>, &mut Swept), With<BroadPhaseProxy>>,
+    mut swept: Query<(Entity, &Transform, Has<ChildOf>, Shaped, &mut Swept), With<BroadPhaseProxy>>,
     ancestors: Query<Ancestor, Allow<Disabled>>,
 ) {
-    for (entity, transform, has_parent, mut swept) in &mut swept {
+    for (entity, transform, has_parent, (shape, sheared), mut swept) in &mut swept {
         if swept.start.is_none() {
-            let in_world = || bounds::place_in_world(entity, &ancestors).0.compute_transform();
-            let pose = if has_parent { in_world() } else { *transform };
-            swept.bypass_change_detection().start = pose.is_finite().then_some(pose);
+            let in_world = || {
+                let place = hierarchy::place_in_world(entity, &ancestors)?;
+                Some(shear::place(shape, &place, sheared).transform)
+            };
+            let pose = if has_parent { in_world() } else { Some(*transform) };
+            swept.bypass_change_detection().start = pose.filter(Transform::is_finite);
         }
     }
 }
+
+type Shaped<'a> = (&'a CollisionShape, Option<&'a Sheared>);
 
 /// Each way begins where the last one ended. Who has none in this tick gets one at the next.
 fn end_ways(mut swept: Query<(&BroadPhaseProxy, &mut Swept)>) {
@@ -166,12 +172,13 @@ fn end_ways(mut swept: Query<(&BroadPhaseProxy, &mut Swept)>) {
     }
 }
 
-type Stretched<'a> = (Entity, &'a CollisionShape, &'a BroadPhaseProxy, &'a mut Swept, &'a mut WorldAabb);
+type Stretched<'a> = (Entity, Shaped<'a>, &'a BroadPhaseProxy, &'a mut Swept, &'a mut WorldAabb);
 
 /// Stretches boxes along the ways that led anywhere, and shrinks those of a tick ago.
 pub(crate) fn stretch_boxes(mut swept: Query<Stretched>, settings: Res<NarrowPhaseSettings>) {
     let tests = settings.tests();
-    for (entity, shape, proxy, mut swept, mut aabb) in &mut swept {
+    for (entity, (own, sheared), proxy, mut swept, mut aabb) in &mut swept {
+        let shape = shear::shape(own, sheared);
         let way = swept.way_to(&proxy.pose).map(|start| Moving::new(shape, start, &proxy.pose));
         if let Some(way) = &way {
             // What has no box has had its warning.
@@ -182,12 +189,5 @@ pub(crate) fn stretch_boxes(mut swept: Query<Stretched>, settings: Res<NarrowPha
             *aabb = bounds::world_aabb(tests, entity, shape, &proxy.pose);
         }
         swept.bypass_change_detection().stretched = way.is_some();
-    }
-}
-
-/// What comes back has not passed through what was between.
-fn on_disabled(event: On<Add, Disabled>, mut swept: Query<&mut Swept, Allow<Disabled>>) {
-    if let Ok(mut swept) = swept.get_mut(event.entity) {
-        swept.forget();
     }
 }

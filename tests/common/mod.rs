@@ -1,5 +1,7 @@
 //! A headless app with a clock of its own, and what the tests look at.
 
+pub mod warnings;
+
 use std::{collections::HashMap, time::Duration};
 
 use bevy::{app::Plugins, ecs::schedule::ScheduleLabel, prelude::*, time::TimeUpdateStrategy};
