@@ -291,7 +291,7 @@ impl Plugin for BroadPhasePlugin {
         app.init_resource::<Upkeep>().add_systems(
             self.0,
             (
-                (watch_disabling, maintain).chain().in_set(CollisionSystems::Maintenance),
+                (watch_disabling.run_if(some_new_disabling), maintain).chain().in_set(CollisionSystems::Maintenance),
                 find_candidates.in_set(CollisionSystems::BroadPhase),
             ),
         );
@@ -366,15 +366,24 @@ fn find_candidates(
     counters.tick.pairs_tested = index.index.pairs_tested();
 }
 
-/// Has all components observed that disable entities. Those that already do so unobserved are dealt with in maintenance.
-fn watch_disabling(filters: Option<Res<DefaultQueryFilters>>, mut upkeep: ResMut<Upkeep>, mut commands: Commands) {
-    for id in filters.iter().flat_map(|filters| filters.disabling_ids()) {
-        if !upkeep.disabling.contains(&id) {
-            upkeep.disabling.push(id);
-            upkeep.missed = true;
-            commands.spawn(Observer::new(on_disabled).with_component(id));
-            commands.spawn(Observer::new(on_enabled).with_component(id));
-        }
+/// The components that disable entities, and are not observed yet.
+fn new_disabling(filters: &DefaultQueryFilters, upkeep: &Upkeep) -> impl Iterator<Item = ComponentId> {
+    filters.disabling_ids().filter(move |id| !upkeep.disabling.contains(id))
+}
+
+fn some_new_disabling(filters: Option<Res<DefaultQueryFilters>>, upkeep: Res<Upkeep>) -> bool {
+    filters.is_some_and(|filters| new_disabling(&filters, &upkeep).next().is_some())
+}
+
+/// Has them observed. What they disable already, maintenance deals with.
+fn watch_disabling(world: &mut World) {
+    let (Some(filters), Some(upkeep)) = (world.get_resource(), world.get_resource()) else { return };
+    for id in new_disabling(filters, upkeep).collect::<Vec<_>>() {
+        world.spawn(Observer::new(on_disabled).with_component(id));
+        world.spawn(Observer::new(on_enabled).with_component(id));
+        let mut upkeep = world.resource_mut::<Upkeep>();
+        upkeep.disabling.push(id);
+        upkeep.missed = true;
     }
 }
 
