@@ -291,7 +291,9 @@ impl Plugin for BroadPhasePlugin {
         app.init_resource::<Upkeep>().add_systems(
             self.0,
             (
-                (watch_disabling, maintain).chain().in_set(CollisionSystems::Maintenance),
+                (watch_disabling.run_if(some_new_disabling), mend.run_if(has_missed), maintain)
+                    .chain()
+                    .in_set(CollisionSystems::Maintenance),
                 find_candidates.in_set(CollisionSystems::BroadPhase),
             ),
         );
@@ -301,19 +303,43 @@ impl Plugin for BroadPhasePlugin {
 /// Takes up all boxes that changed, at any moment.
 pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     world.run_system_cached(watch_disabling)?;
+    if world.run_system_cached(has_missed)? {
+        world.run_system_cached(mend)?;
+    }
     world.run_system_cached(maintain)
 }
 
-type Shaped<'a> = (&'a CollisionShape, Option<&'a Sheared>, Option<&'a Swept>);
-type BoxedItem<'w, 's, 'a> = bevy::ecs::query::QueryItem<'w, 's, Boxed<'a>>;
-type Boxed<'a> = (Entity, &'a WorldAabb, &'a mut BroadPhaseProxy, Shaped<'a>, FilterParts<'a>);
+/// Is there an index that missed something, or one that is new?
+fn has_missed(index: Res<CollisionIndex>, upkeep: Res<Upkeep>) -> bool {
+    upkeep.missed || upkeep.index != index.number
+}
+
+/// Has the index forget all that is not there, and takes up all that is.
+fn mend(
+    mut index: ResMut<CollisionIndex>,
+    mut upkeep: ResMut<Upkeep>,
+    mut entities: Query<(Entity, &BroadPhaseProxy, &Archetype, FilterParts, &mut WorldAabb)>,
+) {
+    index.remove_strays(|id, entity| {
+        let entry = entities.get(entity).ok().filter(|(_, _, archetype, ..)| !upkeep.disables(archetype));
+        entry.is_some_and(|(_, proxy, ..)| proxy.id == Some(id))
+    });
+    for (entity, proxy, _, parts, mut aabb) in &mut entities {
+        if let Some(id) = proxy.id.filter(|id| index.is_entry_of(*id, entity)) {
+            index.change_filter(id, |old| *old = filters::filter(parts));
+        }
+        aabb.set_changed();
+    }
+    (upkeep.index, upkeep.missed) = (index.number, false);
+}
+
+type Boxed<'a> = (Entity, &'a WorldAabb, &'a CollisionShape, Option<&'a Sheared>, &'a mut BroadPhaseProxy);
+type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<&'a Swept>);
 
 fn maintain(
     mut index: ResMut<CollisionIndex>,
-    mut upkeep: ResMut<Upkeep>,
-    settings: Res<BroadPhaseSettings>,
-    narrow: Res<NarrowPhaseSettings>,
-    mut boxes: ParamSet<(Query<Boxed, Changed<WorldAabb>>, Query<Boxed>)>,
+    (settings, narrow, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhaseSettings>, Res<Upkeep>),
+    mut boxes: Query<ChangedBoxes, Changed<WorldAabb>>,
     archetypes: Query<&Archetype>,
     mut counters: ResMut<CollisionCounters>,
 ) {
@@ -325,27 +351,13 @@ fn maintain(
         index.index.touch_all();
     }
     index.index.set_pair_kinds(settings.pair_kinds);
-    let is_disabled = |entity| archetypes.get(entity).is_ok_and(|archetype| upkeep.disables(archetype));
-    let take_up = |index: &mut CollisionIndex, (entity, aabb, mut proxy, shaped, parts): BoxedItem| {
-        let (own, sheared, swept) = shaped;
-        let what = Described { shape: shear::shape(own, sheared), swept };
-        let filter = || (!is_disabled(entity)).then(|| filters::filter(parts));
+    for ((entity, aabb, shape, sheared, mut proxy), parts, swept) in &mut boxes {
+        let what = Described { shape: shear::shape(shape, sheared), swept };
+        let filter = || {
+            let is_disabled = archetypes.get(entity).is_ok_and(|archetype| upkeep.disables(archetype));
+            (!is_disabled).then(|| filters::filter(parts))
+        };
         index.take_up(entity, aabb, proxy.bypass_change_detection(), what, narrow.tests(), filter);
-    };
-    if upkeep.missed || upkeep.index != index.number {
-        let mut all = boxes.p1();
-        let id = |entity| all.get(entity).ok().filter(|_| !is_disabled(entity)).and_then(|(_, _, proxy, ..)| proxy.id);
-        index.remove_strays(|stray, entity| id(entity) == Some(stray));
-        for item in &mut all {
-            let (entity, .., parts) = &item;
-            if let Some(id) = item.2.id.filter(|id| index.is_entry_of(*id, *entity)) {
-                index.change_filter(id, |old| *old = filters::filter(*parts));
-            }
-            take_up(index, item);
-        }
-        (upkeep.index, upkeep.missed) = (index.number, false);
-    } else {
-        boxes.p0().iter_mut().for_each(|item| take_up(index, item));
     }
     index.index.update();
     let proxies = index.index.proxies();
@@ -366,15 +378,24 @@ fn find_candidates(
     counters.tick.pairs_tested = index.index.pairs_tested();
 }
 
-/// Has all components observed that disable entities. Those that already do so unobserved are dealt with in maintenance.
-fn watch_disabling(filters: Option<Res<DefaultQueryFilters>>, mut upkeep: ResMut<Upkeep>, mut commands: Commands) {
-    for id in filters.iter().flat_map(|filters| filters.disabling_ids()) {
-        if !upkeep.disabling.contains(&id) {
-            upkeep.disabling.push(id);
-            upkeep.missed = true;
-            commands.spawn(Observer::new(on_disabled).with_component(id));
-            commands.spawn(Observer::new(on_enabled).with_component(id));
-        }
+/// The components that disable entities, and are not observed yet.
+fn new_disabling(filters: &DefaultQueryFilters, upkeep: &Upkeep) -> impl Iterator<Item = ComponentId> {
+    filters.disabling_ids().filter(move |id| !upkeep.disabling.contains(id))
+}
+
+fn some_new_disabling(filters: Option<Res<DefaultQueryFilters>>, upkeep: Res<Upkeep>) -> bool {
+    filters.is_some_and(|filters| new_disabling(&filters, &upkeep).next().is_some())
+}
+
+/// Has them observed. What they disable already, maintenance deals with.
+fn watch_disabling(world: &mut World) {
+    let (Some(filters), Some(upkeep)) = (world.get_resource(), world.get_resource()) else { return };
+    for id in new_disabling(filters, upkeep).collect::<Vec<_>>() {
+        world.spawn(Observer::new(on_disabled).with_component(id));
+        world.spawn(Observer::new(on_enabled).with_component(id));
+        let mut upkeep = world.resource_mut::<Upkeep>();
+        upkeep.disabling.push(id);
+        upkeep.missed = true;
     }
 }
 

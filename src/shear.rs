@@ -61,19 +61,22 @@ pub(crate) struct Placement {
 }
 
 /// Puts a shape in its place in the world, after the turn that is built into it already, if that will do.
+#[cfg_attr(not(feature = "rapier"), expect(unused_variables, reason = "Rapier's shapes alone are placed otherwise"))]
 pub(crate) fn place(shape: &Shape, world: &DAffine3, sheared: Option<&Sheared>) -> Placement {
     let linear = world.matrix3;
-    let turns = [Some(DMat3::IDENTITY), sheared.map(|sheared| sheared.turn)];
-    let known = turns.into_iter().flatten().find(|turn| is_upright(&(linear * *turn)));
-    let is_sheared = known != Some(DMat3::IDENTITY);
+    if is_upright(&linear) {
+        let transform = upright_transform(&linear, world.translation);
+        return Placement { transform, turn: DMat3::IDENTITY, is_sheared: false };
+    }
     #[cfg(feature = "rapier")]
-    if is_sheared && matches!(shape, Shape::Rapier(_)) {
+    if matches!(shape, Shape::Rapier(_)) {
         // As Rapier itself has it.
         let transform = GlobalTransform::from(world.as_affine3a()).compute_transform();
-        return Placement { transform, turn: DMat3::IDENTITY, is_sheared };
+        return Placement { transform, turn: DMat3::IDENTITY, is_sheared: true };
     }
+    let known = sheared.map(|sheared| sheared.turn).filter(|turn| is_upright(&(linear * *turn)));
     let turn = known.unwrap_or_else(|| upright_turn(linear));
-    Placement { transform: upright_transform(&(linear * turn), world.translation), turn, is_sheared }
+    Placement { transform: upright_transform(&(linear * turn), world.translation), turn, is_sheared: true }
 }
 
 /// Are the axes at right angles to each other? Those of what is not finite count as if they were.
