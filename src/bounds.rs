@@ -9,7 +9,6 @@ use crate::{
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     narrow_phase::{BoundsError, NarrowPhase, Placed},
     plugin::{CollisionSystems, NarrowPhaseSettings},
-    swept,
 };
 
 /// Computes the [`WorldAabb`] of every entity whose shape or place in the world changed.
@@ -26,12 +25,8 @@ pub struct BoundsPlugin(pub(crate) InternedScheduleLabel);
 impl Plugin for BoundsPlugin {
     fn build(&self, app: &mut App) {
         let outdate = outdate_all.run_if(resource_changed::<NarrowPhaseSettings>);
-        let sweep = swept::stretch_boxes.run_if(any_with_component::<swept::Swept>);
-        app.add_systems(
-            self.0,
-            (outdate, update_roots, update_children, sweep).chain().in_set(CollisionSystems::Bounds),
-        )
-        .add_observer(on_unparented);
+        app.add_systems(self.0, (outdate, update_roots, update_children).chain().in_set(CollisionSystems::Bounds))
+            .add_observer(on_unparented);
     }
 }
 
@@ -43,8 +38,7 @@ fn outdate_all(mut proxies: Query<&mut BroadPhaseProxy>) {
 /// Brings all boxes up to date, at any moment.
 pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     world.run_system_cached(update_roots)?;
-    world.run_system_cached(update_children)?;
-    world.run_system_cached(swept::stretch_boxes)
+    world.run_system_cached(update_children)
 }
 
 type Bounded<'a> = (Entity, &'a CollisionShape, &'a Transform, &'a mut WorldAabb, &'a mut BroadPhaseProxy);
@@ -61,7 +55,7 @@ type Child<'a> = (Entity, Ref<'a, CollisionShape>, &'a mut WorldAabb, &'a mut Br
 /// What an ancestor, or the entity itself, has to do with where an entity is.
 pub(crate) type Ancestor<'a> = (Ref<'a, Transform>, Option<Ref<'a, ChildOf>>);
 
-fn update_children(
+pub(crate) fn update_children(
     mut children: Query<Child, With<ChildOf>>,
     // A disabled parent is still where it is.
     ancestors: Query<Ancestor, Allow<Disabled>>,

@@ -1,7 +1,10 @@
 //! The broad phase as a resource: entities in, candidate pairs out.
 
 use bevy::{
-    ecs::{entity_disabling::Disabled, schedule::InternedScheduleLabel, system::RegisteredSystemError},
+    ecs::{
+        change_detection::Tick, entity_disabling::Disabled, schedule::InternedScheduleLabel,
+        system::RegisteredSystemError,
+    },
     prelude::*,
 };
 
@@ -12,7 +15,7 @@ use crate::{
     filters::{self, FilterParts},
     narrow_phase::{Moving, NarrowPhase, Placed, Shape},
     plugin::{CollisionSystems, NarrowPhaseSettings},
-    swept::Swept,
+    swept::{self, Swept, SweptWay},
 };
 
 /// The [`SpatialIndex`] of all entities with a [`CollisionShape`].
@@ -29,6 +32,13 @@ pub struct CollisionIndex {
     /// By proxy index, as far as there are any: where the ways of swept bodies begin.
     #[reflect(ignore)]
     starts: Vec<Option<Transform>>,
+    /// How many searches there were whose pairs are for the exact tests.
+    #[reflect(ignore)]
+    search: u64,
+    /// By proxy index: what had moved when pairs were last searched for. Empty as long as the boxes are those of the
+    /// search, and say so themselves.
+    #[reflect(ignore)]
+    moved_at_search: Vec<bool>,
 }
 
 /// What the exact tests need of an entity, in one place: they visit entities in no order of memory.
@@ -37,6 +47,8 @@ pub(crate) struct Body {
     pub(crate) entity: Entity,
     pub(crate) pose: Transform,
     pub(crate) shape: Shape,
+    /// When the entity's shape became this one.
+    reshaped: Tick,
 }
 
 impl CollisionIndex {
@@ -80,8 +92,13 @@ impl CollisionIndex {
     /// Was one of the two looked for all along its way?
     #[inline]
     pub(crate) fn is_swept(&self, pair: Pair) -> bool {
-        let on_its_way = |id: ProxyId| self.starts.get(id.index()).is_some_and(Option::is_some);
-        self.has_swept() && (on_its_way(pair.a) || on_its_way(pair.b))
+        self.has_swept() && (self.is_on_its_way(pair.a) || self.is_on_its_way(pair.b))
+    }
+
+    /// Is what is behind a handle looked for all along its way?
+    #[inline]
+    pub(crate) fn is_on_its_way(&self, id: ProxyId) -> bool {
+        self.starts.get(id.index()).is_some_and(Option::is_some)
     }
 
     /// What is behind a handle, on its way in this tick: at rest where it is, if it is not swept.
@@ -107,8 +124,42 @@ impl CollisionIndex {
     /// Has queries find everything where it was [put](Self::place).
     pub(crate) fn update(&mut self) {
         self.index.update();
-        // An update without a search would have the next one look at everything.
+        // An update without a search would have the next one look at everything. The exact tests see nothing of this
+        // search: for the next one, which is for them, the same have moved.
         self.index.find_pairs();
+        self.index.touch_moved();
+    }
+
+    /// The number of the last search whose pairs are for the exact tests.
+    #[inline]
+    pub(crate) const fn search(&self) -> u64 {
+        self.search
+    }
+
+    /// Has the next search find all pairs, those in which nothing moved too.
+    pub(crate) fn search_all(&mut self) {
+        self.index.touch_all();
+    }
+
+    /// Keeps in mind what had moved when pairs were last searched for, before the index is updated without a search.
+    fn keep_search(&mut self) {
+        if self.moved_at_search.is_empty() {
+            let proxies = self.index.proxies();
+            let handles = (0..proxies.capacity() as u32).map(ProxyId::new);
+            self.moved_at_search.extend(handles.map(|id| proxies.is_moved(id)));
+        }
+    }
+
+    /// Were the two at rest when pairs were last searched for, and are both still there? What was known of them then
+    /// still holds.
+    #[inline]
+    pub(crate) fn rested(&self, pair: Pair, entities: [Entity; 2]) -> bool {
+        let proxies = self.index.proxies();
+        if self.moved_at_search.is_empty() {
+            return proxies.is_resting(pair.a) && proxies.is_resting(pair.b);
+        }
+        let rested = |id: ProxyId| proxies.contains(id) && self.moved_at_search.get(id.index()) == Some(&false);
+        rested(pair.a) && rested(pair.b) && self.entities(pair) == entities
     }
 
     fn set_start(&mut self, id: ProxyId, start: Option<Transform>) {
@@ -149,8 +200,15 @@ impl CollisionIndex {
     ) {
         let index = &mut self.index;
         let pose = proxy.pose;
+        let shape = &what.shape.0;
+        let way = what.way.filter(|way| way.belongs_to(entity, proxy.id));
+        let start = way.as_ref().and_then(|way| way.to(&pose)).copied();
         // What fills all the space there is has no end: where it is, is up to its shape.
-        let side = || (*aabb == WorldAabb::ENDLESS).then(|| tests.side(Placed::new(what.shape, &pose)));
+        let side = || {
+            let moving =
+                || start.map_or(Moving::resting(Placed::new(shape, &pose)), |at| Moving::new(shape, &at, &pose));
+            (*aabb == WorldAabb::ENDLESS).then(|| swept::side(tests, &moving()))
+        };
         let known = proxy.id.filter(|id| {
             index.set(*id, &aabb.0).is_ok() || side().is_some_and(|side| index.set_endless(*id, side).is_ok())
         });
@@ -166,7 +224,10 @@ impl CollisionIndex {
                 self.index.remove(old);
             }
             self.change_filter(id, |old| *old = filter());
-            let body = Body { entity, pose: proxy.pose, shape: what.shape.clone() };
+            if let Some(mut way) = way {
+                way.bypass_change_detection().follow(id);
+            }
+            let body = Body { entity, pose, shape: shape.clone(), reshaped: what.shape.last_changed() };
             match self.bodies.get_mut(id.index()) {
                 Some(place) => *place = body,
                 None => self.bodies.push(body),
@@ -175,20 +236,21 @@ impl CollisionIndex {
             // It may have turned inside its box.
             self.index.touch(id);
             let body = &mut self.bodies[id.index()];
-            body.pose = proxy.pose;
-            if what.shape_changed {
-                body.shape = what.shape.clone();
+            body.pose = pose;
+            // It may have changed when nobody looked, between two sets.
+            if body.reshaped != what.shape.last_changed() {
+                body.reshaped = what.shape.last_changed();
+                body.shape = shape.clone();
             }
         }
-        self.set_start(id, what.swept.and_then(|swept| swept.way_to(&proxy.pose)).copied());
+        self.set_start(id, start);
     }
 }
 
 /// What an entity is, besides its box.
 struct Described<'a> {
-    shape: &'a Shape,
-    shape_changed: bool,
-    swept: Option<&'a Swept>,
+    shape: Ref<'a, CollisionShape>,
+    way: Option<Mut<'a, SweptWay>>,
 }
 
 /// Settings of the broad phase. Changes take effect at the next tick.
@@ -206,7 +268,8 @@ pub struct BroadPhaseSettings {
 /// moved. The verdict on all other pairs is still that of the last tick.
 ///
 /// A system after [`BroadPhase`](CollisionSystems::BroadPhase) and before
-/// [`NarrowPhase`](CollisionSystems::NarrowPhase) may take pairs out: they are then not in contact. What a
+/// [`NarrowPhase`](CollisionSystems::NarrowPhase) may take pairs out: they are then not in contact. A pair that is listed
+/// twice, or the wrong way round, is one contact. What a
 /// [swept](crate::swept::Swept) entity meets after a bounce, within the same tick, is not among them: layers, lists and
 /// [hooks](crate::filters::PairHook) see that too.
 #[derive(Resource, Clone, Debug, Default, Deref, DerefMut, Reflect)]
@@ -230,11 +293,14 @@ impl Plugin for BroadPhasePlugin {
 
 /// Takes up all boxes that changed, at any moment.
 pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
+    if let Some(mut index) = world.get_resource_mut::<CollisionIndex>() {
+        index.keep_search();
+    }
     world.run_system_cached(maintain)
 }
 
 type Boxed<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy);
-type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<&'a Swept>);
+type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<(&'a Swept, &'a mut SweptWay)>);
 
 fn maintain(
     mut index: ResMut<CollisionIndex>,
@@ -252,7 +318,7 @@ fn maintain(
     }
     index.index.set_pair_kinds(settings.pair_kinds);
     for ((entity, aabb, shape, mut proxy), filter, swept) in &mut boxes {
-        let what = Described { shape: &shape.0, shape_changed: shape.is_changed(), swept };
+        let what = Described { shape, way: swept.map(|(_, way)| way) };
         index.take_up(entity, aabb, proxy.bypass_change_detection(), what, narrow.tests(), || filters::filter(filter));
     }
     index.index.update();
@@ -261,7 +327,7 @@ fn maintain(
     counters.tick.moved = proxies.moved().len() as u64;
 }
 
-fn find_candidates(
+pub(crate) fn find_candidates(
     mut index: ResMut<CollisionIndex>,
     mut candidates: ResMut<CandidatePairs>,
     mut counters: ResMut<CollisionCounters>,
@@ -272,6 +338,8 @@ fn find_candidates(
     counters.tick.candidates = candidates.len() as u64;
     counters.tick.resting_pairs = pairs.resting().len() as u64;
     counters.tick.pairs_tested = index.index.pairs_tested();
+    index.search += 1;
+    index.moved_at_search.clear();
 }
 
 /// A disabled entity is out of the world until it is enabled again.

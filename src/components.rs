@@ -12,7 +12,7 @@ use crate::{
     motion::Velocity,
     narrow_phase::{Shape, ShapeError},
     response::Bounce,
-    swept::Swept,
+    swept::SweptWay,
 };
 
 /// The shape of an entity. An entity that has one takes part in collision detection; one that loses it, or is
@@ -125,8 +125,8 @@ impl BroadPhaseProxy {
 
 /// Takes an entity out of the index at the moment in which it loses its shape, its box, its entry or its life.
 fn leave_index(mut world: DeferredWorld, context: HookContext) {
-    if let Some(mut swept) = world.get_mut::<Swept>(context.entity) {
-        swept.forget();
+    if let Some(mut way) = world.get_mut::<SweptWay>(context.entity) {
+        way.forget();
     }
     let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(context.entity) else { return };
     let Some(id) = proxy.id.take() else { return };

@@ -19,6 +19,7 @@ pub(super) struct Track {
     pub(super) velocity: Vec3,
     bounce: Option<Bounce>,
     is_sensor: bool,
+    is_swept: bool,
     /// How often it may still bounce within this tick, if its way is ours to change.
     steers: Option<u32>,
     /// The share of the tick after which it last changed course.
@@ -46,6 +47,7 @@ impl Track {
             velocity: world.get::<Velocity>(entity).map_or(Vec3::ZERO, |velocity| velocity.0),
             bounce: world.get::<Bounce>(entity).copied(),
             is_sensor: world.entity(entity).contains::<Sensor>(),
+            is_swept: swept.is_some(),
             steers: swept.map(|swept| swept.sub_steps).filter(|_| steers),
             since: 0.0,
             from: moving.at(0.0).translation,
@@ -64,6 +66,37 @@ impl Track {
     /// Its way from then on, given that of the whole tick, from which it has its turns.
     pub(super) fn after<'a>(&self, time: f32, whole: &Moving<'a>) -> Moving<'a> {
         whole.after(time).along(self.place(time), self.place(1.0))
+    }
+
+    /// How far it goes in a whole tick.
+    pub(super) const fn way(&self) -> Vec3 {
+        self.way
+    }
+
+    /// Is its way ours to change?
+    pub(super) const fn steers(&self) -> bool {
+        self.steers.is_some()
+    }
+
+    /// Is it on another way than at the start of the tick?
+    pub(super) const fn is_diverted(&self) -> bool {
+        self.is_swept && self.version > 0
+    }
+
+    /// Is it on no way, and elsewhere than it would have been?
+    pub(super) const fn is_displaced(&self) -> bool {
+        !self.is_swept && self.version > 0
+    }
+
+    /// Takes up that the way of what it hangs on changes by so much per tick. What is not swept counts for the whole tick as
+    /// where it is at the end of it.
+    pub(super) fn carry(&mut self, change: Vec3, time: f32) {
+        if self.is_swept {
+            self.divert(time, self.way + change);
+        } else {
+            self.from += change * (1.0 - time);
+            self.version += 1;
+        }
     }
 
     /// May it still answer to an impact?
