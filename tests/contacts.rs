@@ -105,7 +105,7 @@ fn what_is_found_at_the_end_and_on_the_way_is_one_contact() {
     assert_eq!(geometry(&app, [a, c]).map(|contact| contact.normal), Some(Vec3::X));
     tick(&mut app, 3);
     for pair in [[a, b], [a, c]] {
-        assert_eq!(messages_about(&app, pair), (1, 1));
+        assert_eq!(messages_about(&app, pair).0, 1);
     }
     assert_eq!(app.world().resource::<Heard>().started.len(), 2);
 }

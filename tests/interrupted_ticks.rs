@@ -477,22 +477,3 @@ fn whatever_happens_in_a_tick_the_next_one_is_right() {
         pair.into_iter().all(|entity| app.world().get::<Transform>(entity).is_some_and(|at| at.translation.x < 90.0))
     }
 }
-
-/// What observers of contacts do to the index is not lost either.
-#[test]
-fn observers_may_update_the_index() {
-    let mut app = planned_app();
-    let [a, b, c, d] = [0.0, 0.9, 20.0, 30.0].map(|x| block(&mut app, x));
-    app.world_mut().entity_mut(a).insert(CollisionEventsEnabled).observe(
-        move |_: On<CollisionStarted>, mut commands: Commands| {
-            commands.queue(move |world: &mut World| {
-                world.get_mut::<Transform>(c).unwrap().translation.x = 29.5;
-                (0..2).for_each(|_| update_spatial_index(world));
-            });
-        },
-    );
-    tick(&mut app, 1);
-    assert_eq!(contacts(&app), [[a, b]]);
-    tick(&mut app, 1);
-    assert_eq!(contacts(&app), [[a, b], [c, d]]);
-}
