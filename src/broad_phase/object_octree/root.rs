@@ -114,13 +114,11 @@ impl ObjectOctree {
             *entry = Entry::ABSENT;
         }
         for node in self.tree.subtree(NodeId::ROOT).collect::<Vec<_>>() {
-            let mut list = self.tree.data_mut(node).take_list();
-            if list.capacity() > 0 {
-                list.clear();
-                self.spare.push(list);
-            }
+            let list = self.tree.data_mut(node).take_list();
+            self.recycle(list);
         }
-        let cell = self.root.map_or_else(Cell::default, |root| Cell::root(root.center, root.half_size));
+        let mut cell = self.root.map_or_else(Cell::default, |root| Cell::root(root.center, root.half_size));
+        cell.put_list(self.spare.pop().unwrap_or_default(), 0);
         self.tree.reset(cell);
     }
 }
