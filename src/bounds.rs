@@ -11,7 +11,6 @@ use crate::{
     narrow_phase::{BoundsError, NarrowPhase, Placed, Shape},
     plugin::{CollisionSystems, NarrowPhaseSettings},
     shear::{self, Sheared},
-    swept,
 };
 
 /// Computes the [`WorldAabb`] of every entity whose shape or place in the world changed.
@@ -36,12 +35,9 @@ pub struct BoundsPlugin(pub(crate) InternedScheduleLabel);
 impl Plugin for BoundsPlugin {
     fn build(&self, app: &mut App) {
         let some_children = any_match_filter::<Or<((With<ChildOf>, With<CollisionShape>), With<Sheared>)>>;
-        let sweep = swept::stretch_boxes.run_if(any_with_component::<swept::Swept>);
         app.add_systems(
             self.0,
-            (outdate_all, update_roots, update_children.run_if(some_children), sweep)
-                .chain()
-                .in_set(CollisionSystems::Bounds),
+            (outdate_all, update_roots, update_children.run_if(some_children)).chain().in_set(CollisionSystems::Bounds),
         )
         .add_observer(hierarchy::on_unparented);
     }
@@ -58,8 +54,7 @@ fn outdate_all(mut proxies: Query<&mut BroadPhaseProxy>, settings: Res<NarrowPha
 pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     world.run_system_cached(outdate_all)?;
     world.run_system_cached(update_roots)?;
-    world.run_system_cached(update_children)?;
-    world.run_system_cached(swept::stretch_boxes)
+    world.run_system_cached(update_children)
 }
 
 type Bounded<'a> = (Entity, &'a CollisionShape, &'a Transform, &'a mut WorldAabb, &'a mut BroadPhaseProxy);
@@ -82,7 +77,7 @@ fn update_roots(
 type Child =
     (&'static CollisionShape, &'static mut WorldAabb, &'static mut BroadPhaseProxy, Option<&'static mut Sheared>);
 
-fn update_children(
+pub(crate) fn update_children(
     world: &mut World,
     mut hierarchy: Local<Hierarchy>,
     children: &mut QueryState<Child>,

@@ -18,7 +18,7 @@ use crate::{
     narrow_phase::{Moving, NarrowPhase, Placed, Shape},
     plugin::{CollisionSystems, NarrowPhaseSettings},
     shear::{self, Sheared},
-    swept::Swept,
+    swept::{self, Swept, SweptWay},
 };
 
 /// The [`SpatialIndex`] of all entities with a [`CollisionShape`].
@@ -38,6 +38,13 @@ pub struct CollisionIndex {
     /// By proxy index, as far as there are any: where the ways of swept bodies begin.
     #[reflect(ignore)]
     starts: Vec<Option<Transform>>,
+    /// How many searches there were whose pairs are for the exact tests.
+    #[reflect(ignore)]
+    search: u64,
+    /// By proxy index: what had moved when pairs were last searched for. Empty as long as the boxes are those of the
+    /// search, and say so themselves.
+    #[reflect(ignore)]
+    moved_at_search: Vec<bool>,
     /// What tells it from all others.
     #[reflect(ignore)]
     number: u64,
@@ -51,6 +58,8 @@ impl Default for CollisionIndex {
             method: Method::default(),
             bodies: Vec::new(),
             starts: Vec::new(),
+            search: 0,
+            moved_at_search: Vec::new(),
             number: NUMBER.fetch_add(1, Ordering::Relaxed),
         }
     }
@@ -134,8 +143,13 @@ impl CollisionIndex {
     /// Was one of the two looked for all along its way?
     #[inline]
     pub(crate) fn is_swept(&self, pair: Pair) -> bool {
-        let on_its_way = |id: ProxyId| self.starts.get(id.index()).is_some_and(Option::is_some);
-        self.has_swept() && (on_its_way(pair.a) || on_its_way(pair.b))
+        self.has_swept() && (self.is_on_its_way(pair.a) || self.is_on_its_way(pair.b))
+    }
+
+    /// Is what is behind a handle looked for all along its way?
+    #[inline]
+    pub(crate) fn is_on_its_way(&self, id: ProxyId) -> bool {
+        self.starts.get(id.index()).is_some_and(Option::is_some)
     }
 
     /// What is behind a handle, on its way in this tick: at rest where it is, if it is not swept.
@@ -161,8 +175,42 @@ impl CollisionIndex {
     /// Has queries find everything where it was [put](Self::place).
     pub(crate) fn update(&mut self) {
         self.index.update();
-        // An update without a search would have the next one look at everything.
+        // An update without a search would have the next one look at everything. The exact tests see nothing of this
+        // search: for the next one, which is for them, the same have moved.
         self.index.find_pairs();
+        self.index.touch_moved();
+    }
+
+    /// The number of the last search whose pairs are for the exact tests.
+    #[inline]
+    pub(crate) const fn search(&self) -> u64 {
+        self.search
+    }
+
+    /// Has the next search find all pairs, those in which nothing moved too.
+    pub(crate) fn search_all(&mut self) {
+        self.index.touch_all();
+    }
+
+    /// Keeps in mind what had moved when pairs were last searched for, before the index is updated without a search.
+    fn keep_search(&mut self) {
+        if self.moved_at_search.is_empty() {
+            let proxies = self.index.proxies();
+            let handles = (0..proxies.capacity() as u32).map(ProxyId::new);
+            self.moved_at_search.extend(handles.map(|id| proxies.is_moved(id)));
+        }
+    }
+
+    /// Were the two at rest when pairs were last searched for, and are both still there? What was known of them then
+    /// still holds.
+    #[inline]
+    pub(crate) fn rested(&self, pair: Pair, entities: [Entity; 2]) -> bool {
+        let proxies = self.index.proxies();
+        if self.moved_at_search.is_empty() {
+            return proxies.is_resting(pair.a) && proxies.is_resting(pair.b);
+        }
+        let rested = |id: ProxyId| proxies.contains(id) && self.moved_at_search.get(id.index()) == Some(&false);
+        rested(pair.a) && rested(pair.b) && self.entities(pair) == entities
     }
 
     fn set_start(&mut self, id: ProxyId, start: Option<Transform>) {
@@ -219,8 +267,15 @@ impl CollisionIndex {
         let own = proxy.id.filter(|id| self.is_entry_of(*id, entity));
         let index = &mut self.index;
         let pose = proxy.pose;
+        let shape = what.shape;
+        let way = what.way.filter(|way| way.belongs_to(entity, proxy.id));
+        let start = way.as_ref().and_then(|way| way.to(&pose)).copied();
         // What fills all the space there is has no end: where it is, is up to its shape.
-        let side = || (*aabb == WorldAabb::ENDLESS).then(|| tests.side(Placed::new(what.shape, &pose)));
+        let side = || {
+            let moving =
+                || start.map_or(Moving::resting(Placed::new(shape, &pose)), |at| Moving::new(shape, &at, &pose));
+            (*aabb == WorldAabb::ENDLESS).then(|| swept::side(tests, &moving()))
+        };
         let known = own.filter(|id| {
             index.set(*id, &aabb.0).is_ok() || side().is_some_and(|side| index.set_endless(*id, side).is_ok())
         });
@@ -236,7 +291,10 @@ impl CollisionIndex {
         let Some(id) = id else { return };
         if let Some(filter) = filter {
             self.change_filter(id, |old| *old = filter);
-            let body = Body { entity, pose: proxy.pose, shape: what.shape.clone() };
+            if let Some(mut way) = way {
+                way.bypass_change_detection().follow(id);
+            }
+            let body = Body { entity, pose, shape: shape.clone() };
             match self.bodies.get_mut(id.index()) {
                 Some(place) => *place = body,
                 None => self.bodies.push(body),
@@ -245,19 +303,20 @@ impl CollisionIndex {
             // It may have turned inside its box.
             self.index.touch(id);
             let body = &mut self.bodies[id.index()];
-            body.pose = proxy.pose;
-            if !body.shape.is_same(what.shape) {
-                body.shape = what.shape.clone();
+            body.pose = pose;
+            // It may have changed when nobody looked, between two sets.
+            if !body.shape.is_same(shape) {
+                body.shape = shape.clone();
             }
         }
-        self.set_start(id, what.swept.and_then(|swept| swept.way_to(&proxy.pose)).copied());
+        self.set_start(id, start);
     }
 }
 
 /// What an entity is, besides its box.
 struct Described<'a> {
     shape: &'a Shape,
-    swept: Option<&'a Swept>,
+    way: Option<Mut<'a, SweptWay>>,
 }
 
 /// Settings of the broad phase. Changes take effect at the next tick.
@@ -275,7 +334,8 @@ pub struct BroadPhaseSettings {
 /// moved. The verdict on all other pairs is still that of the last tick.
 ///
 /// A system after [`BroadPhase`](CollisionSystems::BroadPhase) and before
-/// [`NarrowPhase`](CollisionSystems::NarrowPhase) may take pairs out: they are then not in contact. What a
+/// [`NarrowPhase`](CollisionSystems::NarrowPhase) may take pairs out: they are then not in contact. A pair that is listed
+/// twice, or the wrong way round, is one contact. What a
 /// [swept](crate::swept::Swept) entity meets after a bounce, within the same tick, is not among them: layers, lists and
 /// [hooks](crate::filters::PairHook) see that too.
 #[derive(Resource, Clone, Debug, Default, Deref, DerefMut, Reflect)]
@@ -302,10 +362,11 @@ impl Plugin for BroadPhasePlugin {
 
 /// Takes up all boxes that changed, at any moment.
 pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
-    world.run_system_cached(watch_disabling)?;
-    if world.run_system_cached(has_missed)? {
-        world.run_system_cached(mend)?;
+    if let Some(mut index) = world.get_resource_mut::<CollisionIndex>() {
+        index.keep_search();
     }
+    world.run_system_cached(watch_disabling)?;
+    world.run_system_cached(mend)?;
     world.run_system_cached(maintain)
 }
 
@@ -334,7 +395,7 @@ fn mend(
 }
 
 type Boxed<'a> = (Entity, &'a WorldAabb, &'a CollisionShape, Option<&'a Sheared>, &'a mut BroadPhaseProxy);
-type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<&'a Swept>);
+type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<(&'a Swept, &'a mut SweptWay)>);
 
 fn maintain(
     mut index: ResMut<CollisionIndex>,
@@ -352,7 +413,7 @@ fn maintain(
     }
     index.index.set_pair_kinds(settings.pair_kinds);
     for ((entity, aabb, shape, sheared, mut proxy), parts, swept) in &mut boxes {
-        let what = Described { shape: shear::shape(shape, sheared), swept };
+        let what = Described { shape: shear::shape(shape, sheared), way: swept.map(|(_, way)| way) };
         let filter = || {
             let is_disabled = archetypes.get(entity).is_ok_and(|archetype| upkeep.disables(archetype));
             (!is_disabled).then(|| filters::filter(parts))
@@ -365,7 +426,7 @@ fn maintain(
     counters.tick.moved = proxies.moved().len() as u64;
 }
 
-fn find_candidates(
+pub(crate) fn find_candidates(
     mut index: ResMut<CollisionIndex>,
     mut candidates: ResMut<CandidatePairs>,
     mut counters: ResMut<CollisionCounters>,
@@ -376,6 +437,8 @@ fn find_candidates(
     counters.tick.candidates = candidates.len() as u64;
     counters.tick.resting_pairs = pairs.resting().len() as u64;
     counters.tick.pairs_tested = index.index.pairs_tested();
+    index.search += 1;
+    index.moved_at_search.clear();
 }
 
 /// The components that disable entities, and are not observed yet.
@@ -407,8 +470,8 @@ fn on_disabled(event: On<Add>, mut world: DeferredWorld) {
 /// Has the box computed anew, which puts the entity back into the index. What comes back has not passed through what was
 /// between.
 fn on_enabled(event: On<Remove>, mut world: DeferredWorld) {
-    if let Some(mut swept) = world.get_mut::<Swept>(event.entity) {
-        swept.forget();
+    if let Some(mut way) = world.get_mut::<SweptWay>(event.entity) {
+        way.forget();
     }
     if let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(event.entity) {
         proxy.set_changed();

@@ -12,7 +12,7 @@ use crate::{
     motion::Velocity,
     narrow_phase::{Shape, ShapeError},
     response::Bounce,
-    swept::Swept,
+    swept::SweptWay,
 };
 
 /// The shape of an entity. An entity that has one takes part in collision detection; one that loses it, or is
@@ -134,8 +134,8 @@ fn leave_index(mut world: DeferredWorld, context: HookContext) {
 
 /// Takes an entity out of the index.
 pub(crate) fn leave(world: &mut DeferredWorld, entity: Entity) {
-    if let Some(mut swept) = world.get_mut::<Swept>(entity) {
-        swept.forget();
+    if let Some(mut way) = world.get_mut::<SweptWay>(entity) {
+        way.forget();
     }
     collision_index::in_index(world, entity, |index, id| index.remove(id));
     if let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(entity) {

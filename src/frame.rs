@@ -79,6 +79,11 @@ impl Frame {
         self.drift.as_vec3()
     }
 
+    /// The same, going faster by so much.
+    pub(crate) fn drifting(self, faster: Vec3) -> Self {
+        Self { drift: self.drift + faster.as_dvec3(), ..self }
+    }
+
     /// The velocity in the world of what has a velocity in this space.
     pub(crate) fn velocity_in_world(&self, own: Vec3) -> Vec3 {
         (self.to_world.transform_vector3(own.as_dvec3()) + self.drift).as_vec3()

@@ -418,6 +418,19 @@ impl Proxies {
         }
     }
 
+    /// Has what moved in the last update count as moved in the next one too.
+    pub(super) fn touch_moved(&mut self) {
+        for place in 0..self.moved.len() {
+            self.touch(self.moved[place]);
+        }
+        for place in 0..self.endless.len() {
+            let id = self.endless[place].id;
+            if self.is_moved(id) {
+                self.touch(id);
+            }
+        }
+    }
+
     pub(super) fn remove(&mut self, id: ProxyId) -> bool {
         if !self.contains(id) {
             return false;

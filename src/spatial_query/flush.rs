@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::{bounds, collision_index, filters};
+use crate::{bounds, collision_index, filters, swept};
 
 /// Computes the boxes of all entities that changed, and takes them up in the
 /// [`CollisionIndex`](crate::collision_index::CollisionIndex), now: entities spawned, moved, reshaped, reparented or put
@@ -33,9 +33,8 @@ use crate::{bounds, collision_index, filters};
 /// Costs as much as the sets `Bounds` and `Maintenance` of a tick, linear in the entities that changed; the next tick
 /// then searches anew for all pairs, those of resting entities included. Does nothing without the plugins.
 pub fn update_spatial_index(world: &mut World) {
-    if let Err(error) =
-        bounds::refresh(world).and_then(|()| filters::refresh(world)).and_then(|()| collision_index::refresh(world))
-    {
+    let stages = [bounds::refresh, swept::refresh, filters::refresh, collision_index::refresh];
+    if let Err(error) = stages.into_iter().try_for_each(|refresh| refresh(world)) {
         tracing::warn!("the spatial index could not be brought up to date: {error}");
     }
 }

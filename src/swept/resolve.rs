@@ -5,7 +5,7 @@ use std::{
     collections::BinaryHeap,
 };
 
-use bevy::{math::bounding::Aabb3d, platform::collections::HashMap, prelude::*};
+use bevy::{platform::collections::HashMap, prelude::*};
 
 use super::track::{Track, meet};
 use crate::{
@@ -30,6 +30,8 @@ struct Impact {
     closing: f32,
     /// How often each had changed course when this was found.
     versions: [u32; 2],
+    /// Is neither on a way? Then they touch at the end of the tick, if nothing happens before.
+    at_end: bool,
 }
 
 /// By time; where times are equal, those first that come nearer to each other the least, and then by pair. What slides into
@@ -79,15 +81,18 @@ struct Outcome {
 #[derive(Clone, Copy, Debug)]
 struct Place {
     in_world: Vec3,
-    /// In its own space.
-    own: Vec3,
+    /// In its own space, if it goes there by itself, and not with what it hangs on.
+    own: Option<Vec3>,
 }
 
 impl Outcome {
     /// What has become of a body whose space is reached from the world by `to_own`.
     fn of(track: &Track, to_own: impl FnOnce(Vec3) -> Option<Vec3>) -> Self {
         let in_world = (track.version > 0).then(|| track.place(1.0));
-        let place = in_world.and_then(|in_world| Some(Place { in_world, own: to_own(in_world)? }));
+        let place = in_world.and_then(|in_world| {
+            let own = if track.steers() { Some(to_own(in_world)?) } else { None };
+            Some(Place { in_world, own })
+        });
         Self { entity: track.entity, velocity: track.own_velocity(), bounces: track.bounces, place }
     }
 }
@@ -112,6 +117,10 @@ pub(crate) struct Resolver {
     tracks: HashMap<ProxyId, Track>,
     to_come: BinaryHeap<Reverse<Impact>>,
     happened: Vec<SweptContact>,
+    /// What those touch, at the end of the tick, that are on no way, and are elsewhere than they would have been.
+    at_end: Vec<(Pair, Contact)>,
+    /// Those who change course at an impact.
+    turned: Vec<ProxyId>,
     diverted: SpatialIndex,
     /// By handle in `diverted`, that in the main index.
     diverted_ids: Vec<ProxyId>,
@@ -125,6 +134,8 @@ impl Default for Resolver {
             tracks: HashMap::default(),
             to_come: BinaryHeap::new(),
             happened: Vec::new(),
+            at_end: Vec::new(),
+            turned: Vec::new(),
             diverted: SpatialIndex::new(&Method::Octree(ObjectOctreeSettings::default())),
             diverted_ids: Vec::new(),
             candidates: Vec::new(),
@@ -136,27 +147,37 @@ impl Default for Resolver {
 /// Goes through the impacts of a tick: each may change the course of the two that meet, and so what they meet after it.
 /// Impacts that thereby come to nothing are no contacts; those that come of it are.
 pub(crate) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) {
+    let resolver = &mut *resolver;
     let time = world.get_resource::<Time>().copied();
     let seconds = world.resource::<MotionSettings>().step.seconds(time.as_ref()).unwrap_or(0.0);
     resolver.begin(world.resource::<Contacts>(), world.resource::<CollisionIndex>());
     // Impacts are found for those who changed course, and nobody does so more often than its sub-steps say, plus once.
     while let Some(Reverse(impact)) = resolver.to_come.pop() {
-        let Impact { pair, met, versions, .. } = impact;
+        let Impact { pair, met, versions, at_end, .. } = impact;
         if [pair.a, pair.b].map(|id| resolver.version(id)) != versions {
             continue;
         }
-        resolver.happened.push(SweptContact { pair, met });
-        let turned = resolver.answer(world, &impact, seconds);
-        let mut except = None;
-        for id in [pair.a, pair.b].into_iter().zip(turned).filter_map(|(id, turned)| turned.then_some(id)) {
-            resolver.look_ahead(world, id, met.time, except);
-            except = Some(id);
+        if at_end {
+            resolver.at_end.push((pair, met.contact));
+            continue;
         }
+        resolver.happened.push(SweptContact { pair, met });
+        let changes = resolver.answer(world, &impact, seconds);
+        for (id, change) in [pair.a, pair.b].into_iter().zip(changes) {
+            if let Some(change) = change
+                && let Some(entity) = world.resource::<CollisionIndex>().entity(id)
+            {
+                resolver.turned.push(id);
+                resolver.carry(world, entity, change, (met.time, seconds));
+            }
+        }
+        resolver.look_ahead(world, met.time);
     }
     let mut outcomes = std::mem::take(&mut world.resource_mut::<Outcomes>().bodies);
     resolver.tell(world, &mut outcomes);
     world.resource_mut::<Outcomes>().bodies = outcomes;
-    world.resource_mut::<Contacts>().set_impacts(resolver.happened.drain(..));
+    let displaced = resolver.tracks.iter().filter(|(_, track)| track.is_displaced()).map(|(id, _)| *id);
+    world.resource_mut::<Contacts>().set_impacts(resolver.happened.drain(..), displaced, resolver.at_end.drain(..));
     resolver.end();
 }
 
@@ -164,7 +185,7 @@ impl Resolver {
     fn begin(&mut self, contacts: &Contacts, index: &CollisionIndex) {
         let impact = |&SweptContact { pair, met }: &SweptContact| {
             let closing = closing(&index.moving(pair.a)?, &index.moving(pair.b)?, &met);
-            Some(Reverse(Impact { pair, met, closing, versions: [0; 2] }))
+            Some(Reverse(Impact { pair, met, closing, versions: [0; 2], at_end: false }))
         };
         self.to_come.extend(contacts.impacts().iter().filter_map(impact));
     }
@@ -174,20 +195,19 @@ impl Resolver {
         self.tracks.get(&id).map_or(0, |track| track.version)
     }
 
-    /// Has the two that meet answer. Returns which of them change course.
-    fn answer(&mut self, world: &World, impact: &Impact, seconds: f32) -> [bool; 2] {
+    /// Has the two that meet answer. Returns by how much the ways of those change that change course, per tick.
+    fn answer(&mut self, world: &World, impact: &Impact, seconds: f32) -> [Option<Vec3>; 2] {
         let Impact { pair, met: TimedContact { time, contact }, .. } = *impact;
-        for id in [pair.a, pair.b] {
-            if !self.tracks.contains_key(&id) {
-                let Some(track) = Track::of(id, world) else { return [false; 2] };
-                self.tracks.insert(id, track);
-            }
+        if !(self.know(pair.a, world) && self.know(pair.b, world)) {
+            return [None; 2];
         }
         let index = world.resource::<CollisionIndex>();
         let contact =
             Contact { normal: self.normal(index, impact, world.resource::<NarrowPhaseSettings>()), ..contact };
-        let [Some(a), Some(b)] = self.tracks.get_disjoint_mut([&pair.a, &pair.b]) else { return [false; 2] };
-        meet([a, b], &contact, time, seconds)
+        let [Some(a), Some(b)] = self.tracks.get_disjoint_mut([&pair.a, &pair.b]) else { return [None; 2] };
+        let ways = [a.way(), b.way()];
+        let [a_turned, b_turned] = meet([a, b], &contact, time, seconds);
+        [a_turned.then(|| a.way() - ways[0]), b_turned.then(|| b.way() - ways[1])]
     }
 
     /// The normal that counts for the velocities of the two: what is left of their ways may be too short to tell.
@@ -202,15 +222,56 @@ impl Resolver {
         settings.tests().normal_in_passing(placed[0], placed[1], contact.normal, velocity, &mut self.workspace)
     }
 
-    /// Looks for what a body meets on its new course.
-    fn look_ahead(&mut self, world: &mut World, id: ProxyId, time: f32, except: Option<ProxyId>) {
-        let index = world.resource::<CollisionIndex>();
+    /// Begins to follow a body, unless that was done. False if it is gone.
+    fn know(&mut self, id: ProxyId, world: &World) -> bool {
+        if !self.tracks.contains_key(&id) {
+            let Some(track) = Track::of(id, world) else { return false };
+            self.tracks.insert(id, track);
+        }
+        true
+    }
+
+    /// All that hangs on an entity which changed course goes with it.
+    fn carry(&mut self, world: &World, entity: Entity, change: Vec3, (time, seconds): (f32, f32)) {
+        let children = |entity| world.get::<Children>(entity).into_iter().flatten().copied();
+        let mut open: Vec<_> = children(entity).collect();
+        while let Some(child) = open.pop() {
+            let id = world.get::<BroadPhaseProxy>(child).and_then(BroadPhaseProxy::id);
+            if let Some(id) = id.filter(|id| self.know(*id, world))
+                && let Some(track) = self.tracks.get_mut(&id)
+            {
+                track.carry(change, time, seconds);
+                self.turned.push(id);
+            }
+            open.extend(children(child));
+        }
+    }
+
+    /// Looks for what those meet on their new course that have just changed it.
+    fn look_ahead(&mut self, world: &mut World, time: f32) {
+        let mut turned = std::mem::take(&mut self.turned);
         let tests = world.resource::<NarrowPhaseSettings>().0;
-        let Some(aabb) = self.moving(index, id, time).and_then(|moving| tests.swept_aabb(&moving).ok()) else { return };
+        for id in &turned {
+            self.put(*id, world.resource(), time, &tests);
+        }
+        self.diverted.update();
+        for (place, id) in turned.iter().enumerate() {
+            // Those before it have looked at it already.
+            self.seek(world, *id, time, &turned[..place], &tests);
+        }
+        turned.clear();
+        self.turned = turned;
+    }
+
+    /// Looks for what a body meets on its new course, `except` for some.
+    fn seek(&mut self, world: &mut World, id: ProxyId, time: f32, except: &[ProxyId], tests: &NarrowPhase) {
+        let handle = self.tracks.get(&id).and_then(|track| track.diverted);
+        let Some(&aabb) = handle.and_then(|handle| self.diverted.proxies().get(handle)) else { return };
+        let index = world.resource::<CollisionIndex>();
         let mut candidates = std::mem::take(&mut self.candidates);
         let proxies = index.index().proxies();
         let mut consider = |other: ProxyId| {
-            if other != id && Some(other) != except && proxies.admits(id, other) {
+            if other != id && !except.contains(&other) && proxies.admits(id, other) {
                 candidates.push(other);
             }
         };
@@ -222,29 +283,29 @@ impl Resolver {
         self.diverted.overlapping(&aabb, |other| consider(self.diverted_ids[other.index()]));
         // Other than the order in which they are found, that of handles depends on no index.
         candidates.sort_unstable();
-        self.put(id, &aabb);
         for other in candidates.drain(..) {
             let pair = Pair::new(id, other);
             if filters::may_meet(world, pair)
-                && let Some((met, closing)) = self.time_of_impact(world.resource(), pair, time, &tests)
+                && let Some((met, closing, at_end)) = self.meeting(world.resource(), pair, time, tests)
             {
                 let versions = [pair.a, pair.b].map(|id| self.version(id));
-                self.to_come.push(Reverse(Impact { pair, met, closing, versions }));
+                self.to_come.push(Reverse(Impact { pair, met, closing, versions, at_end }));
             }
         }
         self.candidates = candidates;
     }
 
     /// Files a body that changed course under the box of what is left of its way.
-    fn put(&mut self, id: ProxyId, aabb: &Aabb3d) {
+    fn put(&mut self, id: ProxyId, index: &CollisionIndex, time: f32, tests: &NarrowPhase) {
+        let Some(aabb) = self.moving(index, id, time).and_then(|moving| tests.swept_aabb(&moving).ok()) else { return };
         let Some(track) = self.tracks.get_mut(&id) else { return };
         match track.diverted {
             // Boxes that are refused came from nothing finite.
             Some(handle) => {
-                let _ = self.diverted.set(handle, aabb);
+                let _ = self.diverted.set(handle, &aabb);
             }
             None => {
-                let Ok(handle) = self.diverted.insert(*aabb) else { return };
+                let Ok(handle) = self.diverted.insert(aabb) else { return };
                 track.diverted = Some(handle);
                 if self.diverted_ids.len() <= handle.index() {
                     self.diverted_ids.resize(handle.index() + 1, id);
@@ -252,7 +313,11 @@ impl Resolver {
                 self.diverted_ids[handle.index()] = id;
             }
         }
-        self.diverted.update();
+    }
+
+    /// Is a body looked for all along its way?
+    fn is_on_its_way(&self, index: &CollisionIndex, id: ProxyId) -> bool {
+        index.is_on_its_way(id) || self.tracks.get(&id).is_some_and(Track::is_diverted)
     }
 
     /// The way of a body from a moment on.
@@ -261,18 +326,25 @@ impl Resolver {
         Some(self.tracks.get(&id).map_or_else(|| whole.after(time), |track| track.after(time, &whole)))
     }
 
-    fn time_of_impact(
+    /// When and how two meet, from a moment on; and whether that is at the end of the tick, since neither is on a way.
+    fn meeting(
         &mut self,
         index: &CollisionIndex,
         pair: Pair,
         from: f32,
         tests: &NarrowPhase,
-    ) -> Option<(TimedContact, f32)> {
+    ) -> Option<(TimedContact, f32, bool)> {
         let (a, b) = (self.moving(index, pair.a, from)?, self.moving(index, pair.b, from)?);
-        let met = tests.time_of_impact(&a, &b, &mut self.workspace)?;
-        // The ways are those of what is left of the tick.
-        let left = (1.0 - from).max(f32::MIN_POSITIVE);
-        Some((met.after(from), closing(&a, &b, &met) / left))
+        if [pair.a, pair.b].iter().any(|id| self.is_on_its_way(index, *id)) {
+            let met = tests.time_of_impact(&a, &b, &mut self.workspace)?;
+            // The ways are those of what is left of the tick.
+            let left = (1.0 - from).max(f32::MIN_POSITIVE);
+            return Some((met.after(from), closing(&a, &b, &met) / left, false));
+        }
+        let (at_a, at_b) = (a.at(1.0), b.at(1.0));
+        let (a, b) = (Placed::new(a.shape(), &at_a), Placed::new(b.shape(), &at_b));
+        let contact = tests.contact(a, b, &mut self.workspace)?;
+        Some((TimedContact { time: 1.0, contact }, 0.0, true))
     }
 
     /// Tells what has become of all who met something, in the order of their entities.
@@ -288,7 +360,7 @@ impl Resolver {
         }
         if !children.is_empty() {
             // Who hangs on another that was put elsewhere has its own place by that.
-            places.extend(outcomes.iter().filter_map(|outcome| Some((outcome.entity, outcome.place?.own))));
+            places.extend(outcomes.iter().filter_map(|outcome| Some((outcome.entity, outcome.place?.own?))));
             children.sort_unstable_by_key(|(depth, track)| (*depth, track.entity));
         }
         for (_, track) in children {
@@ -302,7 +374,7 @@ impl Resolver {
                 };
                 Frame::of(parent, look).own_place(in_world)
             });
-            places.extend(outcome.place.map(|place| (track.entity, place.own)));
+            places.extend(outcome.place.and_then(|place| Some((track.entity, place.own?))));
             outcomes.push(outcome);
         }
         outcomes.sort_unstable_by_key(|body| body.entity);
@@ -328,16 +400,16 @@ fn closing(a: &Moving, b: &Moving, met: &TimedContact) -> f32 {
 /// Velocities and places become what the impacts have made of them.
 pub(crate) fn apply_outcomes(
     outcomes: Res<Outcomes>,
-    mut bodies: Query<(&mut Velocity, &mut Transform, &mut BroadPhaseProxy)>,
+    mut bodies: Query<(Option<&mut Velocity>, &mut Transform, &mut BroadPhaseProxy)>,
     settings: Res<NarrowPhaseSettings>,
     mut index: ResMut<CollisionIndex>,
     mut counters: ResMut<CollisionCounters>,
 ) {
     for outcome in &outcomes.bodies {
         // It may be gone.
-        let Ok((mut velocity, mut transform, mut proxy)) = bodies.get_mut(outcome.entity) else { continue };
+        let Ok((velocity, mut transform, mut proxy)) = bodies.get_mut(outcome.entity) else { continue };
         if outcome.bounces > 0
-            && let Some(answer) = outcome.velocity
+            && let (Some(mut velocity), Some(answer)) = (velocity, outcome.velocity)
         {
             velocity.0 = answer;
             counters.tick.bounces += outcome.bounces;
@@ -345,7 +417,9 @@ pub(crate) fn apply_outcomes(
         if let Some(place) = outcome.place
             && let Some(id) = proxy.id
         {
-            transform.translation = place.own;
+            if let Some(own) = place.own {
+                transform.translation = own;
+            }
             let proxy = proxy.bypass_change_detection();
             proxy.pose.translation = place.in_world;
             index.place(id, &proxy.pose, settings.tests());

@@ -22,6 +22,7 @@ pub(super) struct Track {
     /// Its velocity in the world, and how it answers.
     party: Party,
     is_sensor: bool,
+    is_swept: bool,
     /// How often it may still bounce within this tick, if its way is ours to change.
     steers: Option<u32>,
     /// Has it come to stay where it is for what is left of the tick?
@@ -56,13 +57,15 @@ impl Track {
             bounce: of_world.get::<Bounce>().copied().filter(|_| leads_back && of_world.contains::<Velocity>()),
             reversed: false,
         };
+        let swept = of_world.get::<Swept>();
         let steers = is_moved_by_velocity(of_world) && leads_back;
         Some(Self {
             entity,
             frame,
             party,
             is_sensor: of_world.contains::<Sensor>(),
-            steers: of_world.get::<Swept>().map(|swept| swept.sub_steps).filter(|_| steers),
+            is_swept: swept.is_some(),
+            steers: swept.map(|swept| swept.sub_steps).filter(|_| steers),
             stays: false,
             since: 0.0,
             from: moving.at(0.0).translation,
@@ -91,6 +94,43 @@ impl Track {
     /// Its way from then on, given that of the whole tick, from which it has its turns.
     pub(super) fn after<'a>(&self, time: f32, whole: &Moving<'a>) -> Moving<'a> {
         whole.after(time).along(self.place(time), self.place(1.0))
+    }
+
+    /// How far it goes in a whole tick.
+    pub(super) const fn way(&self) -> Vec3 {
+        self.way
+    }
+
+    /// Is its way ours to change?
+    pub(super) const fn steers(&self) -> bool {
+        self.steers.is_some()
+    }
+
+    /// Is it on another way than at the start of the tick?
+    pub(super) const fn is_diverted(&self) -> bool {
+        self.is_swept && self.version > 0
+    }
+
+    /// Is it on no way, and elsewhere than it would have been?
+    pub(super) const fn is_displaced(&self) -> bool {
+        !self.is_swept && self.version > 0
+    }
+
+    /// Takes up that the way of what it hangs on changes by so much per tick, of so many seconds. What is not swept counts
+    /// for the whole tick as where it is at the end of it.
+    pub(super) fn carry(&mut self, change: Vec3, time: f32, seconds: f32) {
+        let faster = change / seconds;
+        if faster.is_finite() {
+            self.party.velocity += faster;
+            self.party.drift += faster;
+            self.frame = self.frame.map(|frame| frame.drifting(faster));
+        }
+        if self.is_swept {
+            self.divert(time, self.way + change);
+        } else {
+            self.from += change * (1.0 - time);
+            self.version += 1;
+        }
     }
 
     /// Has it bounced as often as it may?
