@@ -86,6 +86,10 @@ pub(crate) fn update_children(
     let Some(&NarrowPhaseSettings(tests)) = world.get_resource() else { return };
     for entity in unparented.iter(world).collect::<Vec<_>>() {
         world.entity_mut(entity).remove::<Sheared>();
+        // What takes part is another shape from now on.
+        if let Some(mut shape) = world.get_mut::<CollisionShape>(entity) {
+            shape.set_changed();
+        }
     }
     hierarchy.for_each_moved(world, |world, entity, place| {
         // It may be disabled.

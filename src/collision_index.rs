@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use bevy::{
     ecs::{
-        archetype::Archetype, component::ComponentId, entity_disabling::DefaultQueryFilters,
+        archetype::Archetype, change_detection::Tick, component::ComponentId, entity_disabling::DefaultQueryFilters,
         schedule::InternedScheduleLabel, system::RegisteredSystemError, world::DeferredWorld,
     },
     prelude::*,
@@ -100,6 +100,8 @@ pub(crate) struct Body {
     pub(crate) entity: Entity,
     pub(crate) pose: Transform,
     pub(crate) shape: Shape,
+    /// When the entity's own shape became this one.
+    reshaped: Tick,
 }
 
 impl CollisionIndex {
@@ -260,62 +262,87 @@ impl CollisionIndex {
         entity: Entity,
         aabb: &WorldAabb,
         proxy: &mut BroadPhaseProxy,
-        what: Described,
+        mut what: Described,
         tests: &NarrowPhase,
         filter: impl FnOnce() -> Option<PairFilter>,
     ) {
-        let own = proxy.id.filter(|id| self.is_entry_of(*id, entity));
-        let index = &mut self.index;
-        let pose = proxy.pose;
-        let shape = what.shape;
-        let way = what.way.filter(|way| way.belongs_to(entity, proxy.id));
-        let start = way.as_ref().and_then(|way| way.to(&pose)).copied();
-        // What fills all the space there is has no end: where it is, is up to its shape.
-        let side = || {
-            let moving =
-                || start.map_or(Moving::resting(Placed::new(shape, &pose)), |at| Moving::new(shape, &at, &pose));
-            (*aabb == WorldAabb::ENDLESS).then(|| swept::side(tests, &moving()))
+        let way = what.way.take().filter(|way| way.belongs_to(entity, proxy.id));
+        let start = way.as_ref().and_then(|way| way.to(&proxy.pose)).copied();
+        // Most common first: one that is in, and has an end.
+        let known = proxy.id.and_then(|id| Some((id, self.bodies.get_mut(id.index())?)));
+        let id = match known.filter(|(_, body)| body.entity == entity) {
+            Some((id, body)) if self.index.set(id, &aabb.0).is_ok() => {
+                body.pose = proxy.pose;
+                // It may have changed when nobody looked, between two sets.
+                if what.reshaped != Some(body.reshaped) {
+                    body.shape = what.shape.clone();
+                    body.reshaped = what.reshaped.unwrap_or_default();
+                }
+                id
+            }
+            own => {
+                let own = own.map(|(id, _)| id);
+                proxy.id = self.take_up_other(entity, own, (aabb, start), proxy, &what, tests, filter);
+                let Some(id) = proxy.id else { return };
+                if let Some(mut way) = way {
+                    way.bypass_change_detection().follow(id);
+                }
+                id
+            }
         };
-        let known = own.filter(|id| {
-            index.set(*id, &aabb.0).is_ok() || side().is_some_and(|side| index.set_endless(*id, side).is_ok())
-        });
-        let mut insert = || index.insert(aabb.0).ok().or_else(|| index.insert_endless(side()?).ok());
-        let filter = if known.is_some() { None } else { filter() };
-        let id = known.or_else(|| filter.and_then(|_| insert()));
-        if known.is_none() {
-            proxy.id = id;
-            if let Some(old) = own {
-                self.index.remove(old);
-            }
-        }
-        let Some(id) = id else { return };
-        if let Some(filter) = filter {
-            self.change_filter(id, |old| *old = filter);
-            if let Some(mut way) = way {
-                way.bypass_change_detection().follow(id);
-            }
-            let body = Body { entity, pose, shape: shape.clone() };
-            match self.bodies.get_mut(id.index()) {
-                Some(place) => *place = body,
-                None => self.bodies.push(body),
-            }
-        } else {
-            // It may have turned inside its box.
-            self.index.touch(id);
-            let body = &mut self.bodies[id.index()];
-            body.pose = pose;
-            // It may have changed when nobody looked, between two sets.
-            if !body.shape.is_same(shape) {
-                body.shape = shape.clone();
-            }
-        }
+        // It may have turned inside its box.
+        self.index.touch(id);
         self.set_start(id, start);
+    }
+
+    /// Takes up one that is new, has no end, or none any longer, or whose box is refused. Returns its handle.
+    #[cold]
+    #[expect(clippy::too_many_arguments, reason = "the other half of a function")]
+    fn take_up_other(
+        &mut self,
+        entity: Entity,
+        own: Option<ProxyId>,
+        (aabb, start): (&WorldAabb, Option<Transform>),
+        proxy: &BroadPhaseProxy,
+        what: &Described,
+        tests: &NarrowPhase,
+        filter: impl FnOnce() -> Option<PairFilter>,
+    ) -> Option<ProxyId> {
+        let pose = proxy.pose;
+        let body = Body { entity, pose, shape: what.shape.clone(), reshaped: what.reshaped.unwrap_or_default() };
+        // What fills all the space there is has no end: where it is, is up to its shape.
+        let side = (*aabb == WorldAabb::ENDLESS).then(|| {
+            let moving = match &start {
+                Some(start) => Moving::new(what.shape, start, &pose),
+                None => Moving::resting(Placed::new(what.shape, &pose)),
+            };
+            swept::side(tests, &moving)
+        });
+        if let (Some(id), Some(side)) = (own, side)
+            && self.index.set_endless(id, side).is_ok()
+        {
+            self.bodies[id.index()] = body;
+            return own;
+        }
+        if let Some(old) = own {
+            self.index.remove(old);
+        }
+        let filter = filter()?;
+        let id = self.index.insert(aabb.0).ok().or_else(|| self.index.insert_endless(side?).ok())?;
+        self.change_filter(id, |old| *old = filter);
+        match self.bodies.get_mut(id.index()) {
+            Some(place) => *place = body,
+            None => self.bodies.push(body),
+        }
+        Some(id)
     }
 }
 
 /// What an entity is, besides its box.
 struct Described<'a> {
     shape: &'a Shape,
+    /// When it became that; `None` if that is not known.
+    reshaped: Option<Tick>,
     way: Option<Mut<'a, SweptWay>>,
 }
 
@@ -351,7 +378,7 @@ impl Plugin for BroadPhasePlugin {
         app.init_resource::<Upkeep>().add_systems(
             self.0,
             (
-                (watch_disabling.run_if(some_new_disabling), mend.run_if(has_missed), maintain)
+                (watch_disabling.run_if(some_new_disabling), mend, maintain)
                     .chain()
                     .in_set(CollisionSystems::Maintenance),
                 find_candidates.in_set(CollisionSystems::BroadPhase),
@@ -370,17 +397,15 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     world.run_system_cached(maintain)
 }
 
-/// Is there an index that missed something, or one that is new?
-fn has_missed(index: Res<CollisionIndex>, upkeep: Res<Upkeep>) -> bool {
-    upkeep.missed || upkeep.index != index.number
-}
-
-/// Has the index forget all that is not there, and takes up all that is.
+/// Has an index that missed something, or is a new one, forget all that is not there, and take up all that is.
 fn mend(
     mut index: ResMut<CollisionIndex>,
     mut upkeep: ResMut<Upkeep>,
     mut entities: Query<(Entity, &BroadPhaseProxy, &Archetype, FilterParts, &mut WorldAabb)>,
 ) {
+    if !upkeep.missed && upkeep.index == index.number {
+        return;
+    }
     index.remove_strays(|id, entity| {
         let entry = entities.get(entity).ok().filter(|(_, _, archetype, ..)| !upkeep.disables(archetype));
         entry.is_some_and(|(_, proxy, ..)| proxy.id == Some(id))
@@ -394,14 +419,14 @@ fn mend(
     (upkeep.index, upkeep.missed) = (index.number, false);
 }
 
-type Boxed<'a> = (Entity, &'a WorldAabb, &'a CollisionShape, Option<&'a Sheared>, &'a mut BroadPhaseProxy);
+type Boxed<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy);
 type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<(&'a Swept, &'a mut SweptWay)>);
 
 fn maintain(
     mut index: ResMut<CollisionIndex>,
     (settings, narrow, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhaseSettings>, Res<Upkeep>),
     mut boxes: Query<ChangedBoxes, Changed<WorldAabb>>,
-    archetypes: Query<&Archetype>,
+    (archetypes, sheared): (Query<&Archetype>, Query<&Sheared>),
     mut counters: ResMut<CollisionCounters>,
 ) {
     let index = &mut *index;
@@ -412,8 +437,11 @@ fn maintain(
         index.index.touch_all();
     }
     index.index.set_pair_kinds(settings.pair_kinds);
-    for ((entity, aabb, shape, sheared, mut proxy), parts, swept) in &mut boxes {
-        let what = Described { shape: shear::shape(shape, sheared), way: swept.map(|(_, way)| way) };
+    let some_sheared = !sheared.is_empty();
+    for ((entity, aabb, own, mut proxy), parts, swept) in &mut boxes {
+        let sheared = if some_sheared { sheared.get(entity).ok() } else { None };
+        let reshaped = sheared.is_none().then(|| own.last_changed());
+        let what = Described { shape: shear::shape(&own, sheared), reshaped, way: swept.map(|(_, way)| way) };
         let filter = || {
             let is_disabled = archetypes.get(entity).is_ok_and(|archetype| upkeep.disables(archetype));
             (!is_disabled).then(|| filters::filter(parts))
