@@ -61,7 +61,7 @@ pub struct ObjectOctreeSettings {
     /// still found: they are listed in the outermost cells, which reach to infinity. The bound keeps a single runaway from
     /// making the root so large that all others share a few cells at the depth limit. When the objects need no more than a
     /// quarter of the root any longer, or more than an eighth of them are beyond it, the root is
-    /// [laid anew](super::object_octree#what-holds).
+    /// [laid anew](super#what-holds).
     pub max_doublings: u32,
     /// Eight leaves merge when they list at most `max_objects - merge_slack` distinct objects between them. With a
     /// slack above 0, objects that wander to and fro across a border do not split and merge the same nodes at each
