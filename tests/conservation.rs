@@ -199,7 +199,7 @@ fn energy_never_grows_and_nobody_leaves() {
 
 /// `cargo test --release --test conservation -- --ignored`
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "a hundred thousand ticks of sixty rooms"]
 fn nor_in_a_hundred_thousand_ticks() {
     for (name, mut room, _) in rooms() {
         room.check(100_000, &name);

@@ -354,7 +354,7 @@ impl Resolver {
         let (mut children, mut places) = (Vec::new(), HashMap::<Entity, Vec3>::default());
         for track in changed {
             match track.frame {
-                None => outcomes.push(Outcome::of(track, |in_world| Some(in_world))),
+                None => outcomes.push(Outcome::of(track, Some)),
                 Some(frame) => children.push((frame.depth(), track)),
             }
         }
