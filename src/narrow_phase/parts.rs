@@ -396,7 +396,7 @@ pub(super) fn first_impact(
         }
         time += gap.distance / closing;
         last = Some(gap);
-        if !(time <= limit) {
+        if time > limit || time.is_nan() {
             break;
         }
     }
