@@ -152,7 +152,9 @@ fn runs(items: &[u64], start: usize) -> Vec<Range<usize>> {
     let mut begin = 0;
     for run in items.chunk_by(|a, b| a >> 32 == b >> 32) {
         let end = begin + run.len();
-        if run.len() > LONG_RUN {
+        // Objects far away may be so in all directions.
+        let is_far = run[0] >> 32 == u64::from(FAR);
+        if run.len() > if is_far { WIDTH } else { LONG_RUN } {
             runs.push(start + begin..start + end);
         }
         begin = end;
@@ -172,10 +174,11 @@ fn half_sides(aabb: &Aabb3d) -> Vec3A {
     aabb.max * 0.5 - aabb.min * 0.5
 }
 
-/// Where objects are, by half their centres, and half the longest side of all.
+/// Where objects are, and how large: by half their centres, and half their longest sides.
 struct Extent {
     low: Vec3A,
     high: Vec3A,
+    /// The largest size of the largest class.
     largest: f32,
     /// Are all of them there?
     holds_all: bool,
@@ -183,11 +186,11 @@ struct Extent {
 
 impl Extent {
     /// With so many objects or more, a few of them may be left out.
-    const MANY: usize = 512;
+    const MANY: usize = 128;
     /// How many are then looked at to see where most of them are. One in eight may be far away, on each side.
     const SAMPLE: usize = 32;
-    /// As many times as large as most as classes of size can tell apart: 4¹⁵.
-    const LARGEST: f32 = (1 << 30) as f32;
+    /// How many classes of larger sizes than most have there may be.
+    const LARGER_CLASSES: usize = 15;
 
     #[inline(always)]
     fn of(boxes: &[Aabb3d], items: &[u64]) -> Self {
@@ -225,11 +228,19 @@ impl Extent {
         let beyond = (high - low).max_element();
         let (low, high) = (low - beyond, high + beyond);
         self.holds_all = (low.cmple(self.low) & high.cmpge(self.high)).all();
-        self.low = self.low.max(low);
-        self.high = self.high.min(high);
-        let typical = samples[3][Self::SAMPLE / 2];
-        if typical > 0.0 {
-            self.largest = self.largest.min(typical * Self::LARGEST);
+        if !self.holds_all {
+            let centers = items.iter().map(|item| half_center(&boxes[*item as u32 as usize]));
+            let near = centers.filter(|center| (center.cmpge(low) & center.cmple(high)).all());
+            let nothing = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
+            (self.low, self.high) = near.fold(nothing, |(low, high), center| (low.min(center), high.max(center)));
+        }
+        // The typical size is in the middle of its class: otherwise, rounding might part objects of the same size.
+        let mut size = samples[3][Self::SAMPLE / 2] * 2.0;
+        if size > 0.0 {
+            for _ in 0..Self::LARGER_CLASSES {
+                size *= if size < self.largest { 4.0 } else { 1.0 };
+            }
+            self.largest = size;
         }
     }
 }

@@ -66,19 +66,19 @@ fn a_few_objects_of_any_size_anywhere_do_not_leave_the_tree_loose() {
     let far = |distance: f32| signs.map(|sign| cube(sign * distance, 0.5));
     let huge = |half: f32| signs.map(|sign| cube(sign * half * 1.5, half));
     let more = [
+        vec![ground(512.0)],
         vec![ground(1e3)],
         vec![ground(1e5)],
         vec![ground(1e5), ground(1e10), ground(1e30)],
         far(1e4).to_vec(),
         far(1e6).to_vec(),
         far(1e30).to_vec(),
-        [far(1e4), far(1e8), huge(1e6), huge(1e16), huge(1e30)].concat(),
+        [&far(1e8)[..3], &huge(1e6)[..3], &huge(1e30)[..3]].concat(),
     ];
     for scene in SCENES {
         let alone = count(scene, 1000, &[], leave);
         for more in &more {
             let ratio = count(scene, 1000, more, leave).blocks / alone.blocks;
-            println!("{scene} with {} more, such as {:?}: {ratio}", more.len(), more[0]);
             assert!(ratio < 1.2, "{scene} with {} more, such as {:?}: {ratio}", more.len(), more[0]);
         }
     }
@@ -98,7 +98,6 @@ fn objects_that_go_far_away_do_not_leave_the_tree_loose() {
                 }
             });
             let ratio = ratio.blocks / alone.blocks;
-            println!("{scene}, ten of which go {distance} away: {ratio}");
             assert!(ratio < 1.2, "{scene}, ten of which go {distance} away: {ratio}");
         }
     }
@@ -119,7 +118,6 @@ fn rooms_far_apart_are_as_good_as_one() {
                 }
             });
             let ratio = ratio.blocks / alone.blocks;
-            println!("{scene} in {rooms} rooms, {sides} sides from each other: {ratio}");
             assert!(ratio < 1.2, "{scene} in {rooms} rooms, {sides} sides from each other: {ratio}");
         }
     }
@@ -127,12 +125,11 @@ fn rooms_far_apart_are_as_good_as_one() {
 
 #[test]
 fn a_huge_object_does_not_put_all_others_in_one_class_of_size() {
-    // Large and small ones in turns, among each other.
     let mut rng = fastrand::Rng::with_seed(8);
     let count = |more: &[Aabb3d], rng: &mut fastrand::Rng| {
         let mut proxies = Proxies::default();
         for number in 0..2000 {
-            let half = if number % 20 == 0 { 8.0 } else { 0.5 };
+            let half = if number % 8 == 0 { 8.0 } else { 0.05 };
             let at = Vec3::from(std::array::from_fn(|_| rng.f32())) * 100.0;
             proxies.insert(Aabb3d::new(at, Vec3::splat(half))).unwrap();
         }
@@ -165,7 +162,6 @@ fn a_few_fast_objects_take_no_skins_from_the_others() {
             }
         });
         let (skins, blocks) = (fast.skins / alone.skins, fast.blocks / alone.blocks);
-        println!("{speed} per tick: {skins} times as many new skins, {blocks} times as loose");
         assert!(skins < 1.2 && blocks < 1.2, "{speed}: {skins} times as many new skins, {blocks} times as loose");
     }
 }

@@ -37,6 +37,9 @@ fn a_seed_gives_the_same_bits_on_any_machine() {
         0x9044_5dab_26e7_39f4,
         0xdb46_be0d_bd90_9bf9,
         0x204f_5d18_f4b5_bf78,
+        0x3c70_c4a7_92e3_ea66,
+        0xd94e_7026_d460_6a8f,
+        0x6ecc_1197_4c43_6074,
     ];
     assert_eq!(hashes, expected, "{hashes:#018x?}");
 }
