@@ -255,79 +255,50 @@ impl CollisionIndex {
         strays.into_iter().for_each(|id| self.remove(id));
     }
 
-    /// Takes up an entity's box of this tick. A box that is refused takes the entity out of the index. The filter is that
-    /// of a new one; `None` if it is not to come in.
+    /// Takes up the box of this tick of an entity that is in, and gives what is to follow it.
+    #[inline]
+    fn follow(&mut self, entity: Entity, aabb: &WorldAabb, proxy: &BroadPhaseProxy) -> Option<(ProxyId, &mut Body)> {
+        let id = proxy.id?;
+        let body = self.bodies.get_mut(id.index()).filter(|body| body.entity == entity)?;
+        self.index.set(id, &aabb.0).ok()?;
+        // It may have turned inside its box.
+        self.index.touch(id);
+        Some((id, body))
+    }
+
+    /// Takes up one that is new, has no end, or none any longer, or whose box is refused, which takes it out. The filter is
+    /// that of a new one; `None` if it is not to come in.
+    #[cold]
     fn take_up(
         &mut self,
         entity: Entity,
-        aabb: &WorldAabb,
-        proxy: &mut BroadPhaseProxy,
-        mut what: Described,
-        tests: &NarrowPhase,
-        filter: impl FnOnce() -> Option<PairFilter>,
-    ) {
-        let way = what.way.take().filter(|way| way.belongs_to(entity, proxy.id));
-        let start = way.as_ref().and_then(|way| way.to(&proxy.pose)).copied();
-        // Most common first: one that is in, and has an end.
-        let known = proxy.id.and_then(|id| Some((id, self.bodies.get_mut(id.index())?)));
-        let id = match known.filter(|(_, body)| body.entity == entity) {
-            Some((id, body)) if self.index.set(id, &aabb.0).is_ok() => {
-                body.pose = proxy.pose;
-                // It may have changed when nobody looked, between two sets.
-                if what.reshaped != Some(body.reshaped) {
-                    body.shape = what.shape.clone();
-                    body.reshaped = what.reshaped.unwrap_or_default();
-                }
-                id
-            }
-            own => {
-                let own = own.map(|(id, _)| id);
-                proxy.id = self.take_up_other(entity, own, (aabb, start), proxy, &what, tests, filter);
-                let Some(id) = proxy.id else { return };
-                if let Some(mut way) = way {
-                    way.bypass_change_detection().follow(id);
-                }
-                id
-            }
-        };
-        // It may have turned inside its box.
-        self.index.touch(id);
-        self.set_start(id, start);
-    }
-
-    /// Takes up one that is new, has no end, or none any longer, or whose box is refused. Returns its handle.
-    #[cold]
-    #[expect(clippy::too_many_arguments, reason = "the other half of a function")]
-    fn take_up_other(
-        &mut self,
-        entity: Entity,
-        own: Option<ProxyId>,
-        (aabb, start): (&WorldAabb, Option<Transform>),
+        (aabb, start): (&WorldAabb, Option<&Transform>),
         proxy: &BroadPhaseProxy,
-        what: &Described,
+        shape: &Shape,
         tests: &NarrowPhase,
-        filter: impl FnOnce() -> Option<PairFilter>,
+        filter: Option<PairFilter>,
     ) -> Option<ProxyId> {
-        let pose = proxy.pose;
-        let body = Body { entity, pose, shape: what.shape.clone(), reshaped: what.reshaped.unwrap_or_default() };
+        let own = proxy.id.filter(|id| self.is_entry_of(*id, entity));
         // What fills all the space there is has no end: where it is, is up to its shape.
         let side = (*aabb == WorldAabb::ENDLESS).then(|| {
-            let moving = match &start {
-                Some(start) => Moving::new(what.shape, start, &pose),
-                None => Moving::resting(Placed::new(what.shape, &pose)),
+            let moving = match start {
+                Some(start) => Moving::new(shape, start, &proxy.pose),
+                None => Moving::resting(Placed::new(shape, &proxy.pose)),
             };
             swept::side(tests, &moving)
         });
+        let body = Body { entity, pose: proxy.pose, shape: shape.clone(), reshaped: Tick::default() };
         if let (Some(id), Some(side)) = (own, side)
             && self.index.set_endless(id, side).is_ok()
         {
+            self.index.touch(id);
             self.bodies[id.index()] = body;
             return own;
         }
         if let Some(old) = own {
             self.index.remove(old);
         }
-        let filter = filter()?;
+        let filter = filter?;
         let id = self.index.insert(aabb.0).ok().or_else(|| self.index.insert_endless(side?).ok())?;
         self.change_filter(id, |old| *old = filter);
         match self.bodies.get_mut(id.index()) {
@@ -338,12 +309,15 @@ impl CollisionIndex {
     }
 }
 
-/// What an entity is, besides its box.
-struct Described<'a> {
-    shape: &'a Shape,
-    /// When it became that; `None` if that is not known.
-    reshaped: Option<Tick>,
-    way: Option<Mut<'a, SweptWay>>,
+impl Body {
+    /// Takes up its entity's shape, which became what it is in this tick, unless an ancestor shears it.
+    #[cold]
+    fn take_shape(&mut self, shape: &Shape, reshaped: Tick) {
+        self.reshaped = reshaped;
+        if !self.shape.is_same(shape) {
+            self.shape = shape.clone();
+        }
+    }
 }
 
 /// Settings of the broad phase. Changes take effect at the next tick.
@@ -439,14 +413,28 @@ fn maintain(
     index.index.set_pair_kinds(settings.pair_kinds);
     let some_sheared = !sheared.is_empty();
     for ((entity, aabb, own, mut proxy), parts, swept) in &mut boxes {
-        let sheared = if some_sheared { sheared.get(entity).ok() } else { None };
-        let reshaped = sheared.is_none().then(|| own.last_changed());
-        let what = Described { shape: shear::shape(&own, sheared), reshaped, way: swept.map(|(_, way)| way) };
-        let filter = || {
+        let proxy = proxy.bypass_change_detection();
+        let way = swept.map(|(_, way)| way).filter(|way| way.belongs_to(entity, proxy.id));
+        let start = way.as_ref().and_then(|way| way.to(&proxy.pose)).copied();
+        let id = if let Some((id, body)) = index.follow(entity, aabb, proxy) {
+            body.pose = proxy.pose;
+            // It may have changed when nobody looked, between two sets.
+            if body.reshaped != own.last_changed() || some_sheared {
+                body.take_shape(shear::shape(&own, sheared.get(entity).ok()), own.last_changed());
+            }
+            id
+        } else {
             let is_disabled = archetypes.get(entity).is_ok_and(|archetype| upkeep.disables(archetype));
-            (!is_disabled).then(|| filters::filter(parts))
+            let filter = (!is_disabled).then(|| filters::filter(parts));
+            let shape = shear::shape(&own, sheared.get(entity).ok());
+            proxy.id = index.take_up(entity, (aabb, start.as_ref()), proxy, shape, narrow.tests(), filter);
+            let Some(id) = proxy.id else { continue };
+            if let Some(mut way) = way {
+                way.bypass_change_detection().follow(id);
+            }
+            id
         };
-        index.take_up(entity, aabb, proxy.bypass_change_detection(), what, narrow.tests(), filter);
+        index.set_start(id, start);
     }
     index.index.update();
     let proxies = index.index.proxies();
