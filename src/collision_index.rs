@@ -5,6 +5,7 @@ use bevy::{
         change_detection::Tick, entity_disabling::Disabled, schedule::InternedScheduleLabel,
         system::RegisteredSystemError,
     },
+    math::primitives::HalfSpace,
     prelude::*,
 };
 
@@ -150,24 +151,28 @@ impl CollisionIndex {
         }
     }
 
+    /// Are the boxes those of the last search, so that they say themselves what had moved?
+    pub(crate) const fn is_as_searched(&self) -> bool {
+        self.moved_at_search.is_empty()
+    }
+
     /// Were the two at rest when pairs were last searched for, and are both still there? What was known of them then
     /// still holds.
-    #[inline]
     pub(crate) fn rested(&self, pair: Pair, entities: [Entity; 2]) -> bool {
         let proxies = self.index.proxies();
-        if self.moved_at_search.is_empty() {
-            return proxies.is_resting(pair.a) && proxies.is_resting(pair.b);
-        }
-        let rested = |id: ProxyId| proxies.contains(id) && self.moved_at_search.get(id.index()) == Some(&false);
+        let rested = |id: ProxyId| {
+            let moved = self.moved_at_search.get(id.index()).is_some_and(|moved| *moved);
+            if self.is_as_searched() { proxies.is_resting(id) } else { proxies.contains(id) && !moved }
+        };
         rested(pair.a) && rested(pair.b) && self.entities(pair) == entities
     }
 
-    fn set_start(&mut self, id: ProxyId, start: Option<Transform>) {
+    fn set_start(&mut self, id: ProxyId, start: Option<&Transform>) {
         if start.is_some() && self.starts.len() <= id.index() {
             self.starts.resize(id.index() + 1, None);
         }
         if let Some(place) = self.starts.get_mut(id.index()) {
-            *place = start;
+            *place = start.copied();
         }
     }
 
@@ -200,15 +205,10 @@ impl CollisionIndex {
     ) {
         let index = &mut self.index;
         let pose = proxy.pose;
-        let shape = &what.shape.0;
-        let way = what.way.filter(|way| way.belongs_to(entity, proxy.id));
-        let start = way.as_ref().and_then(|way| way.to(&pose)).copied();
-        // What fills all the space there is has no end: where it is, is up to its shape.
-        let side = || {
-            let moving =
-                || start.map_or(Moving::resting(Placed::new(shape, &pose)), |at| Moving::new(shape, &at, &pose));
-            (*aabb == WorldAabb::ENDLESS).then(|| swept::side(tests, &moving()))
-        };
+        let Described { shape, reshaped, way } = what;
+        let way = way.filter(|way| way.belongs_to(entity, proxy.id));
+        let start = way.as_ref().and_then(|way| way.to(&pose));
+        let side = || endless(aabb, tests, shape, start.unwrap_or(&pose), &pose);
         let known = proxy.id.filter(|id| {
             index.set(*id, &aabb.0).is_ok() || side().is_some_and(|side| index.set_endless(*id, side).is_ok())
         });
@@ -224,10 +224,7 @@ impl CollisionIndex {
                 self.index.remove(old);
             }
             self.change_filter(id, |old| *old = filter());
-            if let Some(mut way) = way {
-                way.bypass_change_detection().follow(id);
-            }
-            let body = Body { entity, pose, shape: shape.clone(), reshaped: what.shape.last_changed() };
+            let body = Body { entity, pose, shape: shape.clone(), reshaped };
             match self.bodies.get_mut(id.index()) {
                 Some(place) => *place = body,
                 None => self.bodies.push(body),
@@ -238,19 +235,36 @@ impl CollisionIndex {
             let body = &mut self.bodies[id.index()];
             body.pose = pose;
             // It may have changed when nobody looked, between two sets.
-            if body.reshaped != what.shape.last_changed() {
-                body.reshaped = what.shape.last_changed();
+            if body.reshaped != reshaped {
+                body.reshaped = reshaped;
                 body.shape = shape.clone();
             }
         }
         self.set_start(id, start);
+        if let Some(way) = way {
+            way.follow(id);
+        }
     }
+}
+
+/// Where a shape is all along its way that has no end, as what fills all the space there is. `None` for what has one.
+#[cold]
+fn endless(
+    aabb: &WorldAabb,
+    tests: &NarrowPhase,
+    shape: &Shape,
+    start: &Transform,
+    pose: &Transform,
+) -> Option<Option<HalfSpace>> {
+    (*aabb == WorldAabb::ENDLESS).then(|| swept::side(tests, &Moving::new(shape, start, pose)))
 }
 
 /// What an entity is, besides its box.
 struct Described<'a> {
-    shape: Ref<'a, CollisionShape>,
-    way: Option<Mut<'a, SweptWay>>,
+    shape: &'a Shape,
+    /// When it became that.
+    reshaped: Tick,
+    way: Option<&'a mut SweptWay>,
 }
 
 /// Settings of the broad phase. Changes take effect at the next tick.
@@ -317,8 +331,9 @@ fn maintain(
         index.index.touch_all();
     }
     index.index.set_pair_kinds(settings.pair_kinds);
-    for ((entity, aabb, shape, mut proxy), filter, swept) in &mut boxes {
-        let what = Described { shape, way: swept.map(|(_, way)| way) };
+    for ((entity, aabb, shape, mut proxy), filter, mut swept) in &mut boxes {
+        let way = swept.as_mut().map(|(_, way)| way.bypass_change_detection());
+        let what = Described { shape: &shape.0, reshaped: shape.last_changed(), way };
         index.take_up(entity, aabb, proxy.bypass_change_detection(), what, narrow.tests(), || filters::filter(filter));
     }
     index.index.update();

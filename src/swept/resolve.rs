@@ -70,8 +70,8 @@ struct Outcome {
     bounces: u64,
     /// Where it is at the end of the tick, if it changed course.
     place: Option<Vec3>,
-    /// Does it go there by itself, or with what it hangs on?
-    steers: bool,
+    /// Does it go there by itself, rather than with what it hangs on?
+    has_turned: bool,
 }
 
 impl Outcomes {
@@ -306,7 +306,7 @@ impl Resolver {
             velocity: track.velocity,
             bounces: track.bounces,
             place: (track.version > 0).then(|| track.place(1.0)),
-            steers: track.steers(),
+            has_turned: track.has_turned,
         };
         outcomes.clear();
         outcomes.extend(changed.map(outcome));
@@ -344,7 +344,7 @@ pub(crate) fn apply_outcomes(
         if let Some(place) = outcome.place
             && let Some(id) = proxy.id
         {
-            if outcome.steers {
+            if outcome.has_turned {
                 transform.translation = place;
             }
             let proxy = proxy.bypass_change_detection();

@@ -30,6 +30,8 @@ pub(super) struct Track {
     way: Vec3,
     /// How often it has changed course.
     pub(super) version: u32,
+    /// Did it do so by itself, rather than with what it hangs on?
+    pub(super) has_turned: bool,
     /// Its handle among those that have.
     pub(super) diverted: Option<ProxyId>,
     pub(super) bounces: u64,
@@ -53,6 +55,7 @@ impl Track {
             from: moving.at(0.0).translation,
             way: moving.at(1.0).translation - moving.at(0.0).translation,
             version: 0,
+            has_turned: false,
             diverted: None,
             bounces: 0,
         })
@@ -73,11 +76,6 @@ impl Track {
         self.way
     }
 
-    /// Is its way ours to change?
-    pub(super) const fn steers(&self) -> bool {
-        self.steers.is_some()
-    }
-
     /// Is it on another way than at the start of the tick?
     pub(super) const fn is_diverted(&self) -> bool {
         self.is_swept && self.version > 0
@@ -92,11 +90,11 @@ impl Track {
     /// where it is at the end of it.
     pub(super) fn carry(&mut self, change: Vec3, time: f32) {
         if self.is_swept {
-            self.divert(time, self.way + change);
+            (self.from, self.since, self.way) = (self.place(time), time, self.way + change);
         } else {
             self.from += change * (1.0 - time);
-            self.version += 1;
         }
+        self.version += 1;
     }
 
     /// May it still answer to an impact?
@@ -127,6 +125,7 @@ impl Track {
     fn divert(&mut self, time: f32, way: Vec3) {
         (self.from, self.since, self.way) = (self.place(time), time, way);
         self.version += 1;
+        self.has_turned = true;
     }
 }
 
