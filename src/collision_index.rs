@@ -203,24 +203,28 @@ impl CollisionIndex {
         }
     }
 
+    /// Are the boxes those of the last search, so that they say themselves what had moved?
+    pub(crate) const fn is_as_searched(&self) -> bool {
+        self.moved_at_search.is_empty()
+    }
+
     /// Were the two at rest when pairs were last searched for, and are both still there? What was known of them then
     /// still holds.
-    #[inline]
     pub(crate) fn rested(&self, pair: Pair, entities: [Entity; 2]) -> bool {
         let proxies = self.index.proxies();
-        if self.moved_at_search.is_empty() {
-            return proxies.is_resting(pair.a) && proxies.is_resting(pair.b);
-        }
-        let rested = |id: ProxyId| proxies.contains(id) && self.moved_at_search.get(id.index()) == Some(&false);
+        let rested = |id: ProxyId| {
+            let moved = self.moved_at_search.get(id.index()).is_some_and(|moved| *moved);
+            if self.is_as_searched() { proxies.is_resting(id) } else { proxies.contains(id) && !moved }
+        };
         rested(pair.a) && rested(pair.b) && self.entities(pair) == entities
     }
 
-    fn set_start(&mut self, id: ProxyId, start: Option<Transform>) {
+    fn set_start(&mut self, id: ProxyId, start: Option<&Transform>) {
         if start.is_some() && self.starts.len() <= id.index() {
             self.starts.resize(id.index() + 1, None);
         }
         if let Some(place) = self.starts.get_mut(id.index()) {
-            *place = start;
+            *place = start.copied();
         }
     }
 
@@ -434,7 +438,7 @@ fn maintain(
             }
             id
         };
-        index.set_start(id, start);
+        index.set_start(id, start.as_ref());
     }
     index.index.update();
     let proxies = index.index.proxies();

@@ -61,6 +61,11 @@ impl Plugin for BouncePlugin {
         app.init_resource::<Outcomes>().add_systems(
             self.0,
             (
+                // What was not applied in its tick comes too late.
+                clear_outcomes
+                    .after(CollisionSystems::BroadPhase)
+                    .before(CollisionSystems::NarrowPhase)
+                    .run_if(some_outcomes),
                 resolve_impacts.in_set(ImpactSystems).run_if(some_impacts).run_if(something_bounces),
                 answer.in_set(CollisionSystems::Response),
             ),

@@ -250,6 +250,24 @@ fn contacts_that_are_gone_for_a_tick_or_from_another_time_are_made_anew() {
     }
 }
 
+/// A bounce that is not answered in its tick is not answered in the next one either, when the ball is elsewhere.
+#[test]
+fn what_a_skipped_response_was_to_do_is_not_done_later() {
+    let mut app = skipping_app();
+    app.insert_resource(MotionSettings { step: Step::Seconds(1.0) });
+    let wall = (CollisionShape::cuboid(Vec3::new(0.1, 5.0, 5.0)).unwrap(), Transform::from_xyz(2.5, 0.0, 0.0));
+    app.world_mut().spawn(wall);
+    let ball = (CollisionShape::sphere(0.1).unwrap(), Velocity(Vec3::X), ELASTIC, Swept::default());
+    let ball = app.world_mut().spawn((ball, Transform::default())).id();
+    tick(&mut app, 2);
+    skip(&mut app, &[CollisionSystems::Response]);
+    tick(&mut app, 1);
+    skip(&mut app, &[]);
+    tick(&mut app, 1);
+    assert_eq!(get::<Transform>(&app, ball).translation, Vec3::X * 4.0);
+    assert_eq!(get::<Velocity>(&app, ball).0, Vec3::X);
+}
+
 /// Skipped sets at random: whenever all have run, contacts are those of brute force, and all is told.
 #[test]
 fn any_sets_may_be_skipped_in_any_tick() {

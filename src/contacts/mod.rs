@@ -13,7 +13,7 @@ use std::{cmp::Ordering, iter::Peekable, sync::OnceLock};
 use bevy::prelude::*;
 
 use crate::{
-    broad_phase::{Pair, ProxyId},
+    broad_phase::{Pair, Proxies, ProxyId},
     collision_index::CollisionIndex,
     filters::CollisionLayers,
     narrow_phase::{Contact, TimedContact},
@@ -216,30 +216,44 @@ impl Contacts {
         self.by_object.take();
         self.found.extend(self.impacts.iter().map(|impact| impact.pair));
         self.found.sort_unstable();
-        self.found.dedup();
-        let impacts = &self.impacts;
-        let contact = |pair: Pair| {
-            let [a, b] = index.entities(pair);
-            let layers = [pair.a, pair.b].map(|id| proxies.filter(id).into());
-            ContactPair { pair, a, b, layers, time: time_of_impact(impacts, pair).unwrap_or(1.0) }
-        };
+        self.found.dedup_by_key(|pair| pair.key());
         let displaced = &self.displaced;
-        let stays = |contact: &&ContactPair| {
-            index.rested(contact.pair, [contact.a, contact.b])
-                && (displaced.is_empty() || !is_displaced(displaced, contact.pair))
-        };
         let last = turn(&mut self.pairs, &mut self.before, &mut self.unreported, self.has_news);
-        let mut found = self.found.iter().copied().peekable();
-        for kept in last.iter().filter(stays) {
-            while let Some(pair) = found.next_if(|pair| *pair < kept.pair) {
-                self.pairs.push(contact(pair));
-            }
-            self.pairs.push(*kept);
-            // One of them rested until it was hit.
-            found.next_if_eq(&kept.pair);
+        let kept = last.iter();
+        let sources = (&self.found[..], &self.impacts[..], index);
+        // Nearly always, what was at rest still is.
+        if index.is_as_searched() && displaced.is_empty() {
+            merge(&mut self.pairs, sources, kept.filter(|contact| rest(contact.pair, proxies)));
+        } else {
+            let rested = |contact: &ContactPair| index.rested(contact.pair, [contact.a, contact.b]);
+            let stays = |contact: &&ContactPair| rested(contact) && !is_displaced(displaced, contact.pair);
+            merge(&mut self.pairs, sources, kept.filter(stays));
         }
-        self.pairs.extend(found.map(contact));
     }
+}
+
+/// All contacts of a tick: those that are kept, and those that were found, both in the order of pairs.
+fn merge<'a>(
+    contacts: &mut Vec<ContactPair>,
+    (found, impacts, index): (&[Pair], &[SweptContact], &CollisionIndex),
+    kept: impl Iterator<Item = &'a ContactPair>,
+) {
+    let proxies = index.index().proxies();
+    let contact = |pair: Pair| {
+        let [a, b] = index.entities(pair);
+        let layers = [pair.a, pair.b].map(|id| proxies.filter(id).into());
+        ContactPair { pair, a, b, layers, time: time_of_impact(impacts, pair).unwrap_or(1.0) }
+    };
+    let mut found = found.iter().copied().peekable();
+    for kept in kept {
+        while let Some(pair) = found.next_if(|pair| *pair < kept.pair) {
+            contacts.push(contact(pair));
+        }
+        contacts.push(*kept);
+        // One of them rested until it was hit.
+        found.next_if_eq(&kept.pair);
+    }
+    contacts.extend(found.map(contact));
 }
 
 /// Makes room in `now` for what is known in a new tick, and returns what was known in the last one: that is what the next
@@ -249,6 +263,10 @@ fn turn<'a, T>(now: &mut Vec<T>, before: &'a mut Vec<T>, unreported: &'a mut Vec
     std::mem::swap(now, last);
     now.clear();
     last
+}
+
+fn rest(pair: Pair, proxies: &Proxies) -> bool {
+    proxies.is_resting(pair.a) && proxies.is_resting(pair.b)
 }
 
 fn time_of_impact(impacts: &[SweptContact], pair: Pair) -> Option<f32> {

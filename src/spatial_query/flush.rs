@@ -9,6 +9,10 @@ use crate::{bounds, collision_index, filters, swept};
 /// on other layers since the last tick are where they are from then on. No time passes, nothing moves, and no contact starts or ends: that is
 /// left to the next tick, whose results are the same with and without.
 ///
+/// That holds at any moment, in the middle of a tick too, and however often. Only what is moved between the sets
+/// [`Maintenance`](crate::CollisionSystems::Maintenance) and [`NarrowPhase`](crate::CollisionSystems::NarrowPhase) is then
+/// looked at by the exact tests of that very tick where it is by now.
+///
 /// A system, a command, or a function to call:
 ///
 /// ```

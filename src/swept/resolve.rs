@@ -90,7 +90,7 @@ impl Outcome {
     fn of(track: &Track, to_own: impl FnOnce(Vec3) -> Option<Vec3>) -> Self {
         let in_world = (track.version > 0).then(|| track.place(1.0));
         let place = in_world.and_then(|in_world| {
-            let own = if track.steers() { Some(to_own(in_world)?) } else { None };
+            let own = if track.has_turned { Some(to_own(in_world)?) } else { None };
             Some(Place { in_world, own })
         });
         Self { entity: track.entity, velocity: track.own_velocity(), bounces: track.bounces, place }

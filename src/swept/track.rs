@@ -35,6 +35,8 @@ pub(super) struct Track {
     way: Vec3,
     /// How often it has changed course.
     pub(super) version: u32,
+    /// Did it do so by itself, rather than with what it hangs on?
+    pub(super) has_turned: bool,
     /// Its handle among those that have.
     pub(super) diverted: Option<ProxyId>,
     pub(super) bounces: u64,
@@ -71,6 +73,7 @@ impl Track {
             from: moving.at(0.0).translation,
             way: moving.at(1.0).translation - moving.at(0.0).translation,
             version: 0,
+            has_turned: false,
             diverted: None,
             bounces: 0,
         })
@@ -101,11 +104,6 @@ impl Track {
         self.way
     }
 
-    /// Is its way ours to change?
-    pub(super) const fn steers(&self) -> bool {
-        self.steers.is_some()
-    }
-
     /// Is it on another way than at the start of the tick?
     pub(super) const fn is_diverted(&self) -> bool {
         self.is_swept && self.version > 0
@@ -126,11 +124,11 @@ impl Track {
             self.frame = self.frame.map(|frame| frame.drifting(faster));
         }
         if self.is_swept {
-            self.divert(time, self.way + change);
+            (self.from, self.since, self.way) = (self.place(time), time, self.way + change);
         } else {
             self.from += change * (1.0 - time);
-            self.version += 1;
         }
+        self.version += 1;
     }
 
     /// Has it bounced as often as it may?
@@ -169,6 +167,7 @@ impl Track {
     fn divert(&mut self, time: f32, way: Vec3) {
         (self.from, self.since, self.way) = (self.place(time), time, way);
         self.version += 1;
+        self.has_turned = true;
     }
 }
 
