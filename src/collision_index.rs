@@ -40,6 +40,9 @@ pub struct CollisionIndex {
     /// search, and say so themselves.
     #[reflect(ignore)]
     moved_at_search: Vec<bool>,
+    /// When the pairs of the last search were handed out.
+    #[reflect(ignore)]
+    listed: Tick,
 }
 
 /// What the exact tests need of an entity, in one place: they visit entities in no order of memory.
@@ -131,6 +134,11 @@ impl CollisionIndex {
         self.index.touch_moved();
     }
 
+    /// Are the candidates just those that were found, each once?
+    pub(crate) fn has_listed(&self, candidates: &Res<CandidatePairs>) -> bool {
+        candidates.last_changed() == self.listed
+    }
+
     /// The number of the last search whose pairs are for the exact tests.
     #[inline]
     pub(crate) const fn search(&self) -> u64 {
@@ -167,12 +175,12 @@ impl CollisionIndex {
         rested(pair.a) && rested(pair.b) && self.entities(pair) == entities
     }
 
-    fn set_start(&mut self, id: ProxyId, start: Option<&Transform>) {
+    fn set_start(&mut self, id: ProxyId, start: Option<Transform>) {
         if start.is_some() && self.starts.len() <= id.index() {
             self.starts.resize(id.index() + 1, None);
         }
         if let Some(place) = self.starts.get_mut(id.index()) {
-            *place = start.copied();
+            *place = start;
         }
     }
 
@@ -205,10 +213,8 @@ impl CollisionIndex {
     ) {
         let index = &mut self.index;
         let pose = proxy.pose;
-        let Described { shape, reshaped, way } = what;
-        let way = way.filter(|way| way.belongs_to(entity, proxy.id));
-        let start = way.as_ref().and_then(|way| way.to(&pose));
-        let side = || endless(aabb, tests, shape, start.unwrap_or(&pose), &pose);
+        // What fills all the space there is has no end: where it is, is up to its shape.
+        let side = || (*aabb == WorldAabb::ENDLESS).then(|| what.side(&pose, tests));
         let known = proxy.id.filter(|id| {
             index.set(*id, &aabb.0).is_ok() || side().is_some_and(|side| index.set_endless(*id, side).is_ok())
         });
@@ -224,7 +230,7 @@ impl CollisionIndex {
                 self.index.remove(old);
             }
             self.change_filter(id, |old| *old = filter());
-            let body = Body { entity, pose, shape: shape.clone(), reshaped };
+            let body = Body { entity, pose: proxy.pose, shape: what.shape.clone(), reshaped: what.reshaped };
             match self.bodies.get_mut(id.index()) {
                 Some(place) => *place = body,
                 None => self.bodies.push(body),
@@ -233,30 +239,15 @@ impl CollisionIndex {
             // It may have turned inside its box.
             self.index.touch(id);
             let body = &mut self.bodies[id.index()];
-            body.pose = pose;
+            body.pose = proxy.pose;
             // It may have changed when nobody looked, between two sets.
-            if body.reshaped != reshaped {
-                body.reshaped = reshaped;
-                body.shape = shape.clone();
+            if body.reshaped != what.reshaped {
+                body.reshaped = what.reshaped;
+                body.shape = what.shape.clone();
             }
         }
-        self.set_start(id, start);
-        if let Some(way) = way {
-            way.follow(id);
-        }
+        self.set_start(id, what.way.and_then(|way| way.to(&proxy.pose)).copied());
     }
-}
-
-/// Where a shape is all along its way that has no end, as what fills all the space there is. `None` for what has one.
-#[cold]
-fn endless(
-    aabb: &WorldAabb,
-    tests: &NarrowPhase,
-    shape: &Shape,
-    start: &Transform,
-    pose: &Transform,
-) -> Option<Option<HalfSpace>> {
-    (*aabb == WorldAabb::ENDLESS).then(|| swept::side(tests, &Moving::new(shape, start, pose)))
 }
 
 /// What an entity is, besides its box.
@@ -264,7 +255,17 @@ struct Described<'a> {
     shape: &'a Shape,
     /// When it became that.
     reshaped: Tick,
-    way: Option<&'a mut SweptWay>,
+    /// Its own way, if it is swept.
+    way: Option<&'a SweptWay>,
+}
+
+impl Described<'_> {
+    /// Where all of a shape without an end is, all along its way.
+    #[cold]
+    fn side(&self, pose: &Transform, tests: &NarrowPhase) -> Option<HalfSpace> {
+        let start = self.way.and_then(|way| way.to(pose)).unwrap_or(pose);
+        swept::side(tests, &Moving::new(self.shape, start, pose))
+    }
 }
 
 /// Settings of the broad phase. Changes take effect at the next tick.
@@ -314,7 +315,7 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
 }
 
 type Boxed<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy);
-type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<(&'a Swept, &'a mut SweptWay)>);
+type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<(&'a Swept, &'a SweptWay)>);
 
 fn maintain(
     mut index: ResMut<CollisionIndex>,
@@ -331,8 +332,8 @@ fn maintain(
         index.index.touch_all();
     }
     index.index.set_pair_kinds(settings.pair_kinds);
-    for ((entity, aabb, shape, mut proxy), filter, mut swept) in &mut boxes {
-        let way = swept.as_mut().map(|(_, way)| way.bypass_change_detection());
+    for ((entity, aabb, shape, mut proxy), filter, swept) in &mut boxes {
+        let way = swept.map(|(_, way)| way).filter(|way| way.belongs_to(entity, proxy.id));
         let what = Described { shape: &shape.0, reshaped: shape.last_changed(), way };
         index.take_up(entity, aabb, proxy.bypass_change_detection(), what, narrow.tests(), || filters::filter(filter));
     }
@@ -353,6 +354,7 @@ pub(crate) fn find_candidates(
     counters.tick.candidates = candidates.len() as u64;
     counters.tick.resting_pairs = pairs.resting().len() as u64;
     counters.tick.pairs_tested = index.index.pairs_tested();
+    index.listed = candidates.last_changed();
     index.search += 1;
     index.moved_at_search.clear();
 }
