@@ -142,10 +142,10 @@ impl Plugin for SweptPlugin {
 
 /// The way of an entity that is new begins where it is before it first moves.
 fn begin_ways(
-    mut swept: Query<(Entity, &Transform, Has<ChildOf>, Shaped, &mut Swept), With<BroadPhaseProxy>>,
+    mut swept: Query<(Here, Shaped, &mut Swept), With<BroadPhaseProxy>>,
     ancestors: Query<Ancestor, Allow<Disabled>>,
 ) {
-    for (entity, transform, has_parent, (shape, sheared), mut swept) in &mut swept {
+    for ((entity, transform, has_parent), (shape, sheared), mut swept) in &mut swept {
         if swept.start.is_none() {
             let in_world = || {
                 let place = hierarchy::place_in_world(entity, &ancestors)?;
@@ -157,6 +157,7 @@ fn begin_ways(
     }
 }
 
+type Here<'a> = (Entity, &'a Transform, Has<ChildOf>);
 type Shaped<'a> = (&'a CollisionShape, Option<&'a Sheared>);
 
 /// Each way begins where the last one ended. Who has none in this tick gets one at the next.
