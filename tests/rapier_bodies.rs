@@ -7,10 +7,19 @@ mod common;
 
 use std::sync::{Arc, Mutex};
 
-use bevy::{ecs::entity_disabling::Disabled, prelude::*};
-use bevy_octree::prelude::*;
+use bevy::{
+    ecs::{entity_disabling::Disabled, system::RunSystemOnce},
+    prelude::*,
+};
+use bevy_octree::{narrow_phase::Shape, prelude::*};
 use bevy_rapier3d::{
-    parry::{math::IVector, shape::SharedShape},
+    parry::{
+        bounding_volume::{Aabb, BoundingSphere},
+        mass_properties::MassProperties,
+        math::IVector,
+        query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection},
+        shape::{self, Ball, FeatureId, SharedShape},
+    },
     prelude as rapier,
     prelude::{Collider, RapierPhysicsPlugin, RigidBody},
 };
@@ -23,7 +32,8 @@ use tracing::{
 
 /// An app in which Rapier and this crate make one step per update.
 fn rapier_app() -> App {
-    let mut app = app_with((TransformPlugin, OctreePlugins::default(), RapierInteropPlugin::default()), FixedPostUpdate);
+    let mut app =
+        app_with((TransformPlugin, OctreePlugins::default(), RapierInteropPlugin::default()), FixedPostUpdate);
     app.insert_resource(rapier::TimestepMode::Fixed { dt: 1.0 / TICKS_PER_SECOND, substeps: 1 })
         .add_plugins(RapierPhysicsPlugin::<()>::default().in_schedule(FixedUpdate));
     app.finish();
@@ -85,7 +95,8 @@ fn what_rests_on_a_floor_is_in_contact_with_it_whatever_the_two_are() {
 fn shapes_of_ours_touch_height_fields_and_voxels() {
     let heights = vec![0.0; 81];
     let field = Collider::heightfield(heights, 9, 9, Vec3::new(20.0, 1.0, 20.0));
-    let corners: Vec<_> = (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5).collect();
+    let corners: Vec<_> =
+        (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5).collect();
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let shapes = [
         CollisionShape::sphere(0.5),
@@ -139,21 +150,76 @@ impl tracing::Subscriber for Logged {
     fn exit(&self, _: &Id) {}
 }
 
+/// A shape that somebody else made: a ball that nothing is known of but how rays and points meet it.
+#[derive(Clone, Debug)]
+struct Unheard(Ball);
+
+impl RayCast for Unheard {
+    fn cast_local_ray_and_get_normal(&self, ray: &Ray, max: f32, solid: bool) -> Option<RayIntersection> {
+        self.0.cast_local_ray_and_get_normal(ray, max, solid)
+    }
+}
+
+impl PointQuery for Unheard {
+    fn project_local_point(&self, point: Vec3, solid: bool) -> PointProjection {
+        self.0.project_local_point(point, solid)
+    }
+    fn project_local_point_and_get_feature(&self, point: Vec3) -> (PointProjection, FeatureId) {
+        self.0.project_local_point_and_get_feature(point)
+    }
+}
+
+impl shape::Shape for Unheard {
+    fn compute_local_aabb(&self) -> Aabb {
+        self.0.compute_local_aabb()
+    }
+    fn compute_local_bounding_sphere(&self) -> BoundingSphere {
+        self.0.compute_local_bounding_sphere()
+    }
+    fn clone_dyn(&self) -> Box<dyn shape::Shape> {
+        Box::new(self.clone())
+    }
+    fn scale_dyn(&self, _: Vec3, _: u32) -> Option<Box<dyn shape::Shape>> {
+        None
+    }
+    fn mass_properties(&self, density: f32) -> MassProperties {
+        shape::Shape::mass_properties(&self.0, density)
+    }
+    fn shape_type(&self) -> shape::ShapeType {
+        shape::ShapeType::Custom
+    }
+    fn as_typed_shape(&self) -> shape::TypedShape<'_> {
+        shape::TypedShape::Custom(self)
+    }
+    fn ccd_thickness(&self) -> f32 {
+        self.0.radius
+    }
+    fn ccd_angular_thickness(&self) -> f32 {
+        0.0
+    }
+}
+
 #[test]
 fn a_pair_that_nothing_is_known_of_is_told_once_with_both_entities() {
     let logged = Logged::default();
     let (a, b) = tracing::subscriber::with_default(logged.clone(), || {
-        let mut app = rapier_app();
-        let side = |normal| Collider::halfspace(normal).expect("it has a length");
-        spawn(&mut app, Collider::ball(0.5), Vec3::ZERO, ());
-        let a = spawn(&mut app, side(Vec3::Y), Vec3::ZERO, ());
-        let b = spawn(&mut app, side(Vec3::X), Vec3::ZERO, ());
+        let mut app = app(Method::default());
+        let unheard = || CollisionShape(Shape::Rapier(SharedShape(Arc::new(Unheard(Ball::new(0.5))))));
+        let [near, far] =
+            [0.0, 100.0].map(|x| app.world_mut().spawn((unheard(), Transform::from_xyz(x, 0.0, 0.0))).id());
+        let cube = CollisionShape::cuboid(Vec3::splat(0.5)).unwrap();
+        let other = app.world_mut().spawn((cube, Transform::from_xyz(0.2, 0.0, 0.0))).id();
         for _ in 0..4 {
             tick(&mut app, 1);
-            get_mut::<Transform>(&mut app, b).translation.x += 0.01;
+            get_mut::<Transform>(&mut app, other).translation.x += 0.01;
         }
-        assert!(!contacts(&app).contains(&pair(a, b)));
-        (a, b)
+        assert!(contacts(&app).is_empty());
+        let ray = |spatial: SpatialQuery| {
+            let ray = Ray3d::new(Vec3::new(100.0, 5.0, 0.0), Dir3::NEG_Y);
+            spatial.cast_ray(ray, 100.0, &SpatialQueryFilter::ALL).map(|hit| (hit.entity, hit.distance))
+        };
+        assert_eq!(app.world_mut().run_system_once(ray).expect("the system runs"), Some((far, 4.5)));
+        (near, other)
     });
     let logged = logged.0.lock().expect("nobody panics");
     let [message] = &logged[..] else { panic!("{logged:?}") };

@@ -65,7 +65,8 @@ impl NarrowPhase {
     /// * for a sphere, the direction of the closest point of the other shape;
     /// * for other meshes, an approximation: the mean normal of the polygons that are crossed. The
     ///   depth is then how far the crossing reaches along it;
-    /// * for Rapier shapes, what parry finds;
+    /// * for Rapier shapes, that along which they overlap least; of shapes that consist of parts, that of the two that are
+    ///   deepest in each other;
     /// * where all that fails (a mesh inside another, without crossing), the direction from centre
     ///   to centre, and +Y if these coincide. The depth is then the overlap of the two boxes that
     ///   way.
@@ -78,7 +79,8 @@ impl NarrowPhase {
         let origin = Vec3A::from(first.transform.translation);
         let found = match Pair::new(first, second, self.tolerance()) {
             Ok(pair) if pair.is_large() => {
-                let found = self.large_contact(&pair, workspace).map(|found| if swapped { found.reversed() } else { found });
+                let found =
+                    self.large_contact(&pair, workspace).map(|found| if swapped { found.reversed() } else { found });
                 if found.is_some() {
                     return found;
                 }

@@ -103,8 +103,7 @@ impl<'a> Convex<'a> {
             half_height: cylinder.half_height.into(),
             radius: cylinder.radius.into(),
         };
-        let cone =
-            |cone: &shape::Cone| Core::Cone { half_height: cone.half_height.into(), radius: cone.radius.into() };
+        let cone = |cone: &shape::Cone| Core::Cone { half_height: cone.half_height.into(), radius: cone.radius.into() };
         let triangle = |triangle: &shape::Triangle| Core::Triangle([triangle.a, triangle.b, triangle.c].map(wide));
         let (core, radius) = match shape.as_typed_shape() {
             TypedShape::Ball(ball) => (Core::Point, ball.radius),
@@ -177,7 +176,13 @@ impl Core<'_> {
         };
         match *self {
             Self::Point => DVec3::ZERO,
-            Self::Segment([a, b]) => if b.dot(direction) > a.dot(direction) { b } else { a },
+            Self::Segment([a, b]) => {
+                if b.dot(direction) > a.dot(direction) {
+                    b
+                } else {
+                    a
+                }
+            }
             Self::Triangle(corners) => of(&mut corners.into_iter()),
             Self::Cuboid(half) => DVec3::select(direction.cmplt(DVec3::ZERO), -half, half),
             Self::Cylinder { half_height, radius } => rim(direction, radius, half_height.copysign(direction.y)),

@@ -63,7 +63,9 @@ pub(super) fn sphere_closest(pair: &Pair, workspace: &mut Workspace) -> Option<(
 /// Whether a point is inside a closed mesh, the second of the pair.
 #[cfg(feature = "rapier")]
 pub(super) fn encloses(pair: &Pair, point: Vec3A, workspace: &mut Workspace) -> bool {
-    fill_second(pair, &Region::NOWHERE, workspace).is_some_and(|(mesh, surface)| surface.encloses(mesh, point))
+    // An open one is not even put in place.
+    polygons_of(pair.b.shape).is_some_and(|(mesh, _)| mesh.is_closed())
+        && fill_second(pair, &Region::NOWHERE, workspace).is_some_and(|(mesh, surface)| surface.encloses(mesh, point))
 }
 
 /// Puts the second mesh in place, with the edges and faces in a region.

@@ -16,7 +16,7 @@ const MOST_STEPS: usize = 64;
 const PRECISION: f64 = 1e-9;
 /// What counts as flat, or as nothing, as a share of the sizes at hand: more than rounding.
 const FLAT: f64 = 1e-13;
-/// So often is a polytope expanded: enough for round shapes to be off by a few thousandths of the depth.
+/// So often is a polytope expanded: enough for the depth of round shapes to be off by less than a hundredth.
 const MOST_EXPANSIONS: usize = 64;
 
 /// How two shapes are to each other.
@@ -43,11 +43,8 @@ impl Gap {
     fn grown(self, [a, b]: [f64; 2]) -> Self {
         let Self { distance, normal, points: [on_a, on_b], between } = self;
         // Cores that are apart have a line between them that is in both shapes where these overlap.
-        let between = if distance > 0.0 {
-            on_a + normal * (0.5 * (a + distance - b)).clamp(0.0, distance)
-        } else {
-            between
-        };
+        let between =
+            if distance > 0.0 { on_a + normal * (0.5 * (a + distance - b)).clamp(0.0, distance) } else { between };
         Self { distance: distance - a - b, normal, points: [on_a + normal * a, on_b - normal * b], between }
     }
 }
@@ -299,7 +296,12 @@ fn expand(simplex: &Simplex, difference: impl Fn(DVec3) -> Vertex, size: f64, ov
     let weights = triangle(corners, [0, 1, 2]);
     let on = |which: usize| facet.corners.iter().zip(weights).map(|(i, weight)| vertices[*i].on[which] * weight).sum();
     let points: [DVec3; 2] = [on(0), on(1)];
-    Gap { distance: -reach.max(f64::MIN_POSITIVE), normal: facet.normal, points, between: points[0].midpoint(points[1]) }
+    Gap {
+        distance: -reach.max(f64::MIN_POSITIVE),
+        normal: facet.normal,
+        points,
+        between: points[0].midpoint(points[1]),
+    }
 }
 
 /// Four points of the difference that span a volume, those of the simplex first; or a direction in which it has no extent.

@@ -5,7 +5,7 @@ use bevy::math::{Dir3, Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
 use super::pair::Pair;
-use super::{NarrowPhase, Placed, Shape};
+use super::{NarrowPhase, Placed};
 
 /// The greatest length whose fourth power 32-bit floats hold, with room to spare.
 const LARGE: f32 = 1e9;
@@ -41,11 +41,11 @@ impl Smaller {
     /// `None` if one of the two is a shape of Rapier's: these have no scale, and are looked at in 64-bit floats.
     pub fn of(pair: &Pair, tests: &NarrowPhase) -> Option<Self> {
         #[cfg(feature = "rapier")]
-        if matches!((pair.a.shape, pair.b.shape), (Shape::Rapier(_), _) | (_, Shape::Rapier(_))) {
+        if [pair.a, pair.b].iter().any(|placed| matches!(placed.shape, super::Shape::Rapier(_))) {
             return None;
         }
-        // Powers of two are exact, and so is half of one of the greatest.
-        let factor = pair.extent().log2().floor().exp2();
+        // The power of two that is next below: its exponent alone.
+        let factor = f32::from_bits(pair.extent().to_bits() & f32::INFINITY.to_bits());
         let smaller = |placed: &Placed<'_>| {
             let Transform { translation, rotation, scale } = *placed.transform;
             Transform { translation: translation / factor, rotation, scale: scale / factor }
@@ -72,6 +72,18 @@ pub(super) fn length(v: Vec3A) -> f32 {
 pub(super) fn direction_and_length(v: Vec3) -> Option<(Dir3, f32)> {
     let length = length(v.into());
     Some((Dir3::new(v / length).ok()?, length))
+}
+
+/// The direction of a vector whose squares may overflow, or underflow; zero for zero.
+#[inline]
+pub(super) fn unit(v: Vec3A) -> Vec3A {
+    let unit = v.normalize_or_zero();
+    if unit == Vec3A::ZERO { safe_unit(v) } else { unit }
+}
+
+#[cold]
+fn safe_unit(v: Vec3A) -> Vec3A {
+    (v / v.abs().max_element()).normalize_or_zero()
 }
 
 #[cold]

@@ -1,4 +1,5 @@
-//! Shapes of `bevy_rapier3d`, decided by parry.
+//! Shapes of `bevy_rapier3d`: what is asked about a pair in which there is one. One question decides all of it, the distance
+//! of the convex shapes that the two consist of.
 
 use std::cell::Cell;
 use std::sync::{Arc, OnceLock};
@@ -6,6 +7,8 @@ use std::sync::{Arc, OnceLock};
 use bevy::math::{DVec3, Dir3, Vec3, Vec3A, primitives::HalfSpace};
 use bevy::transform::components::Transform;
 use bevy_rapier3d::geometry::Collider;
+use bevy_rapier3d::parry::math::Pose;
+use bevy_rapier3d::parry::query;
 use bevy_rapier3d::parry::shape::{SharedShape, TriMesh};
 
 use super::contact::LocalContact;
@@ -126,9 +129,28 @@ pub(super) fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalConta
 
 /// Where a ray meets a shape. Solids are solid.
 pub(super) fn cast_ray(target: Placed, origin: Vec3, direction: Dir3, max_distance: f32) -> Option<Impact> {
+    let Some(body) = body(target, origin) else { return ray_by_itself(target, origin, direction, max_distance) };
     let ray = Body::Simple(Simple::Convex(Convex::point(DVec3::ZERO)));
     let from_place = origin.as_dvec3() - target.transform.translation.as_dvec3();
-    impact(&ray, (origin, ray::slack(origin, from_place)), direction, max_distance, &body(target, origin)?)
+    impact(&ray, (origin, ray::slack(origin, from_place)), direction, max_distance, &body)
+}
+
+/// What a shape says of which nothing else is known.
+fn ray_by_itself(target: Placed, origin: Vec3, direction: Dir3, max_distance: f32) -> Option<Impact> {
+    let Shape::Rapier(shape) = target.shape else { return None };
+    let ray = query::Ray::new(origin - target.transform.translation, *direction);
+    let met = shape.cast_ray_and_get_normal(&turn(target), &ray, max_distance.min(f32::MAX), true)?;
+    let distance = met.time_of_impact;
+    // No normal inside.
+    let normal = met.normal.try_normalize().filter(|_| distance > 0.0).unwrap_or(-*direction);
+    let normal = ray::against(normal, direction);
+    let is_within = distance >= 0.0 && distance <= max_distance;
+    is_within.then(|| Impact { distance, point: origin + direction * distance, normal })
+}
+
+/// How a shape is turned, at the origin.
+fn turn(placed: Placed) -> Pose {
+    Pose::from_parts(Vec3::ZERO, placed.transform.rotation.normalize())
 }
 
 /// Where a shape on its way meets another that it does not touch at the start.
@@ -149,11 +171,12 @@ fn impact(
     let way = direction.as_dvec3();
     let sizes = [moving, target].map(|body| body.size()).into_iter().filter(|size| size.is_finite());
     let near = NEAR * sizes.sum::<f64>();
-    let search =
-        Search { direction: way, limit: Cell::new(max_distance.into()), ..Search::within(near.max(touching)) };
+    let search = Search { direction: way, limit: Cell::new(max_distance.into()), ..Search::within(near.max(touching)) };
     let mut first: Option<(f64, Gap)> = None;
     search.pairs(moving, target, &mut |a, b| {
-        let Ok(found) = parts::first_impact(a, b, way, search.limit.get(), [near.max(touching), near]) else { return false };
+        let Ok(found) = parts::first_impact(a, b, way, search.limit.get(), [near.max(touching), near]) else {
+            return false;
+        };
         if let Some((distance, _)) = found.filter(|found| first.is_none_or(|first| found.0 < first.0)) {
             search.limit.set(distance);
             first = found;
@@ -169,8 +192,13 @@ fn impact(
 
 /// The point of a shape that is closest to another; that one itself, if it is inside.
 pub(super) fn closest_point(target: Placed, point: Vec3) -> Option<Vec3> {
+    let Some(body) = body(target, point) else {
+        let Shape::Rapier(shape) = target.shape else { return None };
+        let at = target.transform.translation;
+        return Some(at + shape.project_point(&turn(target), point - at, true).point);
+    };
     let at_point = Body::Simple(Simple::Convex(Convex::point(DVec3::ZERO)));
-    let gap = parts::nearest(&body(target, point)?, &at_point)?;
+    let gap = parts::nearest(&body, &at_point)?;
     Some(if gap.distance > 0.0 { (point.as_dvec3() + gap.points[0]).as_vec3() } else { point })
 }
 

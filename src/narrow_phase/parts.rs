@@ -25,7 +25,12 @@ const STEEP: f64 = 1e-9;
 pub(super) enum Body<'a> {
     Simple(Simple<'a>),
     /// What has a tree: a mesh; or a compound, whose parts need not hang together. The scale is for meshes alone.
-    Tree { parts: &'a dyn CompositeShape, is_compound: bool, scale: DVec3, at: Place },
+    Tree {
+        parts: &'a dyn CompositeShape,
+        is_compound: bool,
+        scale: DVec3,
+        at: Place,
+    },
     Field(&'a HeightField, Place),
     Voxels(&'a Voxels, Place),
 }
@@ -35,7 +40,10 @@ pub(super) enum Body<'a> {
 pub(super) enum Simple<'a> {
     Convex(Convex<'a>),
     /// A half-space, by its plane and the normal that points out of it.
-    Side { normal: DVec3, offset: f64 },
+    Side {
+        normal: DVec3,
+        offset: f64,
+    },
 }
 
 impl<'a> Body<'a> {
@@ -224,8 +232,16 @@ impl Search {
 enum Region {
     Everywhere,
     /// A box on its way.
-    Box { center: DVec3, half: DVec3, direction: DVec3 },
-    Side { normal: DVec3, offset: f64, approach: f64 },
+    Box {
+        center: DVec3,
+        half: DVec3,
+        direction: DVec3,
+    },
+    Side {
+        normal: DVec3,
+        offset: f64,
+        approach: f64,
+    },
 }
 
 impl Region {
@@ -281,7 +297,9 @@ impl Region {
         let (low, high) = (bounds.mins.as_dvec3(), bounds.maxs.as_dvec3());
         let margin = search.margin.get();
         let Self::Box { center, half, direction } = *self else {
-            return if search.goes_on() { visit(bounds) };
+            return if search.goes_on() {
+                visit(bounds)
+            };
         };
         // What is as near as rounding, too.
         let reach = half + margin + f64::from(f32::EPSILON) * (low.abs().max(high.abs()));
@@ -378,7 +396,7 @@ pub(super) fn first_impact(
         }
         time += gap.distance / closing;
         last = Some(gap);
-        if !(time <= limit) {
+        if time > limit || time.is_nan() {
             break;
         }
     }

@@ -24,7 +24,7 @@ pub struct Proximity {
 impl NarrowPhase {
     /// The point of a shape that is closest to `point`; `point` itself, if it is inside.
     ///
-    /// Exact for every kind of shape; parry answers for Rapier's. `None` if anything is not finite.
+    /// Exact for every kind of shape. `None` if anything is not finite.
     ///
     /// Cuboids, spheres: O(1); meshes: linear in their polygons. Allocates nothing once the workspace is warm.
     ///
@@ -62,16 +62,17 @@ impl NarrowPhase {
 
     /// How far two shapes are apart, and where they are closest to each other.
     ///
-    /// Exact for every kind of shape, up to rounding; parry answers for Rapier's, but for its cuboids and balls. Shapes
+    /// Exact for every kind of shape, up to rounding. Shapes
     /// overlap as they do for [`intersects`](Self::intersects): one inside the other too, if that is closed. Those that are
     /// in contact by tolerance alone have a distance, which is no more than the tolerance. Swapping the two swaps the
     /// points and turns the offset around, unless they are equal in all things, place included. `None` if anything is not
-    /// finite, and for pairs that parry does not support, such as two half-spaces.
+    /// finite, and for pairs of which nothing is known, such as two half-spaces: see the [module](super).
     ///
     /// Two cuboids: O(1), in the order of 0.1 µs if turned alike, and 1 µs if not; two spheres, and a sphere and a cuboid:
     /// O(1); a sphere and a mesh: linear in its polygons; two meshes: linear in their polygons where they are far from each
-    /// other, and in the pairs of those that are close to the other mesh. Allocates nothing once the workspace is warm, but
-    /// for meshes that meet Rapier's shapes.
+    /// other, and in the pairs of those that are close to the other mesh. Height
+    /// fields and voxels: linear in the cells that are as near, in each direction, as what is closest. Allocates nothing
+    /// once the workspace is warm, but when a mesh first meets a shape of Rapier's.
     ///
     /// ```
     /// use bevy::{math::Vec3, transform::components::Transform};

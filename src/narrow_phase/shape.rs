@@ -50,7 +50,7 @@ pub enum Shape {
     Convex(Arc<ConvexMesh>),
     /// Any mesh of planar polygons: a solid if it is closed, a surface otherwise.
     Mesh(Arc<PolygonMesh>),
-    /// A shape of `bevy_rapier3d`, decided by parry.
+    /// A shape of `bevy_rapier3d`.
     #[cfg(feature = "rapier")]
     Rapier(bevy_rapier3d::parry::shape::SharedShape),
 }

@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use bevy::math::{Vec3, Vec3A};
 
 use super::closest;
+use super::large::unit;
 use super::oriented_box::{OrientedBox, effective_scale};
 use super::{Placed, PolygonMesh, Shape};
 
@@ -133,7 +134,9 @@ impl Surface {
 
         // Normals scale with the cofactors, that is inversely, but without dividing by zero. A
         // mirror would turn them inside out.
-        let cofactors = Vec3A::new(scale.y * scale.z, scale.z * scale.x, scale.x * scale.y);
+        let largest = scale.abs().max_element();
+        let relative = if largest > 0.0 { scale / largest } else { scale };
+        let cofactors = Vec3A::new(relative.y * relative.z, relative.z * relative.x, relative.x * relative.y);
         let mirror = 1f32.copysign(scale.x * scale.y * scale.z);
         self.faces.clear();
         for (polygon, (corners, normal)) in mesh.polygons().zip(mesh.normals()).enumerate() {
@@ -275,7 +278,7 @@ pub(super) fn winds_around(mesh: &PolygonMesh, way_to: impl Fn(u32) -> Vec3A) ->
     // too.
     let mut half_angles = 0.0;
     for corners in mesh.polygons() {
-        let seen = |vertex: u32| way_to(vertex).normalize_or_zero();
+        let seen = |vertex: u32| unit(way_to(vertex));
         let a = seen(corners[0]);
         for pair in corners[1..].windows(2) {
             let (b, c) = (seen(pair[0]), seen(pair[1]));

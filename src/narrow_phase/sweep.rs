@@ -12,13 +12,13 @@ use super::{Impact, NarrowPhase, Placed, PolygonMesh, Shape, Workspace, closest,
 impl NarrowPhase {
     /// Where a shape that moves without turning first meets another, if it does so within `max_distance`.
     ///
-    /// Exact for every kind of shape, up to the rounding of 32-bit floats; parry answers for Rapier's shapes, but for its
-    /// cuboids and balls. Shapes [in contact](Self::intersects) at the start meet at once. Those that only graze each
+    /// Exact for every kind of shape, up to the rounding of 32-bit floats, and as exact after a long way as after a short
+    /// one. Shapes [in contact](Self::intersects) at the start meet at once, whichever way they go. Those that only graze each
     /// other, closer than the tolerance, may count as meeting or not. `None` too if anything is not finite, but for
     /// `max_distance`, or that is negative or NaN.
     ///
     /// Two shapes made of polygons: linear in the pairs of their edges; a sphere and one of these: linear in its edges; two
-    /// spheres: O(1). Allocates nothing once the workspace is warm, but for meshes that meet Rapier's shapes.
+    /// spheres: O(1). Allocates nothing once the workspace is warm, but when a mesh first meets a shape of Rapier's.
     ///
     /// ```
     /// use bevy::{math::{Dir3, Vec3}, transform::components::Transform};
@@ -72,7 +72,11 @@ impl NarrowPhase {
         {
             let ([moving, target], factor) = (smaller.placed(&pair), smaller.factor);
             let found = smaller.tests.sweep(moving, direction, left / factor, target, workspace)?;
-            return Some(Impact { distance: in_all(found.distance * factor), point: origin + found.point * factor, ..found });
+            return Some(Impact {
+                distance: in_all(found.distance * factor),
+                point: origin + found.point * factor,
+                ..found
+            });
         }
         let mut first = First::new((*direction).into(), left);
         match (moving.shape, target.shape) {

@@ -6,8 +6,8 @@
 //! Body Systems*, 1996): the two go on for as long as they cannot possibly meet, given their distance and how fast they
 //! move and turn, and then look again.
 
-use bevy::math::bounding::{Aabb3d, BoundingVolume};
 use bevy::math::Vec3;
+use bevy::math::bounding::{Aabb3d, BoundingVolume};
 use bevy::transform::components::Transform;
 
 use super::large::direction_and_length;

@@ -51,11 +51,14 @@
 //!
 //! # Bounces
 //!
-//! A Rapier `Velocity` answers to contacts by [`Bounce`](crate::response::Bounce) too: of an entity that has both,
-//! and no [`Velocity`](crate::motion::Velocity) of ours, contacts change the linear velocity by the same rules. Rapier
-//! takes it up in its next step. Such an entity gets a `Velocity` of ours, which mirrors that of Rapier, and
-//! [`MovedElsewhere`](crate::motion::MovedElsewhere), so that only Rapier moves it. Rapier itself parts bodies that
-//! are solid to it: bounces are for sensors and kinematic bodies.
+//! An entity with a Rapier `Velocity` that has [`ShapeFromRapier`] or [`Bounce`](crate::response::Bounce), and no
+//! [`Velocity`](crate::motion::Velocity) of ours, gets one, which mirrors that of Rapier, and
+//! [`MovedElsewhere`](crate::motion::MovedElsewhere), so that only Rapier moves it. What bounces off it answers to how fast
+//! it is; a body that Rapier does not move, because it is fixed or disabled, is at rest, whatever velocity it was given.
+//! Both components go with the last of what they came for.
+//!
+//! Where there is a `Bounce` too, contacts change the linear velocity, by the same rules as all others. Rapier takes it up
+//! in its next step. Rapier itself parts bodies that are solid to it: bounces are for sensors and kinematic bodies.
 
 mod velocity;
 

@@ -55,8 +55,10 @@ fn read(mut mirrored: Query<(Moved, &mut Velocity), With<Mirrored>>) {
     }
 }
 
+type Answered = (With<Mirrored>, With<Bounce>, Changed<Velocity>);
+
 /// What a contact changed. A velocity that is not finite is left to Rapier.
-fn write(mut mirrored: Query<(&Velocity, &mut RapierVelocity), (With<Mirrored>, With<Bounce>, Changed<Velocity>)>) {
+fn write(mut mirrored: Query<(&Velocity, &mut RapierVelocity), Answered>) {
     for (ours, mut theirs) in &mut mirrored {
         if theirs.linear != ours.0 && ours.is_finite() {
             theirs.linear = ours.0;
