@@ -8,7 +8,7 @@ use bevy_octree::{
     trace::{EXTENSION, TraceError, TraceHeader, TraceProblem, TraceReader, TraceWriter},
 };
 
-#[path = "../examples/common/brute_force.rs"]
+#[path = "common/brute_force.rs"]
 mod brute_force;
 
 const OBJECTS: usize = 70;

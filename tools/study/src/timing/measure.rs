@@ -8,7 +8,8 @@ use std::{
 
 use bevy_octree::{counters::TickCounters, prelude::*, scene::TestSet};
 
-use crate::{Outcome, headless::app_with};
+use super::headless::app_with;
+use crate::outcome::Outcome;
 
 /// A row of Table 1: a way to search for pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

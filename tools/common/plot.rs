@@ -19,8 +19,8 @@ use resvg::{
 
 /// The font of all pictures. Viewers of the SVG file that do not have the first one take the next.
 const FONT: &str = "Roboto, Helvetica, Arial, sans-serif";
-const REGULAR: &[u8] = include_bytes!("../../assets/fonts/Roboto-Regular.ttf");
-const BOLD: &[u8] = include_bytes!("../../assets/fonts/Roboto-Bold.ttf");
+const REGULAR: &[u8] = include_bytes!("fonts/Roboto-Regular.ttf");
+const BOLD: &[u8] = include_bytes!("fonts/Roboto-Bold.ttf");
 
 /// What is drawn upon, in pixels.
 pub type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -79,7 +79,7 @@ fn register_fonts() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         for (style, bytes) in [(FontStyle::Normal, REGULAR), (FontStyle::Bold, BOLD)] {
-            assert!(register_font(FONT, style, bytes).is_ok(), "a font of assets/fonts is damaged");
+            assert!(register_font(FONT, style, bytes).is_ok(), "a font is damaged");
         }
     });
 }

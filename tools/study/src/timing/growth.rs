@@ -7,13 +7,12 @@ use std::{
 
 use bevy_octree::scene::TestSet;
 
-use crate::{
-    Outcome,
+use super::{
     measure::{Laboratory, Row},
     output::{Output, significant},
-    progress::Progress,
     stats::{Estimate, Line, fit_line, median},
 };
+use crate::{outcome::Outcome, progress::Progress};
 
 /// The octree's exponent is to be below this.
 const NEARLY_LINEAR: f64 = 1.15;

@@ -1,31 +1,23 @@
 //! Replays a recorded trace through a broad phase, and measures it.
 //!
-//! `cargo run --release --example replay -- --help` explains the arguments; `examples/record` writes traces.
+//! `cargo run --release -p study -- replay --help` explains the arguments; `record` writes traces.
 
-use std::{num::NonZero, path::PathBuf, process::ExitCode, time::Instant};
+use std::{num::NonZero, path::PathBuf, time::Instant};
 
 use bevy::math::bounding::Aabb3d;
 use bevy_octree::{
     broad_phase::{Method, ObjectOctreeSettings, ProxyId, SpatialIndex},
     trace::TraceReader,
 };
-use brute_force::{compare, overlapping_pairs};
-use clap::Parser;
-use outcome::{Outcome, exit};
-use progress::Progress;
-use quantile::quantile;
-use threads::use_threads;
+use clap::Args;
 
-#[path = "common/brute_force.rs"]
-mod brute_force;
-#[path = "common/outcome.rs"]
-mod outcome;
-#[path = "common/progress.rs"]
-mod progress;
-#[path = "common/quantile.rs"]
-mod quantile;
-#[path = "common/threads.rs"]
-mod threads;
+use crate::{
+    brute_force::{compare, overlapping_pairs},
+    outcome::Outcome,
+    progress::Progress,
+    quantile::quantile,
+    threads::use_threads,
+};
 
 /// Replays a trace in Broadmark's .aabbs format through a broad phase: in each frame every object's box is set, the
 /// index is brought up to date, and all overlapping pairs are searched for, touching ones included.
@@ -33,8 +25,8 @@ mod threads;
 /// Prints one line. Times are medians per frame, in milliseconds: `update_ms` for setting the boxes and bringing the
 /// index up to date, `pairs_ms` for the search, `total_ms` for both. The initial boxes of the file count as a frame.
 /// `pairs_last` is the number of pairs in the last frame, `pairs_total` the sum over all frames.
-#[derive(Parser)]
-struct Arguments {
+#[derive(Args)]
+pub struct Arguments {
     /// The trace.
     file: PathBuf,
     /// The broad phase: `object` for the report's N-objects octree, `exhaustive`, or any other that the library knows.
@@ -55,11 +47,7 @@ struct Arguments {
     check: bool,
 }
 
-fn main() -> ExitCode {
-    exit(run(&Arguments::parse()))
-}
-
-fn run(arguments: &Arguments) -> Outcome {
+pub fn run(arguments: &Arguments) -> Outcome {
     let method = chosen_method(arguments)?;
     use_threads(arguments.threads)?;
     let mut reader = TraceReader::open(&arguments.file)?;

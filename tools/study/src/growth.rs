@@ -1,27 +1,16 @@
 //! How the cost of the broad phase grows with the number of objects, at constant density.
 //!
-//! `cargo run --release --example growth -- --help` explains the arguments.
+//! `cargo run --release -p study -- growth --help` explains the arguments.
 
-use std::{
-    process::ExitCode,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
 use bevy_octree::{
     broad_phase::{Method, ProxyId, SpatialIndex},
     scene::stress::{StressScene, StressSimulation},
 };
-use clap::Parser;
-use outcome::{Outcome, exit};
-use progress::Progress;
-use quantile::quantile;
+use clap::Args;
 
-#[path = "common/outcome.rs"]
-mod outcome;
-#[path = "common/progress.rs"]
-mod progress;
-#[path = "common/quantile.rs"]
-mod quantile;
+use crate::{outcome::Outcome, progress::Progress, quantile::quantile};
 
 /// What a method does may alternate from tick to tick: a sample is the mean over so many.
 const SPAN: usize = 8;
@@ -36,9 +25,9 @@ const BOXES_SET: usize = 8_000_000;
 /// `ns_per_object` is the median over spans of eight ticks, `growth` its ratio to that of the smallest number of
 /// objects, `bytes_per_object` the memory of the index: boxes, broad phase and pairs. `build_ns` and `despawn_ns` are
 /// for each object, the medians of several builds.
-#[derive(Parser)]
+#[derive(Args)]
 #[command(allow_negative_numbers = true)]
-struct Arguments {
+pub struct Arguments {
     /// The scenes: brownian, freefall, gravity, planes, static90, sizes or clusters.
     #[arg(long, value_delimiter = ',', default_values_t = [StressScene::Brownian, StressScene::Gravity])]
     scenes: Vec<StressScene>,
@@ -62,17 +51,13 @@ struct Arguments {
     quick: bool,
 }
 
-fn main() -> ExitCode {
-    let mut arguments = Arguments::parse();
+pub fn run(mut arguments: Arguments) -> Outcome {
     if arguments.quick {
         arguments.objects = vec![1_000, 4_000, 16_000];
         arguments.builds = vec![20_000, 40_000];
         arguments.repeats = 2;
     }
-    exit(run(&arguments))
-}
-
-fn run(arguments: &Arguments) -> Outcome {
+    let arguments = &arguments;
     let Arguments { scenes, engines, objects, builds, .. } = arguments;
     let mut progress = Progress::new((scenes.len() * engines.len() * (objects.len() + builds.len())) as u64);
     for scene in scenes {

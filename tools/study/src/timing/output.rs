@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::Outcome;
+use crate::outcome::Outcome;
 
 /// A folder that can be written to.
 pub struct Output(PathBuf);

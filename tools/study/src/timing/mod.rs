@@ -1,26 +1,19 @@
 //! The timing study of Swan, *Fast Collision Detection with an N-Objects Octree*, 1994, section 3, as a script; and
 //! further, to a hundred thousand objects.
 //!
-//! `cargo run --release --example timing_study -- --help`
+//! `cargo run --release -p study -- timing --help` explains the arguments.
 
 mod answers;
 mod chart;
 mod figures;
 mod growth;
-#[path = "../common/headless.rs"]
 mod headless;
 mod measure;
-#[path = "../common/outcome.rs"]
-mod outcome;
 mod output;
-#[path = "../common/plot.rs"]
-mod plot;
-#[path = "../common/progress.rs"]
-mod progress;
 mod stats;
 mod table;
 
-use std::{path::PathBuf, process::ExitCode, time::Duration};
+use std::{path::PathBuf, time::Duration};
 
 use bevy_octree::scene::TestSet;
 use clap::{Parser, value_parser};
@@ -28,9 +21,10 @@ use clap::{Parser, value_parser};
 use answers::{Answers, answer, probability};
 use growth::Growth;
 use measure::{Laboratory, Row};
-use outcome::{Outcome, exit};
 use output::{Output, significant};
 use table::Table;
+
+use crate::outcome::Outcome;
 
 /// Measures collision detection on test sets of cubes, and asks what the measurements mean.
 ///
@@ -42,8 +36,8 @@ use table::Table;
 /// Written to the folder of --out: table1.md, table1.csv, samples.csv, answers.md, growth.csv, and figure9, figure10
 /// and growth as SVG and PNG.
 #[derive(Parser)]
-#[command(name = "timing_study", allow_negative_numbers = true)]
-struct Args {
+#[command(allow_negative_numbers = true)]
+pub struct Arguments {
     /// The folder for what is written; made if there is none.
     #[arg(long, value_name = "DIR", default_value = "target/timing_study")]
     out: PathBuf,
@@ -70,7 +64,7 @@ struct Args {
     seed: u64,
 }
 
-impl Args {
+impl Arguments {
     fn table_plan(&self) -> table::Plan {
         let every = if self.quick { 2 } else { 1 };
         table::Plan {
@@ -108,11 +102,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
     Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())
 }
 
-fn main() -> ExitCode {
-    exit(study(&Args::parse()))
-}
-
-fn study(args: &Args) -> Outcome {
+pub fn run(args: &Arguments) -> Outcome {
     if cfg!(debug_assertions) {
         eprintln!("warning: a build without optimisation, whose times mean little: use `cargo run --release`");
     }
@@ -160,23 +150,23 @@ mod tests {
             ("--max-rings", "1001"),
             ("--budget", "-1"),
         ] {
-            let error = Args::try_parse_from(["timing_study", argument, value]).err().unwrap().to_string();
+            let error = Arguments::try_parse_from(["timing", argument, value]).err().unwrap().to_string();
             assert!(error.contains(argument) && error.contains(value), "{error}");
         }
     }
 
     #[test]
     fn a_folder_that_cannot_be_written_to_is_named() {
-        let args = Args::parse_from(["timing_study", "--out", "Cargo.toml/study"]);
-        assert!(study(&args).unwrap_err().to_string().contains("Cargo.toml/study"));
+        let args = Arguments::parse_from(["timing", "--out", "Cargo.toml/study"]);
+        assert!(run(&args).unwrap_err().to_string().contains("Cargo.toml/study"));
     }
 
     #[test]
     fn a_small_study_writes_all_its_files() {
         let out = std::env::temp_dir().join(format!("timing_study_{}", std::process::id()));
         let small = ["--quick", "--steps", "2", "--repeats", "1", "--max-rings", "2", "--out"];
-        let args = Args::parse_from(["timing_study"].into_iter().chain(small).chain(out.to_str()));
-        study(&args).unwrap();
+        let args = Arguments::parse_from(["timing"].into_iter().chain(small).chain(out.to_str()));
+        run(&args).unwrap();
         for name in
             "table1.md table1.csv samples.csv answers.md growth.csv figure9.svg figure10.png growth.png".split(' ')
         {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::{
+use super::{
     measure::Row,
     output::significant,
     stats::{Estimate, holm, median, quantile, signed_rank},
@@ -51,7 +51,7 @@ fn compare(pairs: &[(&[f64], &[f64])]) -> Vec<Comparison> {
         .map(|(mine, other)| signed_rank(&mine.iter().zip(*other).map(|(a, b)| a - b).collect::<Vec<_>>()))
         .collect();
     let corrected = holm(&tests.iter().map(|test| test.p).collect::<Vec<_>>());
-    let comparison = |(test, corrected): (&crate::stats::SignedRank, f64)| Comparison {
+    let comparison = |(test, corrected): (&super::stats::SignedRank, f64)| Comparison {
         ratio: test.shift.map(f64::exp),
         p: test.p,
         corrected,

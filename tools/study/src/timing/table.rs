@@ -4,13 +4,12 @@ use std::fmt::Write as _;
 
 use bevy_octree::scene::TestSet;
 
-use crate::{
-    Outcome,
+use super::{
     measure::{Laboratory, Row},
     output::{Output, significant},
-    progress::Progress,
     stats::{Estimate, median},
 };
+use crate::{outcome::Outcome, progress::Progress};
 
 /// The seconds of Table 1 of Swan, *Fast Collision Detection with an N-Objects Octree*, 1994: t0 to t10 on a
 /// workstation with a 75 MHz processor. Facts, for comparison.

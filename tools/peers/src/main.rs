@@ -21,11 +21,11 @@ mod app;
 mod broad;
 mod engines;
 mod measure;
-#[path = "../../examples/common/outcome.rs"]
+#[path = "../../../examples/common/outcome.rs"]
 mod outcome;
-#[path = "../../examples/common/plot.rs"]
+#[path = "../../common/plot.rs"]
 mod plot;
-#[path = "../../examples/common/progress.rs"]
+#[path = "../../../examples/common/progress.rs"]
 mod progress;
 mod queries;
 mod scenes;

@@ -8,11 +8,8 @@ use plotters::{
     style::text_anchor::{HPos, Pos, VPos},
 };
 
-use crate::{
-    measure::Row,
-    plot::{Canvas, Drawn, bold, text},
-    stats::Estimate,
-};
+use super::{measure::Row, stats::Estimate};
+use crate::plot::{Canvas, Drawn, bold, text};
 
 const INK: RGBColor = RGBColor(0x60, 0x60, 0x60);
 const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);

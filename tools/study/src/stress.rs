@@ -1,36 +1,23 @@
 //! Runs a stress scene in a headless app, and measures its frames.
 //!
-//! `cargo run --release --example stress -- --help` explains the arguments.
+//! `cargo run --release -p study -- stress --help` explains the arguments.
 
 use std::{
     num::NonZero,
-    process::ExitCode,
     time::{Duration, Instant},
 };
 
 use bevy_octree::{broad_phase::Method, scene::stress::StressScene};
-use clap::Parser;
-use outcome::{Outcome, exit};
-use progress::Progress;
-use quantile::quantile;
-use stress_app::{Setup, StressApp};
-use threads::use_threads;
-use which_scene::WhichScene;
+use clap::Args;
 
-#[path = "common/outcome.rs"]
-mod outcome;
-#[path = "common/progress.rs"]
-mod progress;
-#[path = "common/quantile.rs"]
-mod quantile;
-#[path = "common/stage_times.rs"]
-mod stage_times;
-#[path = "common/stress_app.rs"]
-mod stress_app;
-#[path = "common/threads.rs"]
-mod threads;
-#[path = "common/which_scene.rs"]
-mod which_scene;
+use crate::{
+    outcome::Outcome,
+    progress::Progress,
+    quantile::quantile,
+    stress_app::{Setup, StressApp},
+    threads::use_threads,
+    which_scene::WhichScene,
+};
 
 /// The time of a frame at 60 frames per second, in milliseconds.
 const BUDGET_MS: f64 = 16.6;
@@ -48,8 +35,8 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// longer than, in milliseconds; `started` and `ended` count messages since the entities came in. Then the mean
 /// milliseconds of each stage per frame (`motion_ms` is the scene's own: moving the boxes and writing transforms), and
 /// the stage that takes most with its share.
-#[derive(Parser)]
-struct Arguments {
+#[derive(Args)]
+pub struct Arguments {
     #[command(flatten)]
     which: WhichScene,
     /// How many frames to measure. The first update, in which all entities come in, is none of them.
@@ -68,11 +55,7 @@ struct Arguments {
     find_limit: bool,
 }
 
-fn main() -> ExitCode {
-    exit(run(&Arguments::parse()))
-}
-
-fn run(arguments: &Arguments) -> Outcome {
+pub fn run(arguments: &Arguments) -> Outcome {
     use_threads(arguments.threads)?;
     let method = arguments.method.clone().unwrap_or_default();
     method.check()?;

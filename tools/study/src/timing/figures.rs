@@ -7,17 +7,16 @@ use plotters::{
     prelude::{BindKeyPoints, IntoLogRange, LogCoord},
 };
 
-use crate::{
-    Outcome,
+use super::{
     answers::RIGHT_HAND_SIDE,
     chart::{Frame, Series, chart, extents},
     growth::{Curve, Growth},
     measure::Row,
     output::Output,
-    plot::draw,
     stats::{Estimate, median},
     table::Table,
 };
+use crate::{outcome::Outcome, plot::draw};
 
 const SIZE: (u32, u32) = (1800, 1125);
 

@@ -1,30 +1,22 @@
-//! Records a stress scene as a trace file, which `examples/replay` and other programs can read.
+//! Records a stress scene as a trace file, which `replay` and other programs can read.
 //!
-//! `cargo run --release --example record -- --help` explains the arguments.
+//! `cargo run --release -p study -- record --help` explains the arguments.
 
-use std::{path::PathBuf, process::ExitCode};
+use std::path::PathBuf;
 
 use bevy_octree::{
     scene::stress::StressSimulation,
     trace::{EXTENSION, TraceWriter},
 };
-use clap::Parser;
-use outcome::{Outcome, exit};
-use progress::Progress;
-use which_scene::WhichScene;
+use clap::Args;
 
-#[path = "common/outcome.rs"]
-mod outcome;
-#[path = "common/progress.rs"]
-mod progress;
-#[path = "common/which_scene.rs"]
-mod which_scene;
+use crate::{outcome::Outcome, progress::Progress, which_scene::WhichScene};
 
 /// Records a stress scene as a trace: the boxes of all objects, frame by frame, in Broadmark's .aabbs format.
 ///
 /// Prints one line about the file. The same arguments give the same file on any machine.
-#[derive(Parser)]
-struct Arguments {
+#[derive(Args)]
+pub struct Arguments {
     #[command(flatten)]
     which: WhichScene,
     /// How many frames follow the initial boxes. The file takes 32 bytes for each object and frame.
@@ -35,11 +27,7 @@ struct Arguments {
     out: Option<PathBuf>,
 }
 
-fn main() -> ExitCode {
-    exit(run(&Arguments::parse()))
-}
-
-fn run(arguments: &Arguments) -> Outcome {
+pub fn run(arguments: &Arguments) -> Outcome {
     let &Arguments { which: WhichScene { scene, objects, seed }, frames, .. } = arguments;
     let path = arguments.out.clone().unwrap_or_else(|| PathBuf::from(scene.name()).with_extension(EXTENSION));
     let mut writer = TraceWriter::create(&path, scene.name(), "box", objects)?;
