@@ -148,7 +148,7 @@ const LEFT: f32 = 72.0;
 const RIGHT: f32 = 803.0;
 const TOP: f32 = 45.0;
 const BOTTOM: f32 = 799.0;
-const LEAF: &str = r##"stroke="#3c5a8c" stroke-width="2""##;
+const LEAF: &str = r##"stroke="#3c5a8c" stroke-width="2" shape-rendering="crispEdges""##;
 const OBJECTS: [&str; 3] = ["#0072b2", "#d55e00", "#009e73"];
 
 /// The octree and the objects, seen along z: a square for each cube of a leaf, a filled one for each object, with an
