@@ -1,6 +1,6 @@
 //! Which objects of an animation touch, and when: the report over position tracks.
 //!
-//! `cargo run --release --example animation_report -- assets/scenes/clip.scene.ron`
+//! `cargo run --release --features reports,scene_files --example animation_report -- assets/scenes/clip.scene.ron`
 
 use std::{
     fs::{self, File},

@@ -2,7 +2,11 @@
 //!
 //! `cargo run --release --example planes -- --help` explains the arguments.
 
-use std::{path::PathBuf, process::ExitCode, time::Instant};
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+    time::Instant,
+};
 
 use arguments::Arguments;
 use bevy::prelude::*;
@@ -35,7 +39,8 @@ Options:
   --steps <STEPS>    How many ticks to run [default: 200]
   --method <METHOD>  How overlapping boxes are searched for: `octree` or `exhaustive`. Both, one after the other, if not
                      given
-  --scene <FILE>     A scene file to run instead of a test set, such as assets/scenes/mixed_shapes.scene.ron
+  --scene <FILE>     A scene file to run instead of a test set, such as assets/scenes/mixed_shapes.scene.ron; needs a
+                     build with --features scene_files
   -h, --help         Print help
 ";
 
@@ -53,7 +58,7 @@ fn run(mut arguments: Arguments) -> Outcome {
 
     let scene = match (file, rings) {
         (Some(_), Some(_)) => return Err("--scene cannot be used with --rings".into()),
-        (Some(file), None) => SceneDescription::load(file)?,
+        (Some(file), None) => load(&file)?,
         (None, rings) => SceneDescription::from(TestSet::new(rings.unwrap_or(10))),
     };
     let octree = ObjectOctreeSettings::with_max_objects(max_objects);
@@ -73,6 +78,16 @@ fn run(mut arguments: Arguments) -> Outcome {
         return Err("the two methods do not find the same contacts".into());
     }
     Ok(())
+}
+
+#[cfg(feature = "scene_files")]
+fn load(file: &Path) -> Outcome<SceneDescription> {
+    Ok(SceneDescription::load(file)?)
+}
+
+#[cfg(not(feature = "scene_files"))]
+fn load(_: &Path) -> Outcome<SceneDescription> {
+    Err("--scene needs a build with --features scene_files".into())
 }
 
 /// Runs a scene by one method, and prints its line.

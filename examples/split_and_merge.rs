@@ -1,6 +1,6 @@
 //! The octree splits and merges as objects move: Figures 5 to 7 of the 1994 report.
 //!
-//! `cargo run --release --example split_and_merge`
+//! `cargo run --release --features scene_files --example split_and_merge`
 
 use std::{
     fs,

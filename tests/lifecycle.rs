@@ -4,7 +4,12 @@
 mod common;
 
 use bevy::{ecs::entity_disabling::Disabled, prelude::*};
-use bevy_octree::{components::BroadPhaseProxy, narrow_phase::Shape, prelude::*};
+use bevy_octree::{
+    components::BroadPhaseProxy,
+    narrow_phase::Shape,
+    prelude::*,
+    scene::{Motion, ObjectDescription, SceneDescription, ShapeDescription},
+};
 use common::*;
 
 /// A static unit cube.
@@ -435,11 +440,13 @@ fn case_20_a_hierarchy_and_a_scene_come_and_go_by_commands() {
     tick(&mut app, 1);
     assert_eq!((counters(&app).objects, counters(&app).contacts, counters(&app).ended), (1, 0, 3));
 
-    let scene = r#"(name: "two balls", content: Objects([
-        (shape: Sphere(radius: 0.5), position: (0.75, 0, 0)),
-        (shape: Sphere(radius: 0.5), position: (-0.75, 0, 0), motion: Velocity(0, 1, 0)),
-    ]))"#;
-    let scene = bevy_octree::scene::SceneDescription::parse(scene).unwrap();
+    let ball = |x: f32, motion: Motion| ObjectDescription {
+        position: Vec3::X * x,
+        motion,
+        ..ObjectDescription::new(ShapeDescription::Sphere { radius: 0.5 })
+    };
+    let balls = [ball(0.75, Motion::Static), ball(-0.75, Motion::Velocity(Vec3::Y))];
+    let scene = SceneDescription::new("two balls", balls);
     let balls = scene.spawn(&mut app.world_mut().commands()).unwrap();
     tick(&mut app, 1);
     assert_eq!(contacts(&app), [[wall, balls[0]], [wall, balls[1]]]);
