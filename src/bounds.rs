@@ -1,119 +1,129 @@
 //! World boxes from transforms and shapes.
 
 use bevy::{
-    ecs::{entity_disabling::Disabled, schedule::InternedScheduleLabel, system::RegisteredSystemError},
+    ecs::{schedule::InternedScheduleLabel, system::RegisteredSystemError},
     prelude::*,
 };
 
 use crate::{
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
-    narrow_phase::{BoundsError, NarrowPhase, Placed},
+    hierarchy::{self, Hierarchy},
+    narrow_phase::{BoundsError, NarrowPhase, Placed, Shape},
     plugin::{CollisionSystems, NarrowPhaseSettings},
-    swept,
+    shear::{self, Sheared},
 };
 
 /// Computes the [`WorldAabb`] of every entity whose shape or place in the world changed.
 ///
 /// The place is taken from the [`Transform`]s of the entity and its ancestors, not from `GlobalTransform`, which is up
-/// to date only after transform propagation: boxes are right in the tick in which something moved.
+/// to date only after transform propagation: boxes are right in the tick in which something moved. A parent without a
+/// `Transform` is at the origin of the world. What rests is not looked at, however deep the hierarchy.
 ///
-/// An entity whose box cannot be computed (a transform that is not finite, its own or an ancestor's) is left out of
-/// collision detection, with a warning in the log, until its transform, an ancestor's, or its shape changes again. One
-/// whose shape has no end has an [endless](WorldAabb::ENDLESS) box.
+/// An entity whose box cannot be computed is left out of collision detection until that changes, with a warning in the
+/// log: one with a transform that is not finite, its own or an ancestor's, and one that is its own ancestor. So is one
+/// that has lost its `Transform`, without a warning. One whose shape has no end has an [endless](WorldAabb::ENDLESS) box.
+///
+/// # Sheared shapes
+///
+/// A parent with a scale that differs by axis shears the children that are turned against it. Cuboids and meshes are then
+/// what they are under it, exactly. A ball stays a ball, by the largest stretch in any direction, and a Rapier collider
+/// is not sheared, as by Rapier itself: both with a warning in the log, once for each entity. Ancestors that move and turn
+/// cost what they cost elsewhere; when the shear itself changes, shapes are built anew, in time linear in their vertices.
 #[derive(Clone, Debug)]
 pub struct BoundsPlugin(pub(crate) InternedScheduleLabel);
 
 impl Plugin for BoundsPlugin {
     fn build(&self, app: &mut App) {
-        let outdate = outdate_all.run_if(resource_changed::<NarrowPhaseSettings>);
-        let sweep = swept::stretch_boxes.run_if(any_with_component::<swept::Swept>);
+        let some_children = any_match_filter::<Or<((With<ChildOf>, With<CollisionShape>), With<Sheared>)>>;
         app.add_systems(
             self.0,
-            (outdate, update_roots, update_children, sweep).chain().in_set(CollisionSystems::Bounds),
+            (outdate_all, update_roots, update_children.run_if(some_children)).chain().in_set(CollisionSystems::Bounds),
         )
-        .add_observer(on_unparented);
+        .add_observer(hierarchy::on_unparented);
     }
 }
 
 /// Boxes are grown by the tolerance: when that changes, so do all of them.
-fn outdate_all(mut proxies: Query<&mut BroadPhaseProxy>) {
-    proxies.iter_mut().for_each(|mut proxy| proxy.set_changed());
+fn outdate_all(mut proxies: Query<&mut BroadPhaseProxy>, settings: Res<NarrowPhaseSettings>) {
+    if settings.is_changed() {
+        proxies.iter_mut().for_each(|mut proxy| proxy.set_changed());
+    }
 }
 
 /// Brings all boxes up to date, at any moment.
 pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
+    world.run_system_cached(outdate_all)?;
     world.run_system_cached(update_roots)?;
-    world.run_system_cached(update_children)?;
-    world.run_system_cached(swept::stretch_boxes)
+    world.run_system_cached(update_children)
 }
 
 type Bounded<'a> = (Entity, &'a CollisionShape, &'a Transform, &'a mut WorldAabb, &'a mut BroadPhaseProxy);
 type ChangedRoot = (Without<ChildOf>, Or<(Changed<Transform>, Changed<CollisionShape>, Changed<BroadPhaseProxy>)>);
 
-fn update_roots(mut roots: Query<Bounded, ChangedRoot>, settings: Res<NarrowPhaseSettings>) {
+fn update_roots(
+    mut roots: Query<Bounded, ChangedRoot>,
+    mut nowhere: Query<&mut WorldAabb, (With<CollisionShape>, Without<Transform>)>,
+    settings: Res<NarrowPhaseSettings>,
+) {
     for (entity, shape, transform, mut aabb, mut proxy) in &mut roots {
         proxy.bypass_change_detection().pose = *transform;
         *aabb = world_aabb(settings.tests(), entity, shape, transform);
     }
+    for mut aabb in &mut nowhere {
+        aabb.set_if_neq(WorldAabb::NONE);
+    }
 }
 
-type Child<'a> = (Entity, Ref<'a, CollisionShape>, &'a mut WorldAabb, &'a mut BroadPhaseProxy);
-/// What an ancestor, or the entity itself, has to do with where an entity is.
-pub(crate) type Ancestor<'a> = (Ref<'a, Transform>, Option<Ref<'a, ChildOf>>);
+type Child =
+    (&'static CollisionShape, &'static mut WorldAabb, &'static mut BroadPhaseProxy, Option<&'static mut Sheared>);
 
-fn update_children(
-    mut children: Query<Child, With<ChildOf>>,
-    // A disabled parent is still where it is.
-    ancestors: Query<Ancestor, Allow<Disabled>>,
-    settings: Res<NarrowPhaseSettings>,
+pub(crate) fn update_children(
+    world: &mut World,
+    mut hierarchy: Local<Hierarchy>,
+    children: &mut QueryState<Child>,
+    unparented: &mut QueryState<Entity, (With<Sheared>, Without<ChildOf>)>,
 ) {
-    for (entity, shape, mut aabb, mut proxy) in &mut children {
-        let (world, moved) = place_in_world(entity, &ancestors);
-        if moved || shape.is_changed() || proxy.is_changed() {
-            let pose = world.compute_transform();
-            proxy.bypass_change_detection().pose = pose;
-            *aabb = world_aabb(settings.tests(), entity, &shape, &pose);
+    let Some(&NarrowPhaseSettings(tests)) = world.get_resource() else { return };
+    for entity in unparented.iter(world).collect::<Vec<_>>() {
+        world.entity_mut(entity).remove::<Sheared>();
+        // What takes part is another shape from now on.
+        if let Some(mut shape) = world.get_mut::<CollisionShape>(entity) {
+            shape.set_changed();
         }
     }
+    hierarchy.for_each_moved(world, |world, entity, place| {
+        // It may be disabled.
+        let Ok((own, mut aabb, mut proxy, sheared)) = children.get_mut(world, entity) else { return };
+        let Some(place) = place else {
+            aabb.set_if_neq(WorldAabb::NONE);
+            return;
+        };
+        let placement = shear::place(own, &place, sheared.as_deref());
+        proxy.bypass_change_detection().pose = placement.transform;
+        if let Some(mut sheared) = sheared {
+            sheared.follow(own, placement.turn);
+            *aabb = world_aabb(&tests, entity, sheared.shape(), &placement.transform);
+        } else if !placement.is_sheared {
+            *aabb = world_aabb(&tests, entity, own, &placement.transform);
+        } else {
+            let sheared = Sheared::new(own, placement.turn);
+            *aabb = world_aabb(&tests, entity, sheared.shape(), &placement.transform);
+            if sheared.shape().is_same(own) {
+                tracing::warn!("{entity} is sheared by an ancestor, as its shape cannot be: see `BoundsPlugin`");
+            }
+            world.entity_mut(entity).insert(sheared);
+        }
+    });
 }
 
-/// Where an entity is in the world, by its own transform and those of its ancestors; and whether any of these changed.
-pub(crate) fn place_in_world(entity: Entity, ancestors: &Query<Ancestor, Allow<Disabled>>) -> (GlobalTransform, bool) {
-    let (mut world, mut changed) = (GlobalTransform::IDENTITY, false);
-    let mut next = Some(entity);
-    while let Some(Ok((transform, parent))) = next.map(|ancestor| ancestors.get(ancestor)) {
-        changed |= transform.is_changed() || parent.as_ref().is_some_and(|parent| parent.is_changed());
-        world = *transform * world;
-        next = parent.map(|parent| parent.parent());
-    }
-    (world, changed)
-}
-
-pub(crate) fn world_aabb(
-    tests: &NarrowPhase,
-    entity: Entity,
-    shape: &CollisionShape,
-    transform: &Transform,
-) -> WorldAabb {
-    match tests.world_aabb(Placed::new(&shape.0, transform)) {
+/// The box around a shape at a place.
+pub(crate) fn world_aabb(tests: &NarrowPhase, entity: Entity, shape: &Shape, transform: &Transform) -> WorldAabb {
+    match tests.world_aabb(Placed::new(shape, transform)) {
         Ok(aabb) => WorldAabb(aabb),
         Err(BoundsError::Unbounded) => WorldAabb::ENDLESS,
         Err(error) => {
             tracing::warn!("{entity} is left out of collision detection: {error}");
             WorldAabb::NONE
-        }
-    }
-}
-
-/// An entity that loses its parent is elsewhere from then on, and so are its descendants.
-fn on_unparented(
-    event: On<Remove, ChildOf>,
-    children: Query<&Children, Allow<Disabled>>,
-    mut proxies: Query<&mut BroadPhaseProxy, Allow<Disabled>>,
-) {
-    for entity in std::iter::once(event.entity).chain(children.iter_descendants(event.entity)) {
-        if let Ok(mut proxy) = proxies.get_mut(entity) {
-            proxy.set_changed();
         }
     }
 }

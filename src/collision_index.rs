@@ -1,22 +1,31 @@
 //! The broad phase as a resource: entities in, candidate pairs out.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use bevy::{
-    ecs::{entity_disabling::Disabled, schedule::InternedScheduleLabel, system::RegisteredSystemError},
+    ecs::{
+        archetype::Archetype, change_detection::Tick, component::ComponentId, entity_disabling::DefaultQueryFilters,
+        schedule::InternedScheduleLabel, system::RegisteredSystemError, world::DeferredWorld,
+    },
     prelude::*,
 };
 
 use crate::{
     broad_phase::{BroadPhase, Method, Pair, PairFilter, PairKinds, ProxyId, SpatialIndex},
-    components::{BroadPhaseProxy, CollisionShape, WorldAabb},
+    components::{self, BroadPhaseProxy, CollisionShape, WorldAabb},
     counters::CollisionCounters,
     filters::{self, FilterParts},
     narrow_phase::{Moving, NarrowPhase, Placed, Shape},
     plugin::{CollisionSystems, NarrowPhaseSettings},
-    swept::Swept,
+    shear::{self, Sheared},
+    swept::{self, Swept, SweptWay},
 };
 
 /// The [`SpatialIndex`] of all entities with a [`CollisionShape`].
-#[derive(Resource, Debug, Default, Reflect)]
+///
+/// It may be taken out of the world for a while, or be replaced by another: at the next tick, or
+/// [update](crate::spatial_query::update_spatial_index), it holds what it should.
+#[derive(Resource, Debug, Reflect)]
 #[reflect(Debug, Default, from_reflect = false)]
 pub struct CollisionIndex {
     #[reflect(ignore)]
@@ -29,6 +38,60 @@ pub struct CollisionIndex {
     /// By proxy index, as far as there are any: where the ways of swept bodies begin.
     #[reflect(ignore)]
     starts: Vec<Option<Transform>>,
+    /// How many searches there were whose pairs are for the exact tests.
+    #[reflect(ignore)]
+    search: u64,
+    /// By proxy index: what had moved when pairs were last searched for. Empty as long as the boxes are those of the
+    /// search, and say so themselves.
+    #[reflect(ignore)]
+    moved_at_search: Vec<bool>,
+    /// What tells it from all others.
+    #[reflect(ignore)]
+    number: u64,
+}
+
+impl Default for CollisionIndex {
+    fn default() -> Self {
+        static NUMBER: AtomicU64 = AtomicU64::new(1);
+        Self {
+            index: SpatialIndex::default(),
+            method: Method::default(),
+            bodies: Vec::new(),
+            starts: Vec::new(),
+            search: 0,
+            moved_at_search: Vec::new(),
+            number: NUMBER.fetch_add(1, Ordering::Relaxed),
+        }
+    }
+}
+
+/// What the index has to know to be right, though it may miss things: hooks may run while it is out of the world.
+#[derive(Resource, Debug, Default)]
+pub(crate) struct Upkeep {
+    /// The index that all entries are about.
+    index: u64,
+    /// Has something come to pass that it does not know of?
+    missed: bool,
+    /// The components that disable an entity, each with its observers.
+    disabling: Vec<ComponentId>,
+}
+
+impl Upkeep {
+    fn disables(&self, archetype: &Archetype) -> bool {
+        self.disabling.iter().any(|id| archetype.contains(*id))
+    }
+}
+
+/// Does something to an entity's entry, at once. What the index misses, it mends at the next tick.
+pub(crate) fn in_index(world: &mut DeferredWorld, entity: Entity, act: impl FnOnce(&mut CollisionIndex, ProxyId)) {
+    let Some(id) = world.get::<BroadPhaseProxy>(entity).and_then(BroadPhaseProxy::id) else { return };
+    if let Some(mut index) = world.get_resource_mut::<CollisionIndex>()
+        && index.is_entry_of(id, entity)
+    {
+        act(&mut index, id);
+    } else if let Some(mut upkeep) = world.get_resource_mut::<Upkeep>() {
+        upkeep.missed = true;
+    }
 }
 
 /// What the exact tests need of an entity, in one place: they visit entities in no order of memory.
@@ -37,6 +100,8 @@ pub(crate) struct Body {
     pub(crate) entity: Entity,
     pub(crate) pose: Transform,
     pub(crate) shape: Shape,
+    /// When the entity's own shape became this one.
+    reshaped: Tick,
 }
 
 impl CollisionIndex {
@@ -80,8 +145,13 @@ impl CollisionIndex {
     /// Was one of the two looked for all along its way?
     #[inline]
     pub(crate) fn is_swept(&self, pair: Pair) -> bool {
-        let on_its_way = |id: ProxyId| self.starts.get(id.index()).is_some_and(Option::is_some);
-        self.has_swept() && (on_its_way(pair.a) || on_its_way(pair.b))
+        self.has_swept() && (self.is_on_its_way(pair.a) || self.is_on_its_way(pair.b))
+    }
+
+    /// Is what is behind a handle looked for all along its way?
+    #[inline]
+    pub(crate) fn is_on_its_way(&self, id: ProxyId) -> bool {
+        self.starts.get(id.index()).is_some_and(Option::is_some)
     }
 
     /// What is behind a handle, on its way in this tick: at rest where it is, if it is not swept.
@@ -107,16 +177,54 @@ impl CollisionIndex {
     /// Has queries find everything where it was [put](Self::place).
     pub(crate) fn update(&mut self) {
         self.index.update();
-        // An update without a search would have the next one look at everything.
+        // An update without a search would have the next one look at everything. The exact tests see nothing of this
+        // search: for the next one, which is for them, the same have moved.
         self.index.find_pairs();
+        self.index.touch_moved();
     }
 
-    fn set_start(&mut self, id: ProxyId, start: Option<Transform>) {
+    /// The number of the last search whose pairs are for the exact tests.
+    #[inline]
+    pub(crate) const fn search(&self) -> u64 {
+        self.search
+    }
+
+    /// Has the next search find all pairs, those in which nothing moved too.
+    pub(crate) fn search_all(&mut self) {
+        self.index.touch_all();
+    }
+
+    /// Keeps in mind what had moved when pairs were last searched for, before the index is updated without a search.
+    fn keep_search(&mut self) {
+        if self.moved_at_search.is_empty() {
+            let proxies = self.index.proxies();
+            let handles = (0..proxies.capacity() as u32).map(ProxyId::new);
+            self.moved_at_search.extend(handles.map(|id| proxies.is_moved(id)));
+        }
+    }
+
+    /// Are the boxes those of the last search, so that they say themselves what had moved?
+    pub(crate) const fn is_as_searched(&self) -> bool {
+        self.moved_at_search.is_empty()
+    }
+
+    /// Were the two at rest when pairs were last searched for, and are both still there? What was known of them then
+    /// still holds.
+    pub(crate) fn rested(&self, pair: Pair, entities: [Entity; 2]) -> bool {
+        let proxies = self.index.proxies();
+        let rested = |id: ProxyId| {
+            let moved = self.moved_at_search.get(id.index()).is_some_and(|moved| *moved);
+            if self.is_as_searched() { proxies.is_resting(id) } else { proxies.contains(id) && !moved }
+        };
+        rested(pair.a) && rested(pair.b) && self.entities(pair) == entities
+    }
+
+    fn set_start(&mut self, id: ProxyId, start: Option<&Transform>) {
         if start.is_some() && self.starts.len() <= id.index() {
             self.starts.resize(id.index() + 1, None);
         }
         if let Some(place) = self.starts.get_mut(id.index()) {
-            *place = start;
+            *place = start.copied();
         }
     }
 
@@ -137,58 +245,83 @@ impl CollisionIndex {
         self.index.remove(id);
     }
 
-    /// Takes up an entity's box of this tick. A box that is refused takes the entity out of the index.
+    /// Is this handle that of this entity? Others may have a copy of it, or one of another index.
+    #[inline]
+    pub(crate) fn is_entry_of(&self, id: ProxyId, entity: Entity) -> bool {
+        self.bodies.get(id.index()).is_some_and(|body| body.entity == entity)
+    }
+
+    /// Removes all whose entities do not say that the entry is theirs.
+    fn remove_strays(&mut self, is_entry: impl Fn(ProxyId, Entity) -> bool) {
+        let proxies = self.index.proxies();
+        let all = proxies.iter().map(|(id, _)| id).chain(proxies.endless());
+        let strays: Vec<_> = all.filter(|id| !is_entry(*id, self.bodies[id.index()].entity)).collect();
+        strays.into_iter().for_each(|id| self.remove(id));
+    }
+
+    /// Takes up the box of this tick of an entity that is in, and gives what is to follow it.
+    #[inline]
+    fn follow(&mut self, entity: Entity, aabb: &WorldAabb, proxy: &BroadPhaseProxy) -> Option<(ProxyId, &mut Body)> {
+        let id = proxy.id?;
+        let body = self.bodies.get_mut(id.index()).filter(|body| body.entity == entity)?;
+        self.index.set(id, &aabb.0).ok()?;
+        // It may have turned inside its box.
+        self.index.touch(id);
+        Some((id, body))
+    }
+
+    /// Takes up one that is new, has no end, or none any longer, or whose box is refused, which takes it out. The filter is
+    /// that of a new one; `None` if it is not to come in.
+    #[cold]
     fn take_up(
         &mut self,
         entity: Entity,
-        aabb: &WorldAabb,
-        proxy: &mut BroadPhaseProxy,
-        what: Described,
+        (aabb, start): (&WorldAabb, Option<&Transform>),
+        proxy: &BroadPhaseProxy,
+        shape: &Shape,
         tests: &NarrowPhase,
-        filter: impl FnOnce() -> PairFilter,
-    ) {
-        let index = &mut self.index;
-        let pose = proxy.pose;
+        filter: Option<PairFilter>,
+    ) -> Option<ProxyId> {
+        let own = proxy.id.filter(|id| self.is_entry_of(*id, entity));
         // What fills all the space there is has no end: where it is, is up to its shape.
-        let side = || (*aabb == WorldAabb::ENDLESS).then(|| tests.side(Placed::new(what.shape, &pose)));
-        let known = proxy.id.filter(|id| {
-            index.set(*id, &aabb.0).is_ok() || side().is_some_and(|side| index.set_endless(*id, side).is_ok())
+        let side = (*aabb == WorldAabb::ENDLESS).then(|| {
+            let moving = match start {
+                Some(start) => Moving::new(shape, start, &proxy.pose),
+                None => Moving::resting(Placed::new(shape, &proxy.pose)),
+            };
+            swept::side(tests, &moving)
         });
-        let insert = || index.insert(aabb.0).ok().or_else(|| index.insert_endless(side()?).ok());
-        let Some(id) = known.or_else(insert) else {
-            if let Some(id) = proxy.id.take() {
-                self.index.remove(id);
-            }
-            return;
-        };
-        if known.is_none() {
-            if let Some(old) = proxy.id.replace(id) {
-                self.index.remove(old);
-            }
-            self.change_filter(id, |old| *old = filter());
-            let body = Body { entity, pose: proxy.pose, shape: what.shape.clone() };
-            match self.bodies.get_mut(id.index()) {
-                Some(place) => *place = body,
-                None => self.bodies.push(body),
-            }
-        } else {
-            // It may have turned inside its box.
+        let body = Body { entity, pose: proxy.pose, shape: shape.clone(), reshaped: Tick::default() };
+        if let (Some(id), Some(side)) = (own, side)
+            && self.index.set_endless(id, side).is_ok()
+        {
             self.index.touch(id);
-            let body = &mut self.bodies[id.index()];
-            body.pose = proxy.pose;
-            if what.shape_changed {
-                body.shape = what.shape.clone();
-            }
+            self.bodies[id.index()] = body;
+            return own;
         }
-        self.set_start(id, what.swept.and_then(|swept| swept.way_to(&proxy.pose)).copied());
+        if let Some(old) = own {
+            self.index.remove(old);
+        }
+        let filter = filter?;
+        let id = self.index.insert(aabb.0).ok().or_else(|| self.index.insert_endless(side?).ok())?;
+        self.change_filter(id, |old| *old = filter);
+        match self.bodies.get_mut(id.index()) {
+            Some(place) => *place = body,
+            None => self.bodies.push(body),
+        }
+        Some(id)
     }
 }
 
-/// What an entity is, besides its box.
-struct Described<'a> {
-    shape: &'a Shape,
-    shape_changed: bool,
-    swept: Option<&'a Swept>,
+impl Body {
+    /// Takes up its entity's shape, which became what it is in this tick, unless an ancestor shears it.
+    #[cold]
+    fn take_shape(&mut self, shape: &Shape, reshaped: Tick) {
+        self.reshaped = reshaped;
+        if !self.shape.is_same(shape) {
+            self.shape = shape.clone();
+        }
+    }
 }
 
 /// Settings of the broad phase. Changes take effect at the next tick.
@@ -206,7 +339,8 @@ pub struct BroadPhaseSettings {
 /// moved. The verdict on all other pairs is still that of the last tick.
 ///
 /// A system after [`BroadPhase`](CollisionSystems::BroadPhase) and before
-/// [`NarrowPhase`](CollisionSystems::NarrowPhase) may take pairs out: they are then not in contact. What a
+/// [`NarrowPhase`](CollisionSystems::NarrowPhase) may take pairs out: they are then not in contact. A pair that is listed
+/// twice, or the wrong way round, is one contact. What a
 /// [swept](crate::swept::Swept) entity meets after a bounce, within the same tick, is not among them: layers, lists and
 /// [hooks](crate::filters::PairHook) see that too.
 #[derive(Resource, Clone, Debug, Default, Deref, DerefMut, Reflect)]
@@ -219,28 +353,58 @@ pub struct BroadPhasePlugin(pub(crate) InternedScheduleLabel);
 
 impl Plugin for BroadPhasePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(
+        app.init_resource::<Upkeep>().add_systems(
             self.0,
-            (maintain.in_set(CollisionSystems::Maintenance), find_candidates.in_set(CollisionSystems::BroadPhase)),
-        )
-        .add_observer(on_disabled)
-        .add_observer(on_enabled);
+            (
+                (watch_disabling.run_if(some_new_disabling), mend, maintain)
+                    .chain()
+                    .in_set(CollisionSystems::Maintenance),
+                find_candidates.in_set(CollisionSystems::BroadPhase),
+            ),
+        );
     }
 }
 
 /// Takes up all boxes that changed, at any moment.
 pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
+    if let Some(mut index) = world.get_resource_mut::<CollisionIndex>() {
+        index.keep_search();
+    }
+    world.run_system_cached(watch_disabling)?;
+    world.run_system_cached(mend)?;
     world.run_system_cached(maintain)
 }
 
+/// Has an index that missed something, or is a new one, forget all that is not there, and take up all that is.
+fn mend(
+    mut index: ResMut<CollisionIndex>,
+    mut upkeep: ResMut<Upkeep>,
+    mut entities: Query<(Entity, &BroadPhaseProxy, &Archetype, FilterParts, &mut WorldAabb)>,
+) {
+    if !upkeep.missed && upkeep.index == index.number {
+        return;
+    }
+    index.remove_strays(|id, entity| {
+        let entry = entities.get(entity).ok().filter(|(_, _, archetype, ..)| !upkeep.disables(archetype));
+        entry.is_some_and(|(_, proxy, ..)| proxy.id == Some(id))
+    });
+    for (entity, proxy, _, parts, mut aabb) in &mut entities {
+        if let Some(id) = proxy.id.filter(|id| index.is_entry_of(*id, entity)) {
+            index.change_filter(id, |old| *old = filters::filter(parts));
+        }
+        aabb.set_changed();
+    }
+    (upkeep.index, upkeep.missed) = (index.number, false);
+}
+
 type Boxed<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy);
-type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<&'a Swept>);
+type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<(&'a Swept, &'a mut SweptWay)>);
 
 fn maintain(
     mut index: ResMut<CollisionIndex>,
-    settings: Res<BroadPhaseSettings>,
-    narrow: Res<NarrowPhaseSettings>,
+    (settings, narrow, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhaseSettings>, Res<Upkeep>),
     mut boxes: Query<ChangedBoxes, Changed<WorldAabb>>,
+    (archetypes, sheared): (Query<&Archetype>, Query<&Sheared>),
     mut counters: ResMut<CollisionCounters>,
 ) {
     let index = &mut *index;
@@ -251,9 +415,30 @@ fn maintain(
         index.index.touch_all();
     }
     index.index.set_pair_kinds(settings.pair_kinds);
-    for ((entity, aabb, shape, mut proxy), filter, swept) in &mut boxes {
-        let what = Described { shape: &shape.0, shape_changed: shape.is_changed(), swept };
-        index.take_up(entity, aabb, proxy.bypass_change_detection(), what, narrow.tests(), || filters::filter(filter));
+    let some_sheared = !sheared.is_empty();
+    for ((entity, aabb, own, mut proxy), parts, swept) in &mut boxes {
+        let proxy = proxy.bypass_change_detection();
+        let way = swept.map(|(_, way)| way).filter(|way| way.belongs_to(entity, proxy.id));
+        let start = way.as_ref().and_then(|way| way.to(&proxy.pose)).copied();
+        let id = if let Some((id, body)) = index.follow(entity, aabb, proxy) {
+            body.pose = proxy.pose;
+            // It may have changed when nobody looked, between two sets.
+            if body.reshaped != own.last_changed() || some_sheared {
+                body.take_shape(shear::shape(&own, sheared.get(entity).ok()), own.last_changed());
+            }
+            id
+        } else {
+            let is_disabled = archetypes.get(entity).is_ok_and(|archetype| upkeep.disables(archetype));
+            let filter = (!is_disabled).then(|| filters::filter(parts));
+            let shape = shear::shape(&own, sheared.get(entity).ok());
+            proxy.id = index.take_up(entity, (aabb, start.as_ref()), proxy, shape, narrow.tests(), filter);
+            let Some(id) = proxy.id else { continue };
+            if let Some(mut way) = way {
+                way.bypass_change_detection().follow(id);
+            }
+            id
+        };
+        index.set_start(id, start.as_ref());
     }
     index.index.update();
     let proxies = index.index.proxies();
@@ -261,7 +446,7 @@ fn maintain(
     counters.tick.moved = proxies.moved().len() as u64;
 }
 
-fn find_candidates(
+pub(crate) fn find_candidates(
     mut index: ResMut<CollisionIndex>,
     mut candidates: ResMut<CandidatePairs>,
     mut counters: ResMut<CollisionCounters>,
@@ -272,24 +457,43 @@ fn find_candidates(
     counters.tick.candidates = candidates.len() as u64;
     counters.tick.resting_pairs = pairs.resting().len() as u64;
     counters.tick.pairs_tested = index.index.pairs_tested();
+    index.search += 1;
+    index.moved_at_search.clear();
 }
 
-/// A disabled entity is out of the world until it is enabled again.
-fn on_disabled(
-    event: On<Add, Disabled>,
-    mut proxies: Query<&mut BroadPhaseProxy, Allow<Disabled>>,
-    mut index: ResMut<CollisionIndex>,
-) {
-    if let Ok(mut proxy) = proxies.get_mut(event.entity)
-        && let Some(id) = proxy.id.take()
-    {
-        index.remove(id);
+/// The components that disable entities, and are not observed yet.
+fn new_disabling(filters: &DefaultQueryFilters, upkeep: &Upkeep) -> impl Iterator<Item = ComponentId> {
+    filters.disabling_ids().filter(move |id| !upkeep.disabling.contains(id))
+}
+
+fn some_new_disabling(filters: Option<Res<DefaultQueryFilters>>, upkeep: Res<Upkeep>) -> bool {
+    filters.is_some_and(|filters| new_disabling(&filters, &upkeep).next().is_some())
+}
+
+/// Has them observed. What they disable already, maintenance deals with.
+fn watch_disabling(world: &mut World) {
+    let (Some(filters), Some(upkeep)) = (world.get_resource(), world.get_resource()) else { return };
+    for id in new_disabling(filters, upkeep).collect::<Vec<_>>() {
+        world.spawn(Observer::new(on_disabled).with_component(id));
+        world.spawn(Observer::new(on_enabled).with_component(id));
+        let mut upkeep = world.resource_mut::<Upkeep>();
+        upkeep.disabling.push(id);
+        upkeep.missed = true;
     }
 }
 
-/// Has the box computed anew, which puts the entity back into the index.
-fn on_enabled(event: On<Remove, Disabled>, mut proxies: Query<&mut BroadPhaseProxy, Allow<Disabled>>) {
-    if let Ok(mut proxy) = proxies.get_mut(event.entity) {
+/// A disabled entity is out of the world until it is enabled again.
+fn on_disabled(event: On<Add>, mut world: DeferredWorld) {
+    components::leave(&mut world, event.entity);
+}
+
+/// Has the box computed anew, which puts the entity back into the index. What comes back has not passed through what was
+/// between.
+fn on_enabled(event: On<Remove>, mut world: DeferredWorld) {
+    if let Some(mut way) = world.get_mut::<SweptWay>(event.entity) {
+        way.forget();
+    }
+    if let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(event.entity) {
         proxy.set_changed();
     }
 }

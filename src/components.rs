@@ -8,16 +8,19 @@ use bevy::{
 
 use crate::{
     broad_phase::{EVERYWHERE, ProxyId},
-    collision_index::CollisionIndex,
+    collision_index,
     motion::Velocity,
     narrow_phase::{Shape, ShapeError},
     response::Bounce,
-    swept::Swept,
+    swept::SweptWay,
 };
 
 /// The shape of an entity. An entity that has one takes part in collision detection; one that loses it, or is
 /// despawned, no longer does, from that moment on. A shape that is overwritten is changed; one that is removed and
 /// inserted again, even within a frame, starts anew: its contacts end and start.
+///
+/// It is placed by the [`Transform`]s of the entity and its ancestors. What becomes of shapes that a scaled parent shears is
+/// said of the [`BoundsPlugin`](crate::BoundsPlugin#sheared-shapes).
 ///
 /// An entity with a shape and no [`Velocity`] is *static*: while its [`Transform`] stays
 /// unchanged, it is looked at by nothing.
@@ -81,10 +84,11 @@ pub struct Cube;
 /// [swept](crate::swept::Swept) is around all of its way in the tick.
 ///
 /// Kept up to date in the set [`Bounds`](crate::CollisionSystems::Bounds). A system after that set and before
-/// [`Maintenance`](crate::CollisionSystems::Maintenance) may enlarge it.
+/// [`Maintenance`](crate::CollisionSystems::Maintenance) may enlarge it. What is inserted in its place is computed anew
+/// at the next tick.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect, Deref)]
 #[reflect(Component, Debug, Default, PartialEq)]
-#[component(on_remove = leave_index)]
+#[component(on_insert = compute_anew, on_remove = leave_index)]
 pub struct WorldAabb(pub Aabb3d);
 
 impl WorldAabb {
@@ -103,8 +107,8 @@ impl Default for WorldAabb {
     }
 }
 
-/// An entity's entry in the [`CollisionIndex`]. Comes and goes with the [`CollisionShape`]; a cloned entity gets one of
-/// its own.
+/// An entity's entry in the [`CollisionIndex`](crate::collision_index::CollisionIndex). Comes and goes with the [`CollisionShape`]; a
+/// cloned entity gets one of its own, as does one that is given a copy of another's.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[component(on_discard = leave_index, clone_behavior = Ignore)]
@@ -125,12 +129,22 @@ impl BroadPhaseProxy {
 
 /// Takes an entity out of the index at the moment in which it loses its shape, its box, its entry or its life.
 fn leave_index(mut world: DeferredWorld, context: HookContext) {
-    if let Some(mut swept) = world.get_mut::<Swept>(context.entity) {
-        swept.forget();
+    leave(&mut world, context.entity);
+}
+
+/// Takes an entity out of the index.
+pub(crate) fn leave(world: &mut DeferredWorld, entity: Entity) {
+    if let Some(mut way) = world.get_mut::<SweptWay>(entity) {
+        way.forget();
     }
-    let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(context.entity) else { return };
-    let Some(id) = proxy.id.take() else { return };
-    if let Some(mut index) = world.get_resource_mut::<CollisionIndex>() {
-        index.remove(id);
+    collision_index::in_index(world, entity, |index, id| index.remove(id));
+    if let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(entity) {
+        proxy.id = None;
+    }
+}
+
+fn compute_anew(mut world: DeferredWorld, context: HookContext) {
+    if let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(context.entity) {
+        proxy.set_changed();
     }
 }

@@ -43,8 +43,8 @@ use bevy::{
 };
 
 use crate::{
-    broad_phase::{Pair, PairFilter, ProxyId},
-    collision_index::{CandidatePairs, CollisionIndex},
+    broad_phase::{Pair, PairFilter},
+    collision_index::{CandidatePairs, CollisionIndex, in_index},
     components::BroadPhaseProxy,
     plugin::CollisionSystems,
     worlds::{self, CollisionWorld, InCollisionWorld},
@@ -128,8 +128,8 @@ impl<const N: usize> From<[Entity; N]> for IgnoreCollisions {
 }
 
 /// Has the pairs of an entity sought anew, those in which nothing moved too.
-fn look_again(world: DeferredWorld, context: HookContext) {
-    in_index(world, context, CollisionIndex::look_again);
+fn look_again(mut world: DeferredWorld, context: HookContext) {
+    in_index(&mut world, context.entity, CollisionIndex::look_again);
 }
 
 // What hooks say is taken up at once, whenever the next tick may be. Before its first tick, an entity is not in the index,
@@ -147,17 +147,8 @@ fn is_not_static(world: DeferredWorld, context: HookContext) {
     change_filter(world, context, |filter| filter.is_static = false);
 }
 
-pub(crate) fn change_filter(world: DeferredWorld, context: HookContext, change: impl FnOnce(&mut PairFilter)) {
-    in_index(world, context, |index, id| index.change_filter(id, change));
-}
-
-fn in_index(mut world: DeferredWorld, context: HookContext, act: impl FnOnce(&mut CollisionIndex, ProxyId)) {
-    let id = world.get::<BroadPhaseProxy>(context.entity).and_then(BroadPhaseProxy::id);
-    if let Some(id) = id
-        && let Some(mut index) = world.get_resource_mut::<CollisionIndex>()
-    {
-        act(&mut index, id);
-    }
+pub(crate) fn change_filter(mut world: DeferredWorld, context: HookContext, change: impl FnOnce(&mut PairFilter)) {
+    in_index(&mut world, context.entity, |index, id| index.change_filter(id, change));
 }
 
 fn set_layers(filter: &mut PairFilter, layers: CollisionLayers) {
@@ -310,10 +301,10 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
 /// Takes up layers that changed of entities that are in the index already.
 fn follow_layers(
     mut index: ResMut<CollisionIndex>,
-    changed: Query<(&BroadPhaseProxy, &CollisionLayers), Changed<CollisionLayers>>,
+    changed: Query<(Entity, &BroadPhaseProxy, &CollisionLayers), Changed<CollisionLayers>>,
 ) {
-    for (proxy, layers) in &changed {
-        if let Some(id) = proxy.id() {
+    for (entity, proxy, layers) in &changed {
+        if let Some(id) = proxy.id().filter(|id| index.is_entry_of(*id, entity)) {
             index.change_filter(id, |filter| set_layers(filter, *layers));
         }
     }

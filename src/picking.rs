@@ -20,6 +20,7 @@
 //! | | |
 //! |---|---|
 //! | [`CollisionPickingSettings::require_markers`] | only those with a [`CollisionPickable`], through cameras with one |
+//! | [`InCollisionWorld`] on a camera | only those in the same world; without it, those of all worlds |
 //! | [`CollisionLayers`] on a camera | only those on a layer that the camera may meet; without it, all |
 //! | [`Pickable`] on an entity | as everywhere: [`Pickable::IGNORE`] is not seen, and `should_block_lower: false` lets what is behind be picked too |
 
@@ -35,6 +36,7 @@ use bevy::{
 use crate::{
     filters::CollisionLayers,
     spatial_query::{RayHit, SpatialQuery, SpatialQueryFilter},
+    worlds::InCollisionWorld,
 };
 
 /// Writes [`PointerHits`] for what the rays of pointers meet, in [`PickingSystems::Backend`]. Not part of
@@ -73,14 +75,14 @@ pub struct CollisionPickable;
 fn pick(
     rays: Res<RayMap>,
     settings: Res<CollisionPickingSettings>,
-    cameras: Query<(&Camera, Has<CollisionPickable>, Option<&CollisionLayers>)>,
+    cameras: Query<(&Camera, Has<CollisionPickable>, Option<&CollisionLayers>, Option<&InCollisionWorld>)>,
     targets: Query<(Option<&Pickable>, Has<CollisionPickable>)>,
     spatial: SpatialQuery,
     mut found: Local<Vec<RayHit>>,
     mut output: MessageWriter<PointerHits>,
 ) {
     for (&id, &ray) in rays.iter() {
-        let Ok((camera, marked, layers)) = cameras.get(id.camera) else { continue };
+        let Ok((camera, marked, layers, world)) = cameras.get(id.camera) else { continue };
         if !camera.is_active || (settings.require_markers && !marked) {
             continue;
         }
@@ -93,8 +95,9 @@ fn pick(
             let pickable = targets.get(hit.entity).ok().and_then(|(pickable, _)| pickable);
             pickable.is_none_or(|pickable| pickable.should_block_lower)
         };
-        let all = layers.map_or(SpatialQueryFilter::ALL, |layers| SpatialQueryFilter::ALL.on_mask(layers.filters));
-        let filter = all.only(&is_seen);
+        let all = SpatialQueryFilter::ALL;
+        let all = world.map_or(all.in_any_world(), |world| all.in_world(world.0));
+        let filter = layers.map_or(all, |layers| all.on_mask(layers.filters)).only(&is_seen);
         let Some(first) = spatial.cast_ray(ray, f32::INFINITY, &filter) else { continue };
         found.clear();
         if blocks(&first) {

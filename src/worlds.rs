@@ -25,7 +25,8 @@
 //! ```
 //!
 //! Queries see one world at a time: the default one, or that of
-//! [`SpatialQueryFilter::in_world`](crate::spatial_query::SpatialQueryFilter::in_world).
+//! [`SpatialQueryFilter::in_world`](crate::spatial_query::SpatialQueryFilter::in_world); or all of them, by
+//! [`in_any_world`](crate::spatial_query::SpatialQueryFilter::in_any_world).
 //!
 //! # Cost
 //!
@@ -53,7 +54,7 @@ use crate::{broad_phase::PairFilter, filters::change_filter};
 /// follow at the next tick.
 ///
 /// It is about this entity alone: its children say for themselves which world they are in.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[derive(Component, FromTemplate, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, FromWorld, PartialEq)]
 #[relationship(relationship_target = CollisionWorld)]
 #[component(on_insert = enter, on_remove = leave)]

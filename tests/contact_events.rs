@@ -10,6 +10,26 @@ use bevy::{
 use bevy_octree::{contacts::Collision, narrow_phase::Contact, prelude::*};
 use common::*;
 
+/// As an editor or a remote client hears of it, and tells of it.
+#[test]
+fn events_and_messages_are_known_to_reflection() {
+    let mut app = listening_app();
+    let registry = app.world().resource::<AppTypeRegistry>().clone();
+    let registry = registry.read();
+    let [a, b] = [(); 2].map(|()| app.world_mut().spawn_empty().id());
+    let layers = [CollisionLayers::default(); 2];
+    let started = CollisionStarted { a, b, contact: None, layers, time: 1.0 };
+    let ended = CollisionEnded { a, b, contact: None, layers };
+    for event in [&started as &dyn Reflect, &ended] {
+        let registration = registry.get(event.as_any().type_id()).expect("it is registered");
+        registration.data::<ReflectEvent>().expect("an event").trigger(app.world_mut(), event, &registry);
+        registration.data::<ReflectMessage>().expect("a message").write_message(app.world_mut(), event, &registry);
+    }
+    assert_eq!(app.world().resource::<Heard>().told, [Started(a, b), Ended(a, b)]);
+    assert_eq!(app.world().resource::<Messages<CollisionEnded>>().len(), 1);
+    assert_eq!(app.world().resource::<Messages<CollisionStarted>>().len(), 1);
+}
+
 /// What the observers of an entity were told.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Told {

@@ -132,6 +132,23 @@ fn a_camera_with_layers_picks_what_it_may_meet() {
 }
 
 #[test]
+fn a_camera_picks_in_all_worlds_or_in_its_own() {
+    let (mut app, camera) = picking();
+    let [first, second] = [(); 2].map(|()| app.world_mut().spawn_empty().id());
+    let near = spawn(&mut app, 2.0, InCollisionWorld(first));
+    assert_eq!(picked(&mut app), [near]);
+    let far = spawn(&mut app, 4.0, InCollisionWorld(second));
+    let farther = spawn(&mut app, 6.0, ());
+    assert_eq!(picked(&mut app), [near]);
+    app.world_mut().entity_mut(camera).insert(InCollisionWorld(second));
+    assert_eq!(picked(&mut app), [far]);
+    app.world_mut().despawn(first);
+    app.world_mut().entity_mut(camera).remove::<InCollisionWorld>();
+    app.world_mut().despawn(far);
+    assert_eq!(picked(&mut app), [farther]);
+}
+
+#[test]
 fn what_is_gone_or_elsewhere_is_not_picked() {
     let (mut app, _) = picking();
     let cubes = [2.0, 4.0, 6.0].map(|x| spawn(&mut app, x, ()));

@@ -352,6 +352,56 @@ fn everything_is_registered_for_reflection() {
     assert!(missing.is_empty(), "{missing:?}");
 }
 
+#[test]
+fn components_can_be_built_from_templates() {
+    fn assert_template<C: Component + FromTemplate>() {}
+    assert_template::<Bounce>();
+    assert_template::<CollidingEntities>();
+    assert_template::<CollisionEventsEnabled>();
+    assert_template::<CollisionLayers>();
+    assert_template::<CollisionShape>();
+    assert_template::<Cube>();
+    assert_template::<IgnoreCollisions>();
+    assert_template::<InCollisionWorld>();
+    assert_template::<MovedElsewhere>();
+    assert_template::<PositionTrack>();
+    assert_template::<Sensor>();
+    assert_template::<StaticCollider>();
+    assert_template::<Swept>();
+    assert_template::<Velocity>();
+}
+
+#[test]
+fn after_the_last_tick_of_the_clock_comes_the_first() {
+    let mut app = app(Method::default());
+    let track = PositionTrack::new([(0, Vec3::ZERO), (10, Vec3::X)]).unwrap();
+    let rider = app.world_mut().spawn((CollisionShape::default(), track)).id();
+    app.world_mut().resource_mut::<CollisionClock>().set_tick(u64::MAX);
+    for (x, next) in [(1.0, 0), (0.0, 1), (0.1, 2)] {
+        tick(&mut app, 1);
+        assert_eq!(get::<Transform>(&app, rider).translation.x, x);
+        assert_eq!(app.world().resource::<CollisionClock>().tick(), next);
+    }
+}
+
+#[test]
+fn settings_that_stay_out_of_range_do_not_lay_the_octree_anew() {
+    let nan = ObjectOctreeSettings { root: RootPolicy::Fit { scale: f32::NAN }, ..default() };
+    let cube = RootPolicy::Cube { center: Vec3::NAN, half_size: f32::NAN };
+    let zero = ObjectOctreeSettings { max_objects: 0, max_depth: 99, merge_slack: 70, ..default() };
+    for settings in [nan, ObjectOctreeSettings { root: cube, ..default() }, zero] {
+        let mut app = app(Method::Octree(settings));
+        for x in [0.0, 0.9] {
+            app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0)));
+        }
+        tick(&mut app, 2);
+        for _ in 0..3 {
+            tick(&mut app, 1);
+            assert_eq!((counters(&app).moved, contacts(&app).len()), (0, 1), "{settings:?}");
+        }
+    }
+}
+
 /// Exhaustive search under another name.
 #[derive(Default)]
 struct MyOwn(Exhaustive);

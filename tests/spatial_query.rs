@@ -472,6 +472,50 @@ fn bad_input_finds_nothing() {
     });
 }
 
+/// Squares of distances are beyond the largest numbers from 1.8e19 on.
+#[test]
+fn what_is_far_away_is_found_at_its_distance() {
+    let rotation = Quat::from_rotation_z(0.4);
+    for method in methods() {
+        for shape in [CollisionShape::sphere(1.0).unwrap(), CollisionShape::default(), tetrahedron(), star()] {
+            let mut app = app(method.clone());
+            let mut at = |x: f32| {
+                let pose = Transform { translation: Vec3::X * x, rotation, ..default() };
+                app.world_mut().spawn((shape.clone(), pose)).id()
+            };
+            let [far, near, middle] = [8e25, 2e20, 5e22].map(&mut at);
+            tick(&mut app, 1);
+            ask(&mut app, move |spatial: SpatialQuery| {
+                let is_about = |found: f32, expected: f32| (found - expected).abs() < expected * 1e-5;
+                for limit in [f32::INFINITY, 1e21, f32::MAX] {
+                    let hit = spatial.nearest(Vec3::ZERO, limit, &ALL).expect("one is within the limit");
+                    assert!(hit.entity == near && is_about(hit.distance, 2e20), "{hit:?}");
+                }
+                assert_eq!(spatial.nearest(Vec3::ZERO, 1e20, &ALL), None);
+                let mut hits = vec![];
+                spatial.k_nearest(Vec3::ZERO, 2, f32::INFINITY, &ALL, &mut hits);
+                assert_eq!(hits.iter().map(|hit| hit.entity).collect::<Vec<_>>(), [near, middle]);
+                let mut pairs = vec![];
+                spatial.pairs_within(1e23, &ALL, &ALL, |pair| pairs.push(pair));
+                assert_eq!(pairs.len(), 1);
+                assert!([near, middle].contains(&pairs[0].a) && is_about(pairs[0].distance, 5e22 - 2e20));
+                assert!(pairs[0].a != far && pairs[0].b != far);
+            });
+        }
+        // As large as far away.
+        let mut app = app(method);
+        let pose = Transform::from_xyz(2e20, 0.0, 0.0).with_scale(Vec3::splat(1e18));
+        let ball = app.world_mut().spawn((CollisionShape::sphere(1.0).unwrap(), pose)).id();
+        tick(&mut app, 1);
+        ask(&mut app, move |spatial: SpatialQuery| {
+            let ray = spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), f32::INFINITY, &ALL).unwrap();
+            assert!(ray.entity == ball && (ray.distance - 1.99e20).abs() < 1e16, "{ray:?}");
+            let hit = spatial.cast_sphere(Vec3::ZERO, 1e18, Dir3::X, f32::INFINITY, &ALL).unwrap();
+            assert!(hit.entity == ball && (hit.distance - 1.98e20).abs() < 1e16, "{hit:?}");
+        });
+    }
+}
+
 #[test]
 fn without_the_plugins_a_flush_does_nothing() {
     let mut world = World::new();

@@ -135,6 +135,9 @@ fn queries_see_one_world() {
     assert_eq!(found(&mut app, all.in_world(first)), [a, b]);
     assert_eq!(found(&mut app, all.in_world(second)), [c]);
     assert_eq!(found(&mut app, all.in_world(empty)), []);
+    assert_eq!(found(&mut app, all.in_any_world()), [plain, a, b, c]);
+    assert_eq!(found(&mut app, all.in_any_world().on_mask(RED.memberships)), [b]);
+    assert_eq!(found(&mut app, all.in_any_world().in_world(second)), [c]);
     assert_eq!(found(&mut app, all.in_world(first).on_mask(RED.memberships)), [b]);
     assert_eq!(found(&mut app, all.in_world(second).on_mask(RED.memberships)), []);
     assert_eq!(found(&mut app, SpatialQueryFilter::except(b).in_world(first)), [a]);
@@ -233,6 +236,19 @@ fn numbered(pair: EntityPair, numbers: &HashMap<Entity, usize>) -> [usize; 2] {
     let mut pair = pair.map(|entity| numbers[&entity]);
     pair.sort_unstable();
     pair
+}
+
+/// What `bsn!` builds entities from.
+#[test]
+fn worlds_can_be_named_in_templates() {
+    let mut app = app(Method::default());
+    let [world] = worlds(&mut app);
+    let template = <InCollisionWorld as FromTemplate>::Template::default();
+    let entity = &mut app.world_mut().spawn_empty();
+    assert!(entity.build_template(&template).is_err(), "no world is given");
+    let mut template = template;
+    template.0 = world.into();
+    assert_eq!(entity.build_template(&template).unwrap(), InCollisionWorld(world));
 }
 
 #[test]

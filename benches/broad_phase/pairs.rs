@@ -1,12 +1,11 @@
 //! The search for overlapping pairs after each update.
 
-use bevy_octree::scene::stress::StressScene;
 use criterion::Criterion;
 
 use crate::setup::{self, Follower};
 
 pub fn bench(criterion: &mut Criterion) {
-    for scene in [StressScene::Brownian, StressScene::Gravity, StressScene::Static90] {
+    for scene in setup::SCENES {
         let mut group = setup::group(criterion, "pairs", scene);
         setup::each_method(&mut group, |group, id, method, objects| {
             let mut follower = Follower::new(method, scene, objects);

@@ -15,6 +15,16 @@ use criterion::{BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput
 /// How many objects there are.
 pub const SIZES: [usize; 3] = [1_000, 8_000, 64_000];
 
+/// The scenes of what is measured tick by tick: slow and fast motion, rest, and few objects unlike all others.
+pub const SCENES: [StressScene; 6] = [
+    StressScene::Brownian,
+    StressScene::Gravity,
+    StressScene::Static90,
+    StressScene::Ground,
+    StressScene::Outlier,
+    StressScene::Rooms,
+];
+
 /// Exhaustive search is measured up to here: it takes time by the square.
 const FEW: usize = 1_000;
 

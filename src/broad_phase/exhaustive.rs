@@ -37,6 +37,10 @@ impl BroadPhase for Exhaustive {
         dispatch!(self.level, simd => self.group.overlaps(simd, pairs))
     }
 
+    fn asks_filters(&self) -> bool {
+        true
+    }
+
     fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor) {
         if visitor.enter(&EVERYWHERE) {
             for (id, aabb) in proxies.iter() {

@@ -93,7 +93,56 @@ impl PairKinds {
 
 #[cfg(test)]
 mod tests {
+    use bevy::math::{Vec3A, bounding::Aabb3d};
+
     use super::*;
+    use crate::broad_phase::{
+        BroadPhase, BroadPhaseStats, Exhaustive, Pair, Proxies, SpatialIndex, Visitor, checked::Checked, overlap,
+    };
+
+    /// A broad phase that knows nothing of filters.
+    struct Unfiltered;
+
+    impl BroadPhase for Unfiltered {
+        fn name(&self) -> &'static str {
+            "unfiltered"
+        }
+
+        fn maintain(&mut self, _: &Proxies) {}
+
+        fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {
+            for (a, box_a) in proxies.iter() {
+                let after = proxies.iter().filter(|(b, box_b)| *b > a && overlap(box_a, box_b));
+                let moving = after.filter(|(b, _)| proxies.is_moved(a) || proxies.is_moved(*b));
+                pairs.extend(moving.map(|(b, _)| Pair::new(a, b)));
+            }
+            0
+        }
+
+        fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor) {
+            Exhaustive::default().traverse(proxies, visitor);
+        }
+
+        fn stats(&self) -> BroadPhaseStats {
+            BroadPhaseStats::default()
+        }
+    }
+
+    #[test]
+    fn a_broad_phase_need_not_ask_filters() {
+        let mut rng = fastrand::Rng::with_seed(4);
+        let mut index = SpatialIndex::with_engine(Box::new(Unfiltered));
+        for _ in 0..60 {
+            let min = Vec3A::from_array(std::array::from_fn(|_| rng.f32() * 4.0));
+            let id = index.insert(Aabb3d { min, max: min + 1.0 }).unwrap();
+            let (memberships, filters) = (1 << rng.u32(0..3), rng.u32(0..8));
+            let filter = PairFilter { memberships, filters, is_static: rng.bool(), world: rng.u32(0..2) };
+            index.set_filter(id, filter).unwrap();
+        }
+        let mut checked = Checked { index };
+        checked.step();
+        assert!(!checked.index.pairs().is_empty());
+    }
 
     #[test]
     fn both_must_admit() {

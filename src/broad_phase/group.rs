@@ -1,12 +1,15 @@
 //! Comparing all boxes of a group with each other.
 
 use bevy::math::Vec3A;
-use fearless_simd::Simd;
+use fearless_simd::{Level, prelude::*, u32x8};
 
 use super::{
-    Pair, Proxies, ProxyId,
-    linear_octree::{Block, WIDTH},
+    Pair, PairFilter, PairKinds, Proxies, ProxyId,
+    linear_octree::{Block, Crowd, WIDTH},
 };
+
+/// So many objects that moved in one leaf are a crowd, which is put in order before its boxes are compared.
+const CROWD: usize = 512;
 
 /// All three axes.
 const ALL_AXES: u8 = 0b111;
@@ -19,6 +22,57 @@ pub(super) struct Group {
     /// By object: the axes along which its box begins in the group's cell, a bit for each.
     begins: Vec<u8>,
     moved: usize,
+    /// By block; none where nothing is filtered.
+    filters: Vec<Filters>,
+    kinds: PairKinds,
+    crowd: Crowd,
+}
+
+/// What the eight objects of a block are, and what they may meet.
+#[derive(Clone, Debug)]
+struct Filters {
+    memberships: [u32; WIDTH],
+    filters: [u32; WIDTH],
+    worlds: [u32; WIDTH],
+    /// A bit for each that is static.
+    statics: u32,
+}
+
+impl Filters {
+    /// Eight objects that admit nothing.
+    const NONE: Self = Self { memberships: [0; WIDTH], filters: [0; WIDTH], worlds: [0; WIDTH], statics: 0 };
+
+    fn set(&mut self, lane: usize, filter: PairFilter) {
+        self.memberships[lane] = filter.memberships;
+        self.filters[lane] = filter.filters;
+        self.worlds[lane] = filter.world;
+        self.statics |= u32::from(filter.is_static) << lane;
+    }
+
+    fn get(&self, lane: usize) -> PairFilter {
+        PairFilter {
+            memberships: self.memberships[lane],
+            filters: self.filters[lane],
+            world: self.worlds[lane],
+            is_static: self.statics >> lane & 1 != 0,
+        }
+    }
+
+    /// Which of the eight make a pair with an object, if their boxes overlap: a bit for each.
+    #[inline(always)]
+    fn admit<S: Simd>(&self, simd: S, own: &PairFilter, kinds: PairKinds) -> u32 {
+        let shared = |own: u32, lanes: &[u32; WIDTH]| u32x8::splat(simd, own) & u32x8::from_slice(simd, lanes);
+        let nothing = u32x8::splat(simd, 0);
+        let refused = shared(own.filters, &self.memberships).simd_eq(nothing)
+            | shared(own.memberships, &self.filters).simd_eq(nothing);
+        let same_world = u32x8::from_slice(simd, &self.worlds).simd_eq(u32x8::splat(simd, own.world));
+        let [moving, fixed] = [false, true].map(|is_static| {
+            let sought = kinds.include(own, &PairFilter { is_static, ..PairFilter::default() });
+            u32::from(sought).wrapping_neg()
+        });
+        let of_kind = (moving & !self.statics) | (fixed & self.statics);
+        same_world.to_bitmask() as u32 & !(refused.to_bitmask() as u32) & of_kind
+    }
 }
 
 impl Group {
@@ -29,6 +83,8 @@ impl Group {
         self.ids.clear();
         self.blocks.clear();
         self.begins.clear();
+        self.filters.clear();
+        self.kinds = proxies.pair_kinds();
         self.ids.extend(objects);
         self.moved = self.ids.len();
         if !proxies.all_moved() {
@@ -52,10 +108,26 @@ impl Group {
             }
             self.blocks.push(block);
         }
+        if proxies.are_filtered() {
+            for eight in self.ids.chunks(WIDTH) {
+                let mut filters = Filters::NONE;
+                for (lane, id) in eight.iter().enumerate() {
+                    filters.set(lane, proxies.filter(*id));
+                }
+                self.filters.push(filters);
+            }
+        }
     }
 
-    /// Appends each pair of overlapping boxes of which at least one moved, and whose overlap has its lower corner in
-    /// the group's cell: of the cells that two boxes share, that is one. Returns the number of pairs compared.
+    /// Are there so many objects that they had better be put in order?
+    #[inline]
+    pub(super) const fn is_crowd(&self) -> bool {
+        self.moved >= CROWD
+    }
+
+    /// Appends each pair of overlapping boxes of which at least one moved, which admit each other, and whose overlap has
+    /// its lower corner in the group's cell: of the cells that two boxes share, that is one. Returns the number of pairs
+    /// compared.
     ///
     /// The corner is the larger of the two lower corners, axis by axis. It is below the upper borders of every cell
     /// that both boxes overlap, and above the lower borders if one of the boxes begins there.
@@ -72,6 +144,11 @@ impl Group {
             for (place, block) in self.blocks.iter().enumerate().skip(own) {
                 let mut hits = block.overlaps(simd, min, max) & lanes;
                 lanes = !0;
+                if hits != 0
+                    && let Some(filters) = self.filters.get(place)
+                {
+                    hits &= filters.admit(simd, &self.filters[own].get(lane), self.kinds);
+                }
                 while hits != 0 {
                     let other = place * WIDTH + hits.trailing_zeros() as usize;
                     hits &= hits - 1;
@@ -84,9 +161,25 @@ impl Group {
         compared
     }
 
+    /// As [`overlaps`](Self::overlaps), for a crowd: in O(n log n) and the pairs, whatever the boxes look like. Pairs that
+    /// are told apart by the bounds of many boxes do not count as compared.
+    pub(super) fn overlaps_in_crowd(&mut self, level: Level, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {
+        let Self { ids, blocks, begins, moved, crowd, .. } = self;
+        let boxes = (0..ids.len()).map(|place| blocks[place / WIDTH].get(place % WIDTH));
+        let is_filtered = proxies.are_filtered();
+        let keep = |a: usize, b: usize| {
+            a.min(b) < *moved && begins[a] | begins[b] == ALL_AXES && (!is_filtered || proxies.admits(ids[a], ids[b]))
+        };
+        let before = pairs.len();
+        pairs.extend(crowd.overlaps(level, boxes, keep).map(|[a, b]| Pair::new(ids[a], ids[b])));
+        (pairs.len() - before) as u64
+    }
+
     /// The memory taken, in bytes.
     pub(super) fn memory_bytes(&self) -> usize {
         self.blocks.capacity() * size_of::<Block>()
+            + self.filters.capacity() * size_of::<Filters>()
+            + self.crowd.memory_bytes()
             + self.ids.capacity() * size_of::<ProxyId>()
             + self.begins.capacity()
     }

@@ -121,6 +121,12 @@ impl SpatialIndex {
         self.proxies.touch_all();
     }
 
+    /// Has what moved in the last update count as moved in the next one too: for whoever searched for pairs and did not
+    /// look at them.
+    pub(crate) fn touch_moved(&mut self) {
+        self.proxies.touch_moved();
+    }
+
     /// Says what an object is, and what it may meet; by default, everything. Overlapping boxes of objects that do not
     /// admit each other make no pair. O(1); the object counts as moved if this is a change.
     ///

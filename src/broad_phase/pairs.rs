@@ -15,6 +15,9 @@ pub struct Pair {
 
 impl Pair {
     /// The pair of two distinct objects, in any order.
+    ///
+    /// # Panics
+    /// In builds with debug assertions, if they are the same.
     #[inline]
     #[must_use]
     pub fn new(a: ProxyId, b: ProxyId) -> Self {

@@ -94,6 +94,8 @@ const PENDING: u8 = 2;
 const MOVED: u8 = 4;
 /// Without an end, and so without a box.
 const ENDLESS: u8 = 8;
+/// The filter changed since the last update.
+const REFILTERED: u8 = 16;
 
 /// The boxes of all objects, and which of them changed.
 ///
@@ -222,7 +224,7 @@ impl Proxies {
     #[inline]
     #[must_use]
     pub fn is_moved(&self, id: ProxyId) -> bool {
-        self.flags[id.index()] & (ALIVE | MOVED) == ALIVE | MOVED
+        self.flags.get(id.index()).is_some_and(|f| f & (ALIVE | MOVED) == ALIVE | MOVED)
     }
 
     /// Has the object a part in the pairs of this tick without having moved?
@@ -381,7 +383,9 @@ impl Proxies {
                 self.filters.resize(self.boxes.len(), PairFilter::default());
             }
             self.filters[id.index()] = filter;
-            if self.flags[id.index()] & ENDLESS == 0 {
+            let flags = &mut self.flags[id.index()];
+            if *flags & (ENDLESS | REFILTERED) == 0 {
+                *flags |= REFILTERED;
                 self.pending_filters.push(id);
             }
             self.mark(id);
@@ -410,6 +414,19 @@ impl Proxies {
         for index in 0..self.boxes.len() {
             if self.flags[index] & ALIVE != 0 {
                 self.mark(ProxyId(index as u32));
+            }
+        }
+    }
+
+    /// Has what moved in the last update count as moved in the next one too.
+    pub(super) fn touch_moved(&mut self) {
+        for place in 0..self.moved.len() {
+            self.touch(self.moved[place]);
+        }
+        for place in 0..self.endless.len() {
+            let id = self.endless[place].id;
+            if self.is_moved(id) {
+                self.touch(id);
             }
         }
     }
@@ -509,6 +526,24 @@ mod tests {
         assert!(matches!(proxies.set(id, &nan), Err(BoxError::NotFinite(_))));
         assert_eq!(proxies.get(id), Some(&point));
         assert_eq!(proxies.set(ProxyId(7), &point), Err(BoxError::UnknownProxy(ProxyId(7))));
+    }
+
+    #[test]
+    fn a_foreign_handle_is_that_of_no_object() {
+        let mut proxies = Proxies::default();
+        let own = proxies.insert(unit(0.0)).unwrap();
+        proxies.begin_update();
+        for foreign in [ProxyId(1), ProxyId(u32::MAX)] {
+            assert!(!proxies.contains(foreign) && !proxies.is_moved(foreign) && !proxies.is_resting(foreign));
+            assert_eq!((proxies.get(foreign), proxies.filter(foreign)), (None, PairFilter::default()));
+            assert!(proxies.admits(own, foreign));
+            assert!(!proxies.touch(foreign) && !proxies.remove(foreign));
+            let unknown = Err(BoxError::UnknownProxy(foreign));
+            assert_eq!(proxies.set(foreign, &unit(1.0)), unknown);
+            assert_eq!(proxies.set_endless(foreign, None), unknown);
+            assert_eq!(proxies.set_filter(foreign, PairFilter::default()), unknown);
+        }
+        assert!(proxies.is_moved(own));
     }
 
     #[test]

@@ -34,7 +34,7 @@ pub(super) fn is_in_use(lists: Query<(), (With<CollidingEntities>, Allow<Disable
 pub(super) fn follow_contacts(contacts: Res<Contacts>, mut lists: Query<Lists, Allow<Disabled>>) {
     for (entity, mut list, proxy) in &mut lists {
         let others = || {
-            let own = proxy.and_then(BroadPhaseProxy::id).map(|id| contacts.of(id));
+            let own = proxy.and_then(BroadPhaseProxy::id).map(|id| contacts.of(entity, id));
             own.into_iter().flatten().map(|contact| contact.other(entity))
         };
         // No two contacts of an entity are with the same other.

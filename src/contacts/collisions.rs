@@ -90,14 +90,13 @@ impl Collisions<'_, '_> {
     /// The contact of two entities, seen from the first, if they are in contact. O(log n).
     #[must_use]
     pub fn get(&self, a: Entity, b: Entity) -> Option<Collision> {
-        let contact = self.contacts.find(self.pair(a, b)?)?;
-        Some(self.collision(contact).seen_from(a))
+        Some(self.collision(self.find(a, b)?).seen_from(a))
     }
 
     /// Are these two entities in contact? O(log n).
     #[must_use]
     pub fn contains(&self, a: Entity, b: Entity) -> bool {
-        self.pair(a, b).is_some_and(|pair| self.contacts.contains(pair))
+        self.find(a, b).is_some()
     }
 
     /// The number of contacts.
@@ -116,13 +115,15 @@ impl Collisions<'_, '_> {
         self.proxies.get(entity).ok()?.id()
     }
 
-    fn pair(&self, a: Entity, b: Entity) -> Option<Pair> {
-        let (a, b) = (self.id(a)?, self.id(b)?);
-        (a != b).then(|| Pair::new(a, b))
+    fn find(&self, a: Entity, b: Entity) -> Option<&ContactPair> {
+        let [id_a, id_b] = [self.id(a)?, self.id(b)?];
+        let pair = (id_a != id_b).then(|| Pair::new(id_a, id_b))?;
+        // Their handles may have been those of others.
+        self.contacts.find(pair).filter(|contact| [contact.a, contact.b] == [a, b] || [contact.a, contact.b] == [b, a])
     }
 
     fn pairs_of(&self, entity: Entity) -> impl Iterator<Item = &ContactPair> {
-        self.id(entity).map(|id| self.contacts.of(id)).into_iter().flatten()
+        self.id(entity).map(|id| self.contacts.of(entity, id)).into_iter().flatten()
     }
 
     fn collision(&self, contact: &ContactPair) -> Collision {

@@ -8,9 +8,11 @@ use crate::{filters::CollisionLayers, narrow_phase::Contact};
 /// Two entities have come into contact: a message, and an event for observers.
 ///
 /// As a **message** it is written once for each contact, in the set [`Report`](crate::CollisionSystems::Report), in the
-/// order of the [`Contacts`](super::Contacts).
+/// order of [time](Self::time): what a [swept](crate::swept::Swept) entity meets on its way comes in the order in which it
+/// meets it, and before all that is met at the end of the tick. At the same time, the order is that of the
+/// [`Contacts`](super::Contacts).
 ///
-/// As an **event** it is triggered right after, for each of the two entities that has opted in by
+/// As an **event** it is triggered right after, in the same order, for each of the two entities that has opted in by
 /// [`CollisionEventsEnabled`], with that entity first:
 ///
 /// ```
@@ -24,7 +26,7 @@ use crate::{filters::CollisionLayers, narrow_phase::Contact};
 /// });
 /// ```
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Debug, PartialEq)]
+#[reflect(Event, Message, Clone, Debug, PartialEq)]
 pub struct CollisionStarted {
     /// Of an event, the target. Of a message, the entity with the lower handle in the
     /// [`CollisionIndex`](crate::collision_index::CollisionIndex).
@@ -42,11 +44,12 @@ pub struct CollisionStarted {
 }
 
 /// Two entities are no longer in contact, or one of them is gone: either may no longer exist. A message, and an event
-/// for observers, as [`CollisionStarted`].
+/// for observers, as [`CollisionStarted`], but in the order of the [`Contacts`](super::Contacts). Events of what ends come
+/// before those of what starts.
 ///
 /// Every contact that started ends exactly once, and whoever was told of the start is told of the end.
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Debug, PartialEq)]
+#[reflect(Event, Message, Clone, Debug, PartialEq)]
 pub struct CollisionEnded {
     /// Of an event, the target. Of a message, the entity with the lower handle in the
     /// [`CollisionIndex`](crate::collision_index::CollisionIndex).

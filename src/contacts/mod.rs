@@ -8,7 +8,7 @@ mod narrow;
 mod report;
 mod tracking;
 
-use std::{cmp::Ordering, sync::OnceLock};
+use std::{cmp::Ordering, iter::Peekable, sync::OnceLock};
 
 use bevy::prelude::*;
 
@@ -66,15 +66,24 @@ pub(crate) struct SweptContact {
 #[reflect(Resource, Debug, Default)]
 pub struct Contacts {
     pairs: Vec<ContactPair>,
-    /// Those of the last tick, for comparison.
+    /// Those of the last report, for comparison; and those of the last tick, if they were not reported.
     before: Vec<ContactPair>,
+    unreported: Vec<ContactPair>,
+    /// Is there anything to report that was not?
+    has_news: bool,
+    /// The search for pairs that `pairs` are the verdicts on, by its number in the index; and the one that `found` and
+    /// `impacts` are from.
+    search: u64,
+    found_in: u64,
     /// Those that were found, rather than kept, in this tick.
     found: Vec<Pair>,
-    /// Those of which more is known, in the order of `pairs`; and of the last tick.
+    /// Those of which more is known, in the order of `pairs`; of the last report; and of the last tick, unreported.
     #[reflect(ignore)]
     tracked: Vec<TrackedContact>,
     #[reflect(ignore)]
     tracked_before: Vec<TrackedContact>,
+    #[reflect(ignore)]
+    tracked_unreported: Vec<TrackedContact>,
     /// The geometry of those that were found, if it was asked for.
     #[reflect(ignore)]
     found_geometry: Vec<(Pair, Contact)>,
@@ -83,6 +92,9 @@ pub struct Contacts {
     /// When and how the pairs met of which one is swept, in the order of the pairs.
     #[reflect(ignore)]
     impacts: Vec<SweptContact>,
+    /// Those who are elsewhere at the end of the tick than where they were found, by handle.
+    #[reflect(ignore)]
+    displaced: Vec<ProxyId>,
     /// Made when it is first asked for in a tick.
     #[reflect(ignore)]
     by_object: OnceLock<Adjacency>,
@@ -127,15 +139,37 @@ impl Contacts {
         time_of_impact(&self.impacts, pair)
     }
 
-    /// Those that met on the way.
+    /// Those that met on the way, in a tick whose verdicts have not been taken up yet.
     pub(crate) fn impacts(&self) -> &[SweptContact] {
-        &self.impacts
+        if self.has_verdicts() { &self.impacts } else { &[] }
     }
 
-    /// Replaces them by others, in any order, a pair maybe several times.
-    pub(crate) fn set_impacts(&mut self, impacts: impl Iterator<Item = SweptContact>) {
+    /// Replaces them by others, in any order, a pair maybe several times. Whoever is `displaced` is elsewhere at the end of
+    /// the tick than where it was looked at, and in contact with what it is found to touch there.
+    pub(crate) fn set_impacts(
+        &mut self,
+        impacts: impl Iterator<Item = SweptContact>,
+        displaced: impl Iterator<Item = ProxyId>,
+        found: impl Iterator<Item = (Pair, Contact)>,
+    ) {
         self.impacts.clear();
         self.impacts.extend(impacts);
+        self.sort_impacts();
+        self.displaced.extend(displaced);
+        self.displaced.sort_unstable();
+        if !self.displaced.is_empty() {
+            let displaced = &self.displaced;
+            self.found.retain(|pair| !is_displaced(displaced, *pair));
+            self.found_geometry.retain(|(pair, _)| !is_displaced(displaced, *pair));
+            for (pair, geometry) in found {
+                self.found.push(pair);
+                self.found_geometry.push((pair, geometry));
+            }
+        }
+    }
+
+    /// The first of each pair, in the order of pairs.
+    fn sort_impacts(&mut self) {
         self.impacts.sort_by(|a, b| a.pair.cmp(&b.pair).then(a.met.time.total_cmp(&b.met.time)));
         self.impacts.dedup_by_key(|impact| impact.pair);
     }
@@ -144,46 +178,95 @@ impl Contacts {
         self.pairs.binary_search_by_key(&pair, |contact| contact.pair).ok().map(|place| &self.pairs[place])
     }
 
-    /// The contacts of one object, in the order of their pairs. O(1) for each, and O(contacts + objects) for the first
-    /// call in a tick.
-    fn of(&self, id: ProxyId) -> impl ExactSizeIterator<Item = &ContactPair> {
+    /// The contacts of an entity, in the order of their pairs. O(1) for each, and O(contacts + objects) for the first call
+    /// in a tick.
+    fn of(&self, entity: Entity, id: ProxyId) -> impl Iterator<Item = &ContactPair> {
         let adjacency = self.by_object.get_or_init(|| Adjacency::new(&self.pairs));
-        adjacency.of(id).iter().map(|place| &self.pairs[*place as usize])
+        let all = adjacency.of(id).iter().map(|place| &self.pairs[*place as usize]);
+        // The handle may have been another's.
+        all.filter(move |contact| contact.a == entity || contact.b == entity)
+    }
+
+    /// Are the contacts the verdicts on some other search than the last one of this index? If so, none of them can be kept:
+    /// what moved since is not known.
+    pub(crate) const fn are_out_of_step(&self, index: &CollisionIndex) -> bool {
+        self.search != index.search()
+    }
+
+    /// Are there verdicts that have not been taken up?
+    const fn has_verdicts(&self) -> bool {
+        self.found_in != self.search
     }
 
     /// Forgets what the last tick found.
-    fn clear_found(&mut self) {
+    fn clear_found(&mut self, search: u64) {
+        self.found_in = search;
         self.found.clear();
         self.found_geometry.clear();
         self.impacts.clear();
+        self.displaced.clear();
     }
 
-    /// Takes up the verdicts of a tick: `self.found` are the pairs that were found to be in contact; of last tick's
-    /// contacts, those between two resting objects stay.
+    /// Takes up the verdicts of a tick: `self.found` are the pairs that were found to be in contact, `self.impacts` those
+    /// that met on the way, and a pair may be in both, or twice in the first; of last tick's contacts, those between two
+    /// resting objects stay.
     fn take_up(&mut self, index: &CollisionIndex) {
         let proxies = index.index().proxies();
-        std::mem::swap(&mut self.pairs, &mut self.before);
-        self.pairs.clear();
+        self.search = self.found_in;
         self.by_object.take();
         self.found.extend(self.impacts.iter().map(|impact| impact.pair));
         self.found.sort_unstable();
-        let impacts = &self.impacts;
-        let contact = |pair: Pair| {
-            let [a, b] = index.entities(pair);
-            let layers = [pair.a, pair.b].map(|id| proxies.filter(id).into());
-            ContactPair { pair, a, b, layers, time: time_of_impact(impacts, pair).unwrap_or(1.0) }
-        };
-        let mut found = self.found.iter().copied().peekable();
-        for kept in self.before.iter().filter(|contact| rests(contact.pair, proxies)) {
-            while let Some(pair) = found.next_if(|pair| *pair < kept.pair) {
-                self.pairs.push(contact(pair));
-            }
-            self.pairs.push(*kept);
-            // One of them rested until it was hit.
-            found.next_if_eq(&kept.pair);
+        self.found.dedup_by_key(|pair| pair.key());
+        let displaced = &self.displaced;
+        let last = turn(&mut self.pairs, &mut self.before, &mut self.unreported, self.has_news);
+        let kept = last.iter();
+        let sources = (&self.found[..], &self.impacts[..], index);
+        // Nearly always, what was at rest still is.
+        if index.is_as_searched() && displaced.is_empty() {
+            merge(&mut self.pairs, sources, kept.filter(|contact| rest(contact.pair, proxies)));
+        } else {
+            let rested = |contact: &ContactPair| index.rested(contact.pair, [contact.a, contact.b]);
+            let stays = |contact: &&ContactPair| rested(contact) && !is_displaced(displaced, contact.pair);
+            merge(&mut self.pairs, sources, kept.filter(stays));
         }
-        self.pairs.extend(found.map(contact));
     }
+}
+
+/// All contacts of a tick: those that are kept, and those that were found, both in the order of pairs.
+fn merge<'a>(
+    contacts: &mut Vec<ContactPair>,
+    (found, impacts, index): (&[Pair], &[SweptContact], &CollisionIndex),
+    kept: impl Iterator<Item = &'a ContactPair>,
+) {
+    let proxies = index.index().proxies();
+    let contact = |pair: Pair| {
+        let [a, b] = index.entities(pair);
+        let layers = [pair.a, pair.b].map(|id| proxies.filter(id).into());
+        ContactPair { pair, a, b, layers, time: time_of_impact(impacts, pair).unwrap_or(1.0) }
+    };
+    let mut found = found.iter().copied().peekable();
+    for kept in kept {
+        while let Some(pair) = found.next_if(|pair| *pair < kept.pair) {
+            contacts.push(contact(pair));
+        }
+        contacts.push(*kept);
+        // One of them rested until it was hit.
+        found.next_if_eq(&kept.pair);
+    }
+    contacts.extend(found.map(contact));
+}
+
+/// Makes room in `now` for what is known in a new tick, and returns what was known in the last one: that is what the next
+/// report compares with, unless one is still due, whose `before` then stays.
+fn turn<'a, T>(now: &mut Vec<T>, before: &'a mut Vec<T>, unreported: &'a mut Vec<T>, has_news: bool) -> &'a [T] {
+    let last = if has_news { unreported } else { before };
+    std::mem::swap(now, last);
+    now.clear();
+    last
+}
+
+fn rest(pair: Pair, proxies: &Proxies) -> bool {
+    proxies.is_resting(pair.a) && proxies.is_resting(pair.b)
 }
 
 fn time_of_impact(impacts: &[SweptContact], pair: Pair) -> Option<f32> {
@@ -191,8 +274,19 @@ fn time_of_impact(impacts: &[SweptContact], pair: Pair) -> Option<f32> {
     Some(impacts[place].met.time)
 }
 
-fn rests(pair: Pair, proxies: &Proxies) -> bool {
-    proxies.is_resting(pair.a) && proxies.is_resting(pair.b)
+fn is_displaced(displaced: &[ProxyId], pair: Pair) -> bool {
+    [pair.a, pair.b].iter().any(|id| displaced.binary_search(id).is_ok())
+}
+
+/// Of a list in the order of pairs, what is about this one, if anything is. For pairs asked about in the same order, not all
+/// of those in the list.
+fn seek<'a, T: 'a>(
+    list: &mut Peekable<impl Iterator<Item = &'a T>>,
+    pair: Pair,
+    key: impl Fn(&T) -> Pair,
+) -> Option<&'a T> {
+    while list.next_if(|other| key(other) < pair).is_some() {}
+    list.next_if(|other| key(other) == pair)
 }
 
 /// Compares the contacts of two ticks, both in the order of their pairs: calls `visit` for each pair, with what is

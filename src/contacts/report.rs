@@ -1,5 +1,7 @@
 //! Tells about contacts that started and ended.
 
+use std::cmp::Ordering;
+
 use bevy::{ecs::schedule::InternedScheduleLabel, prelude::*};
 
 use super::{
@@ -18,21 +20,28 @@ impl Plugin for ReportPlugin {
     fn build(&self, app: &mut App) {
         // Observers come last, so that they find everything else up to date, and see no change but their own.
         let report = (write_messages, follow_contacts.run_if(is_in_use), trigger_events.run_if(anything_tracked));
+        // Each change is told once, though the exact tests or this may be skipped in a tick.
+        let report = report.chain().run_if(|contacts: Res<Contacts>| contacts.has_news);
         app.add_message::<CollisionStarted>()
             .add_message::<CollisionEnded>()
-            .add_systems(self.0, report.chain().in_set(CollisionSystems::Report));
+            .add_systems(self.0, report.in_set(CollisionSystems::Report));
     }
 }
 
 fn write_messages(
-    contacts: Res<Contacts>,
+    mut contacts: ResMut<Contacts>,
     settings: Res<CollisionEventSettings>,
-    mut scope_before: Local<Option<EventScope>>,
+    (mut scope_before, mut in_time): (Local<Option<EventScope>>, Local<Vec<CollisionStarted>>),
     mut counters: ResMut<CollisionCounters>,
     mut started: MessageWriter<CollisionStarted>,
     mut ended: MessageWriter<CollisionEnded>,
 ) {
+    contacts.bypass_change_detection().has_news = false;
+    let contacts = &*contacts;
     let counters = &mut counters.tick;
+    let scopes = [scope_before.replace(settings.messages).unwrap_or(settings.messages), settings.messages];
+    // Where nothing was met on the way, the order of contacts is that of time.
+    let is_in_time = scopes == [EventScope::All; 2] && contacts.impacts.is_empty();
     let mut written = [0, 0];
     let write = |old: Option<&ContactPair>, new: Option<&ContactPair>| match (old, new) {
         (Some(old), None) => {
@@ -40,14 +49,18 @@ fn write_messages(
             written[0] += 1;
         }
         (None, Some(new)) => {
-            started.write(new.seen_with(&contacts.tracked).into());
+            let start = new.seen_with(&contacts.tracked).into();
+            if is_in_time {
+                started.write(start);
+            } else {
+                in_time.push(start);
+            }
             written[1] += 1;
         }
         _ => {}
     };
     let (before, now) = (&contacts.before[..], &contacts.pairs[..]);
     let key = ContactPair::key;
-    let scopes = [scope_before.replace(settings.messages).unwrap_or(settings.messages), settings.messages];
     if scopes == [EventScope::All; 2] {
         compare(before.iter(), now.iter(), key, write);
         [counters.ended, counters.started] = written;
@@ -60,6 +73,13 @@ fn write_messages(
             counters.ended += u64::from(new.is_none());
         });
     }
+    in_time.sort_by(earlier);
+    started.write_batch(in_time.drain(..));
+}
+
+/// Those that start at the same time stay in the order of the contacts.
+fn earlier(a: &CollisionStarted, b: &CollisionStarted) -> Ordering {
+    a.time.total_cmp(&b.time)
 }
 
 /// The contacts that messages are about.
@@ -95,8 +115,8 @@ fn anything_tracked(contacts: Res<Contacts>) -> bool {
     !(contacts.tracked.is_empty() && contacts.tracked_before.is_empty())
 }
 
-/// Triggers events: first those of all contacts that ended, then those of all that started, each in the order of the
-/// contacts, and for each contact first that of `a`.
+/// Triggers events: first those of all contacts that ended, in the order of the contacts, then those of all that started,
+/// in the order of time; and for each contact first that of `a`.
 ///
 /// All are decided before the first is triggered: an observer that despawns an entity, or opts it out, changes what is
 /// told in the next tick, and nothing in this one.
@@ -114,6 +134,7 @@ fn trigger_events(world: &mut World, mut ended: Local<Vec<CollisionEnded>>, mut 
         }
     };
     compare(contacts.tracked_before.iter(), contacts.tracked.iter(), |tracked| tracked.contact.key(), collect);
+    started.sort_by(earlier);
     for event in ended.drain(..) {
         world.trigger(event);
         // What its observers asked for is done before those of the next.

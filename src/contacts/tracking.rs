@@ -1,6 +1,6 @@
 //! Contacts of which more is known than that they are: where, and who is told.
 
-use super::{CollisionEventSettings, ContactPair, Contacts, EventScope};
+use super::{CollisionEventSettings, ContactPair, Contacts, EventScope, seek, turn};
 use crate::{
     broad_phase::{Pair, ProxyId},
     narrow_phase::Contact,
@@ -65,23 +65,28 @@ pub(super) fn find(tracked: &[TrackedContact], pair: Pair) -> Option<&TrackedCon
 impl Contacts {
     /// Brings the tracked contacts up to date with all contacts. The geometry of a contact that was kept is kept too,
     /// or has to be computed, by `geometry`, if it was not asked for before.
+    ///
+    /// Of a pair that was found both on the way and at the end of the tick, the geometry is that of the way.
     pub(super) fn track(&mut self, mut geometry: impl FnMut(Pair) -> Option<Contact>) {
-        std::mem::swap(&mut self.tracked, &mut self.tracked_before);
-        self.tracked.clear();
+        let (tracked, before) = (&mut self.tracked, &mut self.tracked_before);
+        let last = turn(tracked, before, &mut self.tracked_unreported, self.has_news);
         let tracking = &self.tracking;
         if tracking.is_idle() {
             return;
         }
-        self.found_geometry.extend(self.impacts.iter().map(|impact| (impact.pair, impact.met.contact)));
         self.found_geometry.sort_unstable_by_key(|(pair, _)| *pair);
         let mut found = self.found_geometry.iter().peekable();
+        let mut impacts = self.impacts.iter().peekable();
+        let mut last = last.iter().peekable();
         for contact in self.pairs.iter().filter(|contact| tracking.wants(contact.pair)) {
             let pair = contact.pair;
-            let geometry = match found.next_if(|(found, _)| *found == pair) {
-                Some((_, geometry)) => Some(*geometry),
-                None => find(&self.tracked_before, pair).map(|kept| kept.geometry).or_else(|| geometry(pair)),
-            };
-            let Some(geometry) = geometry else { continue };
+            let on_the_way = seek(&mut impacts, pair, |impact| impact.pair).map(|impact| impact.met.contact);
+            let at_the_end = seek(&mut found, pair, |(found, _)| *found).map(|(_, geometry)| *geometry);
+            let kept = seek(&mut last, pair, |kept| kept.contact.pair)
+                .filter(|kept| kept.contact.key() == contact.key())
+                .map(|kept| kept.geometry);
+            let known = on_the_way.or(at_the_end).or(kept);
+            let Some(geometry) = known.or_else(|| geometry(pair)) else { continue };
             let enabled = tracking.enabled(pair);
             let observed = if tracking.all_observed { [true; 2] } else { enabled };
             self.tracked.push(TrackedContact {

@@ -9,10 +9,11 @@ use crate::{
 };
 
 /// How the box of one entity is drawn, and its way if it is [swept](crate::swept::Swept), whatever the [`CollisionGizmos`] say about others.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Clone, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Clone, Debug, Default, PartialEq)]
 pub enum DebugDraw {
     /// Not at all.
+    #[default]
     Hidden,
     /// In a colour of its own, even where other boxes are not drawn.
     Color(Color),

@@ -9,18 +9,20 @@ use bevy::{
 use super::{CollisionGizmos, DebugDraw};
 use crate::{
     components::{BroadPhaseProxy, CollisionShape},
-    swept::Swept,
+    shear::{self, Sheared},
+    swept::{Swept, SweptWay},
 };
 
 /// Draws the ways of swept entities that moved in the last tick: from where they began to where they ended, though there may
 /// have been bounces on the way.
 pub(super) fn draw_ways(
     mut gizmos: Gizmos<CollisionGizmos>,
-    swept: Query<(&CollisionShape, &BroadPhaseProxy, &Swept, Option<&DebugDraw>)>,
+    swept: Query<(&CollisionShape, Option<&Sheared>, &BroadPhaseProxy, &SweptWay, Option<&DebugDraw>), With<Swept>>,
 ) {
     let color @ Some(_) = gizmos.config_ext.sweeps else { return };
-    for (shape, proxy, swept, own) in &swept {
-        let way = swept.last_start().filter(|start| start.translation != proxy.pose.translation);
+    for (shape, sheared, proxy, way, own) in &swept {
+        let shape = shear::shape(shape, sheared);
+        let way = way.last_start().filter(|start| start.translation != proxy.pose.translation);
         if let Some(start) = way
             && let Some(color) = DebugDraw::color(own, color)
             && let [Ok(start), Ok(end)] = [start, &proxy.pose].map(|at| shape.world_aabb(at))

@@ -11,6 +11,9 @@ pub use track::{Interpolation, Outside, PositionTrack, TrackError};
 
 /// How fast and where to an entity moves, in units per second, in the space of its parent.
 ///
+/// Contacts count with its velocity in the world, to which that of each ancestor adds: one that is moved by other means than
+/// its velocity may have one beside [`MovedElsewhere`], which says how fast it is.
+///
 /// The report gives each object a direction and a speed; this is their product. A velocity that is not finite moves
 /// nothing, with a warning in the log.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect, Deref, DerefMut)]
@@ -24,7 +27,7 @@ pub struct Velocity(pub Vec3);
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 pub struct MovedElsewhere;
 
-/// Counts ticks from zero: the runs of the schedule that the plugins are in.
+/// Counts ticks from zero: the runs of the schedule that the plugins are in. After tick [`u64::MAX`], it is zero again.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Debug, Default, PartialEq)]
 pub struct CollisionClock {
@@ -44,7 +47,7 @@ impl CollisionClock {
     }
 
     pub(crate) fn advance(mut clock: ResMut<Self>) {
-        clock.tick += 1;
+        clock.tick = clock.tick.wrapping_add(1);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use bevy::{
     math::{
-        cubic_splines::CubicSegment,
+        DVec3,
         curve::{Curve, EaseFunction, EasingCurve},
     },
     prelude::*,
@@ -14,7 +14,10 @@ use thiserror::Error;
 /// Detection with an N-Objects Octree*, 1994, section 1.3).
 ///
 /// The track has keyframes at some ticks; the positions between them are interpolated, and those before the first and
-/// after the last follow from [`Outside`]. At a keyframe the position is exactly the keyframe's.
+/// after the last follow from [`Outside`]. At a keyframe the position is exactly the keyframe's. All positions are finite:
+/// what would be beyond the largest numbers, where a curve swings out of its keyframes, stays at these.
+///
+/// The default is a single keyframe, at the origin.
 ///
 /// ```
 /// use bevy::math::Vec3;
@@ -27,7 +30,7 @@ use thiserror::Error;
 /// # Ok::<(), bevy_octree::motion::TrackError>(())
 /// ```
 #[derive(Component, Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
-#[reflect(Component, Debug, PartialEq, Serialize, Deserialize)]
+#[reflect(Component, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "UncheckedTrack", into = "UncheckedTrack")]
 #[require(Transform)]
 pub struct PositionTrack {
@@ -184,38 +187,44 @@ impl PositionTrack {
     /// The position at `t`, between 0 and 1, of the way from a keyframe to the next.
     fn interpolate(&self, index: usize, t: f32) -> Vec3 {
         let ((start, from), (end, to)) = (self.keyframes[index], self.keyframes[index + 1]);
-        match self.interpolation {
+        let position = match self.interpolation {
             Interpolation::Step => from,
             Interpolation::Linear => from.lerp(to, t),
             Interpolation::Ease(ease) => EasingCurve::new(from, to, ease).sample_unchecked(t),
             Interpolation::Smooth => {
-                let third = (end - start) as f32 / 3.0;
-                CubicSegment::new_bezier([
-                    from,
-                    from + self.tangent(index) * third,
-                    to - self.tangent(index + 1) * third,
-                    to,
-                ])
-                .position(t)
+                let (t, third) = (f64::from(t), (end - start) as f64 / 3.0);
+                let (from, to) = (from.as_dvec3(), to.as_dvec3());
+                let controls = [from, from + self.tangent(index) * third, to - self.tangent(index + 1) * third, to];
+                // A Bézier curve, by halves of halves.
+                let [a, b, c] = [0, 1, 2].map(|place| controls[place].lerp(controls[place + 1], t));
+                a.lerp(b, t).lerp(b.lerp(c, t), t).as_vec3()
             }
-        }
+        };
+        position.clamp(Vec3::MIN, Vec3::MAX)
     }
 
     /// The velocity at a keyframe, in units per tick, when moving smoothly: that of the straight line from the keyframe
-    /// before to the one after, across the seam of a closed loop, and one-sided at the ends of an open track.
-    fn tangent(&self, index: usize) -> Vec3 {
+    /// before to the one after, across the seam of a closed loop, and one-sided at the ends of an open track. In double
+    /// precision, in which no difference of positions overflows.
+    fn tangent(&self, index: usize) -> DVec3 {
         let keyframes = &self.keyframes;
         let last = keyframes.len() - 1;
         let closed = self.outside == Outside::Loop && keyframes[0].1 == keyframes[last].1;
         if closed && (index == 0 || index == last) {
             let ((start, _), (second, after)) = (keyframes[0], keyframes[1]);
             let ((second_last, before), (end, _)) = (keyframes[last - 1], keyframes[last]);
-            let ticks = (second - start) as f32 + (end - second_last) as f32;
-            return (after - before) / ticks;
+            let ticks = (second - start) as f64 + (end - second_last) as f64;
+            return (after.as_dvec3() - before.as_dvec3()) / ticks;
         }
         let (start, before) = keyframes[index.saturating_sub(1)];
         let (end, after) = keyframes[(index + 1).min(last)];
-        (after - before) / (end - start) as f32
+        (after.as_dvec3() - before.as_dvec3()) / (end - start) as f64
+    }
+}
+
+impl Default for PositionTrack {
+    fn default() -> Self {
+        Self { keyframes: vec![(0, Vec3::ZERO)], interpolation: Interpolation::default(), outside: Outside::default() }
     }
 }
 
@@ -318,7 +327,26 @@ mod tests {
     }
 
     #[test]
+    fn positions_are_finite_whatever_the_keyframes() {
+        let eases = [EaseFunction::ElasticInOut, EaseFunction::BackOut, EaseFunction::Linear].map(Interpolation::Ease);
+        let ends = [Vec3::MIN, Vec3::MAX, Vec3::ZERO, Vec3::MAX, Vec3::MIN];
+        for outside in [Outside::Hold, Outside::Loop] {
+            for interpolation in [Interpolation::Linear, Interpolation::Smooth].into_iter().chain(eases) {
+                let keyframes = ends.into_iter().enumerate().map(|(place, at)| (10 * place as u64, at));
+                let track = PositionTrack::new(keyframes).unwrap();
+                let track = track.with_interpolation(interpolation).with_outside(outside);
+                for tick in 0..50 {
+                    let position = track.position(tick);
+                    assert!(position.is_finite(), "{interpolation:?} {outside:?} {tick}: {position}");
+                }
+                assert_eq!(track.position(10), Vec3::MAX);
+            }
+        }
+    }
+
+    #[test]
     fn a_single_key_is_a_place() {
+        assert_eq!(PositionTrack::default().position(9), Vec3::ZERO);
         for outside in [Outside::Hold, Outside::Loop] {
             let track = PositionTrack::new([(7, Vec3::ONE)]).unwrap().with_outside(outside);
             assert_eq!([0, 7, 8].map(|tick| track.position(tick)), [Vec3::ONE; 3]);

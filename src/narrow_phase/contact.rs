@@ -6,9 +6,10 @@ use bevy::{
 };
 
 use super::edge_polygon::{self, Hit};
+use super::large::Smaller;
 use super::pair::{Pair, in_order};
 use super::separation::{Separation, sign};
-use super::{NarrowPhase, Placed, Shape, Workspace, convex_contact};
+use super::{BoundsError, NarrowPhase, Placed, Shape, Workspace, convex_contact};
 
 /// How often to go back and forth between two shapes in search of a point of both: twice is the
 /// rule.
@@ -64,7 +65,8 @@ impl NarrowPhase {
     /// * for a sphere, the direction of the closest point of the other shape;
     /// * for other meshes, an approximation: the mean normal of the polygons that are crossed. The
     ///   depth is then how far the crossing reaches along it;
-    /// * for Rapier shapes, what parry finds;
+    /// * for Rapier shapes, that along which they overlap least; of shapes that consist of parts, that of the two that are
+    ///   deepest in each other;
     /// * where all that fails (a mesh inside another, without crossing), the direction from centre
     ///   to centre, and +Y if these coincide. The depth is then the overlap of the two boxes that
     ///   way.
@@ -76,11 +78,49 @@ impl NarrowPhase {
         let (first, second, swapped) = in_order(a, b);
         let origin = Vec3A::from(first.transform.translation);
         let found = match Pair::new(first, second, self.tolerance()) {
+            Ok(pair) if pair.is_large() => {
+                let found =
+                    self.large_contact(&pair, workspace).map(|found| if swapped { found.reversed() } else { found });
+                if found.is_some() {
+                    return found;
+                }
+                local_contact(&pair, workspace)
+            }
             Ok(pair) => local_contact(&pair, workspace),
-            Err(_) => unbounded_contact(first, second, self.tolerance()),
+            Err(BoundsError::Unbounded) => unbounded_contact(first, second, self.tolerance()),
+            // So large that squares are beyond all numbers.
+            Err(BoundsError::NonFinite) => straight(first, second),
         };
         let found = if swapped { found.reversed() } else { found };
         Some(Contact { normal: found.normal.into(), point: (origin + found.point).into(), depth: found.depth })
+    }
+}
+
+/// # Of what is large
+impl NarrowPhase {
+    /// That of two shapes of ours at a smaller scale, in the order in which pairs are computed.
+    #[cold]
+    fn large_contact(&self, pair: &Pair, workspace: &mut Workspace) -> Option<Contact> {
+        // The stages have been counted.
+        let counters = workspace.counters;
+        let found = match Smaller::of(pair, self) {
+            Some(smaller) => {
+                let [a, b] = smaller.placed(pair);
+                let found = smaller.tests.contact(a, b, workspace);
+                let larger = |found: Contact| Contact {
+                    point: found.point * smaller.factor,
+                    depth: (found.depth * smaller.factor).min(f32::MAX),
+                    ..found
+                };
+                found.map(larger)
+            }
+            #[cfg(feature = "rapier")]
+            None => super::parry::with_own(pair.a, pair.b, |a, b| self.contact(a, b, workspace)).flatten(),
+            #[cfg(not(feature = "rapier"))]
+            None => None,
+        };
+        workspace.counters = counters;
+        found
     }
 }
 
@@ -188,7 +228,7 @@ pub(super) fn mean_hit(pair: &Pair, workspace: &mut Workspace) -> Option<Vec3A> 
 /// Meshes of any form: the mean of all crossings.
 fn meshes(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> {
     let (mut count, mut points, mut normals) = (0.0, Vec3A::ZERO, Vec3A::ZERO);
-    edge_polygon::hits(pair, workspace, |Hit { point, normal }| {
+    edge_polygon::hits(pair, workspace, |Hit { point, normal, .. }| {
         count += 1.0;
         points += point;
         normals += normal;

@@ -55,6 +55,11 @@ impl ConvexMesh {
         Ok(Self(mesh))
     }
 
+    /// A mesh that is known to be convex already.
+    pub(super) const fn trusted(mesh: PolygonMesh) -> Self {
+        Self(mesh)
+    }
+
     /// The mesh without the knowledge.
     #[must_use]
     pub fn into_inner(self) -> PolygonMesh {

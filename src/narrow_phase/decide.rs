@@ -5,6 +5,7 @@ use bevy::math::bounding::Aabb3d;
 use bevy::math::primitives::HalfSpace;
 use bevy::transform::components::Transform;
 
+use super::large::Smaller;
 use super::pair::{Pair, ROUNDING, in_order};
 use super::separation::Separation;
 use super::{BoundsError, Placed, Shape, Stage, ToleranceError, Workspace, edge_polygon};
@@ -118,6 +119,7 @@ impl NarrowPhase {
         }
         let (a, b, _) = in_order(a, b);
         match Pair::new(a, b, self.tolerance) {
+            Ok(pair) if pair.is_large() => self.decide_large(&pair, workspace),
             Ok(pair) => self.decide(&pair, workspace),
             Err(BoundsError::Unbounded) => unbounded(a, b, self.tolerance, workspace),
             Err(BoundsError::NonFinite) => false,
@@ -132,8 +134,31 @@ impl NarrowPhase {
         let reach = half_a + half_b;
         let gaps = (offset.abs() - reach).max(Vec3A::ZERO);
         let tolerance = self.tolerance.max(ROUNDING * reach.max_element());
-        // The last is for what is not finite: `max` drops a NaN, and infinity reaches everything.
-        gaps.length_squared() <= tolerance * tolerance && (offset.abs() + reach).is_finite()
+        // Measured by the tolerance, so that the squares of huge sizes do not overflow. The last is for what is not finite:
+        // `max` drops a NaN, and infinity reaches everything.
+        (gaps / tolerance).length_squared() <= 1.0 && (offset.abs() + reach).is_finite()
+    }
+
+    #[cold]
+    fn decide_large(&self, pair: &Pair, workspace: &mut Workspace) -> bool {
+        if let Some(smaller) = Smaller::of(pair, self) {
+            let [a, b] = smaller.placed(pair);
+            return smaller.tests.intersects(a, b, workspace);
+        }
+        #[cfg(feature = "rapier")]
+        {
+            if let Some(own) = super::parry::with_own(pair.a, pair.b, |a, b| self.intersects(a, b, workspace)) {
+                return own;
+            }
+        }
+        let verdict = complete(pair, workspace);
+        workspace.counters.count(Stage::Complete, Some(verdict));
+        verdict
+    }
+
+    /// The same tests, with a tolerance that comes from theirs.
+    pub(super) fn with_tolerance(self, tolerance: f32) -> Self {
+        Self { tolerance, ..self }
     }
 
     fn decide(&self, pair: &Pair, workspace: &mut Workspace) -> bool {
@@ -211,7 +236,7 @@ fn complete(pair: &Pair, workspace: &mut Workspace) -> bool {
         (Shape::Rapier(_), _) | (_, Shape::Rapier(_)) => {
             let cuboids = super::parry::cuboids(pair, |pair| boxes(pair).unwrap_or_else(|| complete(pair, workspace)));
             cuboids.unwrap_or_else(|| {
-                super::parry::intersects(pair.a, pair.b, pair.tolerance)
+                workspace.known(super::parry::intersects(pair.a, pair.b, pair.tolerance))
                     || super::parry::enclosed(pair, workspace).is_some()
             })
         }
@@ -233,7 +258,7 @@ pub(super) fn stages(pair: &Pair, workspace: &mut Workspace) -> ([Option<bool>; 
 fn unbounded(a: Placed, b: Placed, tolerance: f32, workspace: &mut Workspace) -> bool {
     #[cfg(feature = "rapier")]
     if a.transform.is_finite() && b.transform.is_finite() {
-        let verdict = super::parry::intersects(a, b, tolerance);
+        let verdict = workspace.known(super::parry::intersects(a, b, tolerance));
         workspace.counters.count(Stage::Complete, Some(verdict));
         return verdict;
     }

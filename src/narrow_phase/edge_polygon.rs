@@ -8,7 +8,7 @@ use bevy::math::Vec3A;
 use super::PolygonMesh;
 use super::oriented_box::OrientedBox;
 use super::pair::Pair;
-use super::surface::{ClosestPoint, Region, Surface, polygons_of};
+use super::surface::{ClosestPoint, Face, Region, Surface, polygons_of};
 use super::workspace::Workspace;
 
 /// Where an edge of one mesh comes as close to a polygon of the other as the tolerance.
@@ -17,6 +17,10 @@ pub(super) struct Hit {
     pub point: Vec3A,
     /// The normal of the polygon, turned to point from the first mesh to the second.
     pub normal: Vec3A,
+    /// Is the edge one of the first mesh?
+    pub of_first: bool,
+    pub edge: [Vec3A; 2],
+    pub face: Face,
 }
 
 /// Whether two shapes made of polygons are in contact. False if one is not.
@@ -42,10 +46,8 @@ pub(super) fn hits(pair: &Pair, workspace: &mut Workspace, mut visit: impl FnMut
 /// Whether a sphere, the first of the pair, is in contact with a shape made of polygons.
 pub(super) fn sphere_intersects(pair: &Pair, workspace: &mut Workspace) -> bool {
     let sphere = &pair.box_a;
-    let reach = (sphere.center, sphere.half);
-    let region = Region::shared(reach, reach, 2.0 * pair.tolerance);
     let limit = sphere.radius + pair.tolerance;
-    fill_second(pair, &region, workspace).is_some_and(|(mesh, surface)| {
+    fill_second_near(pair, workspace).is_some_and(|(mesh, surface)| {
         let closest = surface.closest_point(mesh, sphere.center);
         closest.is_some_and(|closest| closest.distance <= limit) || surface.encloses(mesh, sphere.center)
     })
@@ -63,7 +65,9 @@ pub(super) fn sphere_closest(pair: &Pair, workspace: &mut Workspace) -> Option<(
 /// Whether a point is inside a closed mesh, the second of the pair.
 #[cfg(feature = "rapier")]
 pub(super) fn encloses(pair: &Pair, point: Vec3A, workspace: &mut Workspace) -> bool {
-    fill_second(pair, &Region::NOWHERE, workspace).is_some_and(|(mesh, surface)| surface.encloses(mesh, point))
+    // An open one is not even put in place.
+    polygons_of(pair.b.shape).is_some_and(|(mesh, _)| mesh.is_closed())
+        && fill_second(pair, &Region::NOWHERE, workspace).is_some_and(|(mesh, surface)| surface.encloses(mesh, point))
 }
 
 /// Puts the second mesh in place, with the edges and faces in a region.
@@ -78,8 +82,17 @@ fn fill_second<'a>(
     Some((polygons.0, surface))
 }
 
+/// Puts the second mesh in place, with the edges and faces near a sphere, the first of the pair.
+pub(super) fn fill_second_near<'a>(
+    pair: &Pair<'a>,
+    workspace: &'a mut Workspace,
+) -> Option<(&'a PolygonMesh, &'a Surface)> {
+    let reach = (pair.box_a.center, pair.box_a.half);
+    fill_second(pair, &Region::shared(reach, reach, 2.0 * pair.tolerance), workspace)
+}
+
 /// Puts both meshes in place, with the edges and faces where their boxes overlap.
-fn fill<'a>(pair: &Pair<'a>, workspace: &mut Workspace) -> Option<[&'a PolygonMesh; 2]> {
+pub(super) fn fill<'a>(pair: &Pair<'a>, workspace: &mut Workspace) -> Option<[&'a PolygonMesh; 2]> {
     let reach = |bounds: &OrientedBox| (bounds.center, bounds.reach());
     let margin = 2.0 * pair.tolerance;
     let region = Region::shared(reach(&pair.box_a), reach(&pair.box_b), margin);
@@ -107,7 +120,7 @@ fn fill_region<'a>(pair: &Pair<'a>, region: Region, workspace: &mut Workspace) -
     Some([a.0, b.0])
 }
 
-fn for_each_hit(
+pub(super) fn for_each_hit(
     meshes: [&PolygonMesh; 2],
     workspace: &Workspace,
     tolerance: f32,
@@ -130,7 +143,7 @@ fn one_way(
         for face in &faces.faces {
             if let Some(point) = faces.touch(mesh, face, edge, tolerance) {
                 let normal = face.normal * towards_second;
-                visit(Hit { point, normal })?;
+                visit(Hit { point, normal, of_first: towards_second < 0.0, edge: edge.ends, face: *face })?;
             }
         }
     }

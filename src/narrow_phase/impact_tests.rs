@@ -147,3 +147,58 @@ fn what_is_not_finite_meets_nothing() {
         assert!(NarrowPhase::default().swept_aabb(&turning).is_err());
     }
 }
+
+/// Asks on a thread of its own, so that a search without an end is a failure and not a test without one.
+fn met_in_time(name: &str, search: impl FnOnce() -> Option<TimedContact> + Send + 'static) -> Option<TimedContact> {
+    let (sender, receiver) = std::sync::mpsc::channel();
+    std::thread::spawn(move || sender.send(search()));
+    receiver.recv_timeout(std::time::Duration::from_secs(20)).unwrap_or_else(|_| panic!("{name} has no end"))
+}
+
+/// From the end of the world, turning, to where they touch, or nearly so.
+#[test]
+fn every_search_has_an_end() {
+    let sizes = [1e-30, 1e-3, 0.5, 1e4, 1e10, 1e19, 1e30, 1e37, 1e38];
+    let shapes =
+        |size: f32| [Shape::sphere(size).unwrap(), box_of(size, size, size), super::tests::mesh_of(Vec3::splat(size))];
+    for (size, far) in sizes.into_iter().flat_map(|size| sizes.map(|far| (size, far))) {
+        for (one, other) in shapes(size).into_iter().flat_map(|one| shapes(0.5).map(|other| (one.clone(), other))) {
+            for (angle, gap) in [0.0, 0.3, 3.0].into_iter().flat_map(|angle| [0.0, 2e-4, 1.0].map(|gap| (angle, gap))) {
+                let name = format!("{size} from {far}, turned by {angle}, gap {gap}, {one:?} {other:?}");
+                let (start, here) = (at(0.3, -far, 0.0), at(0.0, 0.0, 0.0));
+                let end = at(0.3, size + 0.5 + gap, 0.0).with_rotation(Quat::from_rotation_z(angle));
+                let (one, other) = (one.clone(), other.clone());
+                met_in_time(&name, move || {
+                    let resting = Moving::resting(Placed::new(&other, &here));
+                    let forth = met(&Moving::new(&one, &start, &end), &resting);
+                    let back = met(&Moving::new(&one, &end, &start), &resting);
+                    forth.or(back)
+                });
+            }
+        }
+    }
+}
+
+/// Up through a half-space, turning, to where it just has no contact any more.
+#[cfg(feature = "rapier")]
+#[test]
+fn the_search_above_a_half_space_has_an_end() {
+    use bevy_rapier3d::geometry::Collider;
+    for radius in [0.4995, 0.5, 0.5005] {
+        for (way, gap) in
+            [4e2, 4e3, 4e4].into_iter().flat_map(|way| [0.0, 1e-4, 1.5e-4, 2e-4, 3e-4, 1e-3].map(|gap| (way, gap)))
+        {
+            for angle in [0.003, 0.3, 1.0, 3.0] {
+                met_in_time(&format!("{radius} from {way} to {gap}, turned by {angle}"), move || {
+                    let ground = Shape::from(&Collider::halfspace(Vec3::Y).unwrap());
+                    let (ball, here) = (Shape::from(&Collider::ball(radius)), at(0.0, 0.0, 0.0));
+                    let end = at(0.0, radius + gap, 0.0).with_rotation(Quat::from_rotation_z(angle));
+                    let resting = Moving::resting(Placed::new(&ground, &here));
+                    let own = Shape::sphere(radius).unwrap();
+                    met(&Moving::new(&own, &at(0.0, -way, 0.0), &end), &resting);
+                    met(&Moving::new(&ball, &at(0.0, -way, 0.0), &end), &resting)
+                });
+            }
+        }
+    }
+}

@@ -13,7 +13,8 @@ pub(super) const ROUNDING: f32 = 16.0 * f32::EPSILON;
 /// A shape and where it is.
 ///
 /// Rotations are normalised before use. In a hierarchy of entities the transform is the one in the
-/// world: `GlobalTransform::compute_transform()`, which drops shear.
+/// world: `GlobalTransform::compute_transform()`, which drops shear; the plugins do
+/// [without that loss](crate::BoundsPlugin#sheared-shapes).
 #[derive(Clone, Copy, Debug)]
 pub struct Placed<'a> {
     /// What the object is made of.
@@ -65,6 +66,8 @@ pub(super) struct Pair<'a> {
     pub b: Placed<'a>,
     pub box_a: OrientedBox,
     pub box_b: OrientedBox,
+    /// The sum of the greatest half extents.
+    pub size: f32,
     /// At least what rounding leaves uncertain at the size of the pair.
     pub tolerance: f32,
 }
@@ -82,7 +85,7 @@ impl<'a> Pair<'a> {
             (_, Err(error)) | (Err(error), _) => return Err(error),
         };
         let size = box_a.half.max_element() + box_b.half.max_element();
-        Ok(Self { a, b, box_a, box_b, tolerance: tolerance.max(ROUNDING * size) })
+        Ok(Self { a, b, box_a, box_b, size, tolerance: tolerance.max(ROUNDING * size) })
     }
 
     /// The same pair with the two swapped; the frame stays.

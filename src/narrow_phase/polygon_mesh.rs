@@ -3,6 +3,7 @@
 use bevy::math::{Vec3, Vec3A};
 
 use super::ShapeError;
+use super::large::length;
 use super::topology::Topology;
 
 /// How far off its plane a corner may be, as a share of the polygon's size.
@@ -167,6 +168,19 @@ impl PolygonMesh {
         (self.center, self.half_size, self.radius)
     }
 
+    /// The same polygons elsewhere: vertices and normals are mapped, which has to keep orientations.
+    pub(super) fn turned(&self, vertex: impl Fn(Vec3) -> Vec3, normal: impl Fn(Vec3) -> Vec3) -> Self {
+        let mut turned = Self {
+            vertices: self.vertices.iter().copied().map(vertex).collect(),
+            normals: self.normals.iter().copied().map(normal).collect(),
+            #[cfg(feature = "rapier")]
+            parry: super::parry::Cache::default(),
+            ..self.clone()
+        };
+        turned.measure();
+        turned
+    }
+
     /// Turns every polygon around.
     pub(super) fn flip(&mut self) {
         for polygon in 0..self.ends.len() {
@@ -198,7 +212,7 @@ impl PolygonMesh {
         let max = corners().fold(Vec3::NEG_INFINITY, Vec3::max);
         // Halving first cannot overflow.
         let center = min * 0.5 + max * 0.5;
-        let radius = corners().map(|v| v.distance(center)).fold(0.0, f32::max);
+        let radius = corners().map(|v| length((v - center).into())).fold(0.0, f32::max);
         self.center = center.into();
         // Not (max - min) / 2, so that both ends are inside whatever the rounding.
         self.half_size = (max - center).max(center - min).into();

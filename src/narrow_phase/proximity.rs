@@ -3,6 +3,7 @@
 use bevy::math::{Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
+use super::large::{Smaller, length};
 use super::pair::{Pair, in_order};
 use super::{BoundsError, NarrowPhase, Placed, Shape, Workspace, box_proximity, polygon_proximity};
 
@@ -23,7 +24,7 @@ pub struct Proximity {
 impl NarrowPhase {
     /// The point of a shape that is closest to `point`; `point` itself, if it is inside.
     ///
-    /// Exact for every kind of shape; parry answers for Rapier's. `None` if anything is not finite.
+    /// Exact for every kind of shape. `None` if anything is not finite.
     ///
     /// Cuboids, spheres: O(1); meshes: linear in their polygons. Allocates nothing once the workspace is warm.
     ///
@@ -40,12 +41,20 @@ impl NarrowPhase {
     #[must_use]
     pub fn closest_point(&self, target: Placed, point: Vec3, workspace: &mut Workspace) -> Option<Vec3> {
         #[cfg(feature = "rapier")]
-        if let Shape::Rapier(shape) = target.shape {
+        if matches!(target.shape, Shape::Rapier(_)) {
             let is_finite = point.is_finite() && target.transform.is_finite();
-            return is_finite.then(|| super::parry::closest_point(shape, target.transform, point));
+            let closest = is_finite.then(|| super::parry::closest_point(target, point)).flatten();
+            return closest.filter(|closest| closest.is_finite());
         }
         let (at_point, here) = (Shape::Sphere { radius: 0.0 }, Transform::from_translation(point));
         let pair = Pair::new(Placed::new(&at_point, &here), target, self.tolerance()).ok()?;
+        if pair.is_wide()
+            && let Some(smaller) = Smaller::of(&pair, self)
+        {
+            let [at_point, target] = smaller.placed(&pair);
+            let closest = smaller.tests.closest_point(target, at_point.transform.translation, workspace)?;
+            return Some(closest * smaller.factor).filter(|closest| closest.is_finite());
+        }
         // The frame of the pair has its origin at the point.
         let closest = point + Vec3::from(closest_to_center(&pair, workspace)?);
         closest.is_finite().then_some(closest)
@@ -53,16 +62,17 @@ impl NarrowPhase {
 
     /// How far two shapes are apart, and where they are closest to each other.
     ///
-    /// Exact for every kind of shape, up to rounding; parry answers for Rapier's, but for its cuboids and balls. Shapes
+    /// Exact for every kind of shape, up to rounding. Shapes
     /// overlap as they do for [`intersects`](Self::intersects): one inside the other too, if that is closed. Those that are
     /// in contact by tolerance alone have a distance, which is no more than the tolerance. Swapping the two swaps the
     /// points and turns the offset around, unless they are equal in all things, place included. `None` if anything is not
-    /// finite, and for pairs that parry does not support, such as two half-spaces.
+    /// finite, and for pairs of which nothing is known, such as two half-spaces: see the [module](super).
     ///
     /// Two cuboids: O(1), in the order of 0.1 µs if turned alike, and 1 µs if not; two spheres, and a sphere and a cuboid:
     /// O(1); a sphere and a mesh: linear in its polygons; two meshes: linear in their polygons where they are far from each
-    /// other, and in the pairs of those that are close to the other mesh. Allocates nothing once the workspace is warm, but
-    /// for meshes that meet Rapier's shapes.
+    /// other, and in the pairs of those that are close to the other mesh. Height
+    /// fields and voxels: linear in the cells that are as near, in each direction, as what is closest. Allocates nothing
+    /// once the workspace is warm, but when a mesh first meets a shape of Rapier's.
     ///
     /// ```
     /// use bevy::{math::Vec3, transform::components::Transform};
@@ -84,6 +94,13 @@ impl NarrowPhase {
         }
         let (first, second, swapped) = in_order(a, b);
         let points = match Pair::new(first, second, self.tolerance()) {
+            Ok(pair) if pair.is_wide() => match Smaller::of(&pair, self) {
+                Some(smaller) => {
+                    let [a, b] = smaller.placed(&pair);
+                    return larger(smaller.tests.closest_points(a, b, workspace)?, smaller.factor, swapped);
+                }
+                None => local_points(&pair, workspace),
+            },
             Ok(pair) => local_points(&pair, workspace),
             Err(BoundsError::Unbounded) => unbounded(first, second),
             Err(BoundsError::NonFinite) => None,
@@ -94,9 +111,23 @@ impl NarrowPhase {
         }
         let (origin, offset) = (first.transform.translation, to - from);
         let points = [from, to].map(|point| origin + Vec3::from(point));
-        let found = Proximity { distance: offset.length(), points, offset: offset.into() };
-        (found.distance.is_finite() && points.iter().all(|point| point.is_finite())).then_some(found)
+        Proximity { distance: length(offset), points, offset: offset.into() }.if_finite()
     }
+}
+
+impl Proximity {
+    fn if_finite(self) -> Option<Self> {
+        let is_finite = self.distance.is_finite() && self.points.iter().all(|point| point.is_finite());
+        is_finite.then_some(self)
+    }
+}
+
+/// What was found at a smaller scale, by the order in which it was asked for.
+fn larger(found: Proximity, factor: f32, swapped: bool) -> Option<Proximity> {
+    let Proximity { distance, points: [from, to], offset } = found;
+    let points = if swapped { [to, from] } else { [from, to] }.map(|point| point * factor);
+    let offset = if swapped { -offset } else { offset } * factor;
+    Proximity { distance: distance * factor, points, offset }.if_finite()
 }
 
 /// The closest points of two shapes, in the frame of the pair.

@@ -173,6 +173,33 @@ fn flat_shapes_and_points_have_distances() {
     }
 }
 
+/// Distances and sizes of which the squares are beyond the largest numbers, or products of four of them.
+#[test]
+fn distances_are_the_same_at_every_scale() {
+    let turned = |at: Transform| at.with_rotation(Quat::from_rotation_x(0.3) * Quat::from_rotation_y(0.7));
+    let is_own = |shape: &Shape| !format!("{shape:?}").contains("Rapier");
+    let shapes: Vec<_> = shapes().into_iter().filter(is_own).collect();
+    for (a, b) in shapes.iter().flat_map(|a| shapes.iter().map(move |b| (a, b))) {
+        for at_b in [at(4.0, 0.5, -0.25), turned(at(-3.0, 4.0, 1.0)), turned(at(0.1, 0.2, 0.0))] {
+            let expected = closest((a, at(0.0, 0.0, 0.0)), (b, at_b));
+            for exponent in [29, 31, 60, 64, 90, 120] {
+                let scale = 2_f32.powi(exponent);
+                let here = at(0.0, 0.0, 0.0).with_scale(Vec3::splat(scale));
+                let there = Transform { translation: at_b.translation * scale, scale: Vec3::splat(scale), ..at_b };
+                let tests = NarrowPhase::default();
+                let (a, b) = (Placed::new(a, &here), Placed::new(b, &there));
+                let found = tests.closest_points(a, b, &mut Workspace::default()).unwrap();
+                let error = (found.distance / scale - expected.distance).abs();
+                assert!(error < 1e-3, "2^{exponent}, {a:?}, {b:?}: {found:?}, expected {expected:?}");
+                // And of the second from a point of the first.
+                let from = tests.closest_point(b, Vec3::ZERO, &mut Workspace::default()).unwrap();
+                let near = tests.closest_point(Placed::new(b.shape, &at_b), Vec3::ZERO, &mut Workspace::default());
+                assert!((from / scale).distance(near.unwrap()) < 1e-3, "2^{exponent}: {from}, expected {near:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn what_is_not_finite_has_no_distance() {
     let here = at(0.0, 0.0, 0.0);

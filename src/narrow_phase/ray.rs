@@ -9,6 +9,11 @@ use super::{NarrowPhase, Placed, PolygonMesh, Shape};
 /// How close to its border a point counts as on a polygon, as a share of the distances at hand: more than the rounding
 /// of 64-bit floats, so that no ray slips through where polygons join.
 const BORDER: f64 = 1e-9;
+/// The sine of the angle below which a ray counts as along a plane.
+const ALONG: f64 = 1e-12;
+/// How far from a shape a place may be that is said to be on it, as a share of the lengths at hand: what rounding leaves
+/// uncertain of a place in 32-bit floats.
+const ON: f32 = f32::EPSILON;
 /// The least scale along an axis, as a share of the greatest: a shape flattened by a scale of zero is so thick to rays.
 const FLAT: f64 = 1e-7;
 
@@ -32,11 +37,15 @@ pub(super) fn against(normal: Vec3, direction: Dir3) -> Vec3 {
 impl NarrowPhase {
     /// Where a ray first meets a shape, if it does so within `max_distance`.
     ///
-    /// Exact for every kind of shape; Rapier's are cast against by parry. Solids are solid: a ray that starts inside one
-    /// meets it at once. Polygons that bound no solid are met from both sides. A shape that a scale of zero shrinks to a
-    /// point is not met. `None` too if anything is not finite, but for `max_distance`, or that is negative or NaN.
+    /// Exact for every kind of shape, wherever the ray starts. One rule holds for all: a shape has its border, and is
+    /// solid if it is closed. A ray that starts inside or on it meets it at once, whichever way it goes, as does a shape
+    /// [on its way](Self::sweep) that touches another at the start; on it is what is so but for the rounding of 32-bit
+    /// floats. To go on from a surface that was met, leave its entity out, or start a little off. Polygons that bound no
+    /// solid are met from both sides, and at their border by rays that run along them. A shape that a scale of zero shrinks
+    /// to a point is met by rays that start there only. `None` too if anything is not finite, but for `max_distance`, or
+    /// that is negative or NaN.
     ///
-    /// Allocates nothing. Cuboids, spheres: O(1); meshes: linear in their polygons.
+    /// Allocates nothing, but for a mesh that is a shape of Rapier's. Cuboids, spheres: O(1); meshes: linear in their polygons.
     ///
     /// ```
     /// use bevy::{math::{Dir3, Vec3}, transform::components::Transform};
@@ -53,8 +62,11 @@ impl NarrowPhase {
             return None;
         }
         #[cfg(feature = "rapier")]
-        if let Shape::Rapier(shape) = target.shape {
-            return super::parry::cast_ray(shape, target.transform, origin, direction, max_distance);
+        if matches!(target.shape, Shape::Rapier(_)) {
+            return match super::parry::own(target) {
+                Some((own, at)) => self.cast_ray(Placed::new(&own, &at), origin, direction, max_distance),
+                None => super::parry::cast_ray(target, origin, direction, max_distance),
+            };
         }
         let ray = LocalRay::new(target, origin, direction)?;
         let met = match target.shape {
@@ -66,9 +78,9 @@ impl NarrowPhase {
             Shape::Rapier(_) => None,
         }?;
         let distance = met.distance as f32;
-        (distance <= max_distance).then(|| Impact {
+        (distance <= max_distance && distance.is_finite()).then(|| Impact {
             distance,
-            point: origin + direction * distance,
+            point: (origin.as_dvec3() + direction.as_dvec3() * met.distance).as_vec3(),
             normal: met.normal.map_or(-*direction, |normal| ray.to_world(normal, target, direction)),
         })
     }
@@ -80,6 +92,13 @@ struct LocalRay {
     origin: DVec3,
     direction: DVec3,
     scale: DVec3,
+    /// How far off a shape the ray may start and count as on it, in the world.
+    slack: f64,
+}
+
+/// See [`ON`]: that of the place in the world, and of the place relative to that of the shape, from which it may come.
+pub(super) fn slack(origin: Vec3, from_place: DVec3) -> f64 {
+    f64::from(ON) * (f64::from(origin.abs().max_element()) + 2.0 * from_place.length())
 }
 
 /// Where a ray meets a shape, in the shape's coordinates. No normal, if the ray starts inside.
@@ -99,7 +118,9 @@ impl LocalRay {
         let scale = DVec3::select(scale.abs().cmplt(DVec3::splat(least)), DVec3::splat(least), scale);
         let back = target.transform.rotation.normalize().as_dquat().normalize().inverse();
         let from_center = origin.as_dvec3() - target.transform.translation.as_dvec3();
-        let ray = Self { origin: back * from_center / scale, direction: back * direction.as_dvec3() / scale, scale };
+        let (origin_in_shape, along) = (back * from_center / scale, back * direction.as_dvec3() / scale);
+        let slack = slack(origin, from_center);
+        let ray = Self { origin: origin_in_shape, direction: along, scale, slack };
         (ray.origin.is_finite() && ray.direction.is_finite()).then_some(ray)
     }
 
@@ -109,7 +130,15 @@ impl LocalRay {
         against((target.transform.rotation.normalize() * scaled).normalize_or(-*direction), direction)
     }
 
+    /// How high the start is over a plane, in the world.
+    fn height(&self, height: f64, normal: DVec3) -> f64 {
+        height / (normal / self.scale).length()
+    }
+
     fn cuboid(&self, half: DVec3) -> Option<Met> {
+        if ((self.origin.abs() - half) * self.scale.abs()).max_element() <= self.slack {
+            return Some(Met::INSIDE);
+        }
         let mut pass = Passage::default();
         for axis in 0..3 {
             let unit = DVec3::AXES[axis];
@@ -120,18 +149,22 @@ impl LocalRay {
     }
 
     fn convex(&self, mesh: &PolygonMesh) -> Option<Met> {
-        let mut pass = Passage::default();
+        let mut pass = Some(Passage::default());
+        let mut highest = f64::NEG_INFINITY;
         for (corners, normal) in mesh.polygons().zip(mesh.normals()) {
             let normal = normal.as_dvec3();
             let height = normal.dot(self.origin - vertex(mesh, corners[0]));
-            pass.clip(height, normal.dot(self.direction), normal)?;
+            highest = highest.max(self.height(height, normal));
+            pass = pass.and_then(|pass| pass.clipped(height, normal.dot(self.direction), normal));
+            if pass.is_none() && highest > self.slack {
+                return None;
+            }
         }
-        Some(pass.met())
+        if highest <= self.slack { Some(Met::INSIDE) } else { pass.map(Passage::met) }
     }
 
     fn sphere(&self, radius: f64) -> Option<Met> {
-        let excess = self.origin.length_squared() - radius * radius;
-        if excess <= 0.0 {
+        if (self.origin.length() - radius) * self.scale.x.abs() <= self.slack {
             return Some(Met::INSIDE);
         }
         // From the point of the ray that is closest to the centre.
@@ -151,16 +184,32 @@ impl LocalRay {
         // A rounded box may leave out what is on its side.
         let slack = BORDER * (f64::from(radius) + from_center.length());
         let within = from_center.abs().cmple(half.as_dvec3() + slack).all();
-        if within && winds_around(mesh, |corner| (vertex(mesh, corner) - self.origin).as_vec3().into()) {
+        let way_to = |corner| (vertex(mesh, corner) - self.origin).normalize_or_zero().as_vec3a();
+        if within && winds_around(mesh, way_to) {
             return Some(Met::INSIDE);
         }
+        let on = slack.max(self.slack / self.scale.abs().max_element());
         let mut best: Option<Met> = None;
         for (corners, normal) in mesh.polygons().zip(mesh.normals()) {
             let normal = normal.as_dvec3();
             let steep = normal.dot(self.direction);
-            let distance = normal.dot(vertex(mesh, corners[0]) - self.origin) / steep;
+            let height = normal.dot(self.origin - vertex(mesh, corners[0]));
+            let distance = -height / steep;
             let limit = best.as_ref().map_or(max_distance, |best| best.distance);
-            // Not for a ray within the plane either, for which this is not a number, or infinite.
+            if self.height(height, normal).abs() <= self.slack {
+                if is_on_polygon(mesh, corners, normal, self.origin, on) {
+                    return Some(Met::INSIDE);
+                }
+                // Along the plane.
+                if steep.abs() <= ALONG * self.direction.length()
+                    && let Some(distance) = self.border(mesh, corners, normal, slack)
+                    && distance <= limit
+                {
+                    best = Some(Met { distance, normal: None });
+                    continue;
+                }
+            }
+            // Not for a ray within the plane, for which this is not a number, or infinite.
             if distance >= 0.0
                 && distance <= limit
                 && is_on_polygon(mesh, corners, normal, self.origin + self.direction * distance, slack)
@@ -169,6 +218,23 @@ impl LocalRay {
             }
         }
         best
+    }
+}
+
+impl LocalRay {
+    /// How far a ray in the plane of a polygon, but not on it, goes to its border.
+    fn border(&self, mesh: &PolygonMesh, corners: &[u32], normal: DVec3, slack: f64) -> Option<f64> {
+        let across = normal.cross(self.direction);
+        let distances = corners.iter().zip(corners.iter().cycle().skip(1)).filter_map(|(a, b)| {
+            let (a, b) = (vertex(mesh, *a) - self.origin, vertex(mesh, *b) - self.origin);
+            let [at_a, at_b] = [a, b].map(|end| end.dot(across));
+            let is_ahead = at_a.min(at_b) <= slack * across.length() && at_a.max(at_b) >= -slack * across.length();
+            // Those along the ray have neighbours that are not.
+            let share = (at_a / (at_a - at_b)).clamp(0.0, 1.0);
+            let met = a.lerp(b, share).dot(self.direction) / self.direction.length_squared();
+            (is_ahead && met >= 0.0).then_some(met)
+        });
+        distances.min_by(f64::total_cmp)
     }
 }
 
@@ -213,6 +279,11 @@ impl Default for Passage {
 }
 
 impl Passage {
+    fn clipped(mut self, height: f64, climb: f64, normal: DVec3) -> Option<Self> {
+        self.clip(height, climb, normal)?;
+        Some(self)
+    }
+
     /// Goes on with the part that is in a half-space too, if there is one: the origin is at a height above its plane, and
     /// climbs.
     fn clip(&mut self, height: f64, climb: f64, normal: DVec3) -> Option<()> {

@@ -6,6 +6,7 @@ use bevy::math::bounding::{Aabb3d, BoundingSphere};
 use bevy::math::{Vec3, Vec3A, primitives};
 use bevy::transform::components::Transform;
 
+use super::large::length;
 use super::oriented_box::OrientedBox;
 use super::{BoundsError, ConvexMesh, PolygonMesh, ShapeError};
 
@@ -49,7 +50,7 @@ pub enum Shape {
     Convex(Arc<ConvexMesh>),
     /// Any mesh of planar polygons: a solid if it is closed, a surface otherwise.
     Mesh(Arc<PolygonMesh>),
-    /// A shape of `bevy_rapier3d`, decided by parry.
+    /// A shape of `bevy_rapier3d`.
     #[cfg(feature = "rapier")]
     Rapier(bevy_rapier3d::parry::shape::SharedShape),
 }
@@ -132,7 +133,7 @@ impl Shape {
         match self {
             Self::Cuboid { half_size } => {
                 let half = Vec3A::from(*half_size).abs();
-                Ok((Vec3A::ZERO, half, half.length()))
+                Ok((Vec3A::ZERO, half, length(half)))
             }
             Self::Sphere { radius } => {
                 let radius = radius.abs();

@@ -17,8 +17,8 @@ pub enum Stage {
     /// accepts cuboids and spheres that overlap.
     Boxes,
     /// Every edge of one mesh against every polygon of the other, both ways, then the test whether
-    /// one is inside the other; or parry, if one of the two is a Rapier shape. Decides all that is
-    /// left.
+    /// one is inside the other; or the distance of what the two consist of, if one is a Rapier
+    /// shape. Decides all that is left.
     Complete,
 }
 

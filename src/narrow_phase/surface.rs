@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use bevy::math::{Vec3, Vec3A};
 
 use super::closest;
+use super::large::unit;
 use super::oriented_box::{OrientedBox, effective_scale};
 use super::{Placed, PolygonMesh, Shape};
 
@@ -133,7 +134,9 @@ impl Surface {
 
         // Normals scale with the cofactors, that is inversely, but without dividing by zero. A
         // mirror would turn them inside out.
-        let cofactors = Vec3A::new(scale.y * scale.z, scale.z * scale.x, scale.x * scale.y);
+        let largest = scale.abs().max_element();
+        let relative = if largest > 0.0 { scale / largest } else { scale };
+        let cofactors = Vec3A::new(relative.y * relative.z, relative.z * relative.x, relative.x * relative.y);
         let mirror = 1f32.copysign(scale.x * scale.y * scale.z);
         self.faces.clear();
         for (polygon, (corners, normal)) in mesh.polygons().zip(mesh.normals()).enumerate() {
@@ -216,19 +219,39 @@ impl Surface {
     /// The point closest to `point` on the faces selected; `None` if there are none.
     pub fn closest_point(&self, mesh: &PolygonMesh, point: Vec3A) -> Option<ClosestPoint> {
         let candidates = self.faces.iter().flat_map(|face| {
-            let corners = mesh.polygon(face.polygon as usize);
-            let projected = point - face.normal * (point.dot(face.normal) - face.plane);
-            let within = face.normal != Vec3A::ZERO && self.covers(corners, face.normal, projected);
-            let border = self.border(corners);
-            let on_border = border.map(move |[a, b]| closest::point_segment(point, a, b));
-            let on_face = on_border.chain(within.then_some(projected));
-            on_face.map(move |closest| ClosestPoint {
+            self.closest_points_of(mesh, face, point).map(move |closest| ClosestPoint {
                 point: closest,
                 distance: closest.distance(point),
                 normal: face.normal,
             })
         });
         candidates.min_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+
+    /// The point closest to `point` on a face.
+    pub fn closest_point_of(&self, mesh: &PolygonMesh, face: &Face, point: Vec3A) -> Option<Vec3A> {
+        let squared = |closest: &Vec3A| closest.distance_squared(point);
+        self.closest_points_of(mesh, face, point).min_by(|a, b| squared(a).total_cmp(&squared(b)))
+    }
+
+    /// The points of a face of which one is the closest to `point`: one on each side of it, and the one below.
+    fn closest_points_of<'a>(
+        &'a self,
+        mesh: &'a PolygonMesh,
+        face: &Face,
+        point: Vec3A,
+    ) -> impl Iterator<Item = Vec3A> + use<'a> {
+        let corners = mesh.polygon(face.polygon as usize);
+        let projected = point - face.normal * (point.dot(face.normal) - face.plane);
+        let within = face.normal != Vec3A::ZERO && self.covers(corners, face.normal, projected);
+        let border = self.border(corners);
+        let on_border = border.map(move |[a, b]| closest::point_segment(point, a, b));
+        on_border.chain(within.then_some(projected))
+    }
+
+    /// The corners of a face.
+    pub fn corners<'a>(&'a self, mesh: &'a PolygonMesh, face: &Face) -> impl Iterator<Item = Vec3A> + Clone + use<'a> {
+        mesh.polygon(face.polygon as usize).iter().map(|&vertex| self.vertices[vertex as usize])
     }
 
     /// Whether the mesh winds around a point that is not on its surface (closer than rounding).
@@ -275,7 +298,7 @@ pub(super) fn winds_around(mesh: &PolygonMesh, way_to: impl Fn(u32) -> Vec3A) ->
     // too.
     let mut half_angles = 0.0;
     for corners in mesh.polygons() {
-        let seen = |vertex: u32| way_to(vertex).normalize_or_zero();
+        let seen = |vertex: u32| unit(way_to(vertex));
         let a = seen(corners[0]);
         for pair in corners[1..].windows(2) {
             let (b, c) = (seen(pair[0]), seen(pair[1]));

@@ -3,6 +3,8 @@
 use bevy::math::{Dir3, Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
+use super::large::Smaller;
+use super::oriented_box::OrientedBox;
 use super::pair::Pair;
 use super::surface::{Face, Surface};
 use super::{Impact, NarrowPhase, Placed, PolygonMesh, Shape, Workspace, closest, edge_polygon};
@@ -10,13 +12,13 @@ use super::{Impact, NarrowPhase, Placed, PolygonMesh, Shape, Workspace, closest,
 impl NarrowPhase {
     /// Where a shape that moves without turning first meets another, if it does so within `max_distance`.
     ///
-    /// Exact for every kind of shape, up to the rounding of 32-bit floats; parry answers for Rapier's shapes, but for its
-    /// cuboids and balls. Shapes [in contact](Self::intersects) at the start meet at once. Those that only graze each
+    /// Exact for every kind of shape, up to the rounding of 32-bit floats, and as exact after a long way as after a short
+    /// one. Shapes [in contact](Self::intersects) at the start meet at once, whichever way they go. Those that only graze each
     /// other, closer than the tolerance, may count as meeting or not. `None` too if anything is not finite, but for
     /// `max_distance`, or that is negative or NaN.
     ///
     /// Two shapes made of polygons: linear in the pairs of their edges; a sphere and one of these: linear in its edges; two
-    /// spheres: O(1). Allocates nothing once the workspace is warm, but for meshes that meet Rapier's shapes.
+    /// spheres: O(1). Allocates nothing once the workspace is warm, but when a mesh first meets a shape of Rapier's.
     ///
     /// ```
     /// use bevy::{math::{Dir3, Vec3}, transform::components::Transform};
@@ -56,17 +58,27 @@ impl NarrowPhase {
             let is_finite = !matches!(pair, Err(super::BoundsError::NonFinite));
             return is_finite.then(|| super::parry::sweep(moving, direction, max_distance, target)).flatten();
         }
-        // Up to where their bounding spheres may touch: what follows is as exact after a long way as after a short one.
-        let pair = pair.ok()?;
-        let apart = pair.box_a.center.distance(pair.box_b.center) - pair.box_a.radius - pair.box_b.radius;
-        let free = apart.max(0.0);
-        if free > max_distance {
-            return None;
-        }
-        let nearer = Transform { translation: moving.transform.translation + direction * free, ..*moving.transform };
-        let moving = Placed::new(moving.shape, &nearer);
+        // Up to where their bounding spheres touch: what follows is as exact after a long way as after a short one.
+        let (free, nearer) = nearer(&pair.ok()?, direction).filter(|(free, _)| *free <= f64::from(max_distance))?;
+        let left = (f64::from(max_distance) - free) as f32;
+        let in_all = |rest: f32| (free + f64::from(rest)) as f32;
+        // Relative to the target, so that neither place costs exactness.
+        let (origin, moving) = (target.transform.translation, Placed::new(moving.shape, &nearer));
+        let here = Transform { translation: Vec3::ZERO, ..*target.transform };
+        let target = Placed::new(target.shape, &here);
         let pair = Pair::new(moving, target, self.tolerance()).ok()?;
-        let mut first = First::new((*direction).into(), max_distance - free);
+        if pair.is_large()
+            && let Some(smaller) = Smaller::of(&pair, self)
+        {
+            let ([moving, target], factor) = (smaller.placed(&pair), smaller.factor);
+            let found = smaller.tests.sweep(moving, direction, left / factor, target, workspace)?;
+            return Some(Impact {
+                distance: in_all(found.distance * factor),
+                point: origin + found.point * factor,
+                ..found
+            });
+        }
+        let mut first = First::new((*direction).into(), left);
         match (moving.shape, target.shape) {
             (Shape::Sphere { .. }, Shape::Sphere { .. }) => {
                 first.ball(pair.box_a.center, pair.box_b.center, pair.box_a.radius, pair.box_b.radius);
@@ -89,8 +101,8 @@ impl NarrowPhase {
             }
         }
         first.found.map(|found| Impact {
-            distance: free + found.distance,
-            point: nearer.translation + Vec3::from(found.point),
+            distance: in_all(found.distance),
+            point: origin + nearer.translation + Vec3::from(found.point),
             normal: found.normal.into(),
         })
     }
@@ -104,6 +116,33 @@ impl NarrowPhase {
             normal: contact.map_or(-*direction, |contact| against(-contact.normal)),
         }
     }
+}
+
+/// How far the first of two goes before their bounding spheres touch, and its place there, relative to that of the second;
+/// `None` if they do not.
+fn nearer(pair: &Pair, direction: Dir3) -> Option<(f64, Transform)> {
+    let way = direction.as_dvec3();
+    let [a, b] = [pair.a, pair.b].map(|placed| (placed.transform.translation, placed));
+    let center = |(origin, placed): (Vec3, Placed)| OrientedBox::of(placed.shape, placed.transform, origin);
+    let [center_a, center_b] = [center(a).ok()?.center.as_dvec3(), center(b).ok()?.center.as_dvec3()];
+    let start = a.0.as_dvec3() - b.0.as_dvec3();
+    let offset = center_b - center_a - start;
+    // A little more than they are, for rounding.
+    let radii = f64::from(pair.box_a.radius) + f64::from(pair.box_b.radius);
+    let reach = 1.0001 * radii + f64::from(pair.tolerance);
+    if offset.length_squared() <= reach * reach {
+        return Some((0.0, Transform { translation: start.as_vec3(), ..*pair.a.transform }));
+    }
+    let squared = way.length_squared();
+    let along = offset.dot(way) / squared;
+    let aside = offset - way * along;
+    let room = reach * reach - aside.length_squared();
+    if !(room >= 0.0 && along >= 0.0) {
+        return None;
+    }
+    let back = (room / squared).sqrt();
+    let translation = center_b - center_a - aside - way * back;
+    Some((along - back, Transform { translation: translation.as_vec3(), ..*pair.a.transform }))
 }
 
 /// An impact in the frame of a pair.

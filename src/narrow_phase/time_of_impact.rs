@@ -6,10 +6,11 @@
 //! Body Systems*, 1996): the two go on for as long as they cannot possibly meet, given their distance and how fast they
 //! move and turn, and then look again.
 
+use bevy::math::Vec3;
 use bevy::math::bounding::{Aabb3d, BoundingVolume};
-use bevy::math::{Dir3, Vec3};
 use bevy::transform::components::Transform;
 
+use super::large::direction_and_length;
 use super::oriented_box::OrientedBox;
 use super::pair::Pair;
 use super::{BoundsError, Contact, NarrowPhase, Placed, Shape, Workspace};
@@ -18,11 +19,21 @@ use super::{BoundsError, Contact, NarrowPhase, Placed, Shape, Workspace};
 /// [`LEAST_STEP`] of the way that is left.
 const LOOKS: u32 = 64;
 
+/// So often do they look at most. What is left of the way is gone long before, for no step is less than the next number.
+const MOST_LOOKS: u32 = 4 * LOOKS;
+
+/// So many steps at most lead to a time at which two have parted: doubled, the smallest number there is becomes one after
+/// 149.
+const MOST_PARTING_STEPS: u32 = 192;
+
 /// The share of a velocity along a normal that is more than rounding.
-const APPROACH: f32 = 1e-6;
+const APPROACH: f64 = 1e-6;
 
 /// See [`LOOKS`]: it is two that pass each other within a hair's breadth that get there.
 const LEAST_STEP: f32 = 1.0 / 64.0;
+
+/// So many times at most may two graze each other before they meet.
+const MOST_GRAZES: u32 = 8;
 
 /// The longest step, as a share of the way, in search of a moment at which two have parted that may soon meet again.
 const LONGEST_STEP: f32 = 1.0 / 16.0;
@@ -119,9 +130,9 @@ impl<'a> Moving<'a> {
         if self.turns() { self.turn().length() * self.reach().unwrap_or(f32::INFINITY) } else { 0.0 }
     }
 
-    /// How fast, per whole way, a point moves that is part of the shape at the start.
-    fn velocity_at(&self, point: Vec3) -> Vec3 {
-        self.way() + self.turn().cross(point - self.start.translation)
+    /// How fast, per whole way, a point moves that is part of the shape after a share of it.
+    pub(crate) fn velocity_at(&self, time: f32, point: Vec3) -> Vec3 {
+        self.way() + self.turn().cross(point - self.at(time).translation)
     }
 
     /// How far the shape reaches from the point about which it turns.
@@ -155,6 +166,10 @@ impl NarrowPhase {
     /// stay in contact to the end; those that part count from then on, if they are apart for more than 1/16 of the way or
     /// do so at once. Whatever is in contact at the end has met.
     ///
+    /// Where two touch so that more than one plane parts them, as edge on edge, the normal is the one along which they come
+    /// nearer to each other the least. If that is not at all, as for a box that slides over the seam of a floor, it is a
+    /// graze, and a meeting only if none comes later that stops them.
+    ///
     /// Without turns the answer is exact, as that of [`sweep`](Self::sweep); with them it is as exact as the tolerance, but
     /// for two that pass each other within a hair's breadth: of these, a contact shorter than 1/64 of the way may be missed.
     /// Half-spaces and their like have to stand still, or not turn.
@@ -173,9 +188,14 @@ impl NarrowPhase {
     /// ```
     #[must_use]
     pub fn time_of_impact(&self, a: &Moving, b: &Moving, workspace: &mut Workspace) -> Option<TimedContact> {
+        self.meeting(a, b, MOST_GRAZES, workspace)
+    }
+
+    /// The first meeting that keeps the two from going on, or else the first one: at most so many grazes are passed over.
+    fn meeting(&self, a: &Moving, b: &Moving, grazes: u32, workspace: &mut Workspace) -> Option<TimedContact> {
         let mut free_from = 0.0;
         if let Some(met) = self.touch(a, b, 0.0, workspace) {
-            if comes_nearer(a, b, &met.contact) {
+            if comes_nearer(a, b, &met) {
                 return Some(met);
             }
             match self.parted(a, b, workspace) {
@@ -194,12 +214,21 @@ impl NarrowPhase {
             on_the_way = self.advance(a, b, free_from, workspace);
         }
         // Within the tolerance, or as rounding has it.
-        on_the_way.or_else(|| self.touch(a, b, 1.0, workspace))
+        let met = on_the_way.or_else(|| self.touch(a, b, 1.0, workspace))?;
+        // Two convex shapes that pass each other on two sides of a plane do not meet again, but for turns.
+        let goes_on = turn || !(is_convex(a.shape) && is_convex(b.shape));
+        if goes_on && grazes > 0 && met.time < 1.0 && !comes_nearer(a, b, &met) {
+            let (a, b) = (a.after(met.time), b.after(met.time));
+            let later = self.meeting(&a, &b, grazes - 1, workspace).filter(|later| comes_nearer(&a, &b, later));
+            return later.map(|later| later.after(met.time)).or(Some(met));
+        }
+        Some(met)
     }
 
     /// The contact after a share of the way.
     fn touch(&self, a: &Moving, b: &Moving, time: f32, workspace: &mut Workspace) -> Option<TimedContact> {
-        let contact = at_once(a, b, time, |a, b| self.contact(a, b, workspace))?;
+        let velocity = |point| a.velocity_at(time, point) - b.velocity_at(time, point);
+        let contact = at_once(a, b, time, |a, b| self.contact_in_passing(a, b, velocity, workspace))?;
         Some(TimedContact { time, contact })
     }
 
@@ -221,8 +250,11 @@ impl NarrowPhase {
         // Two convex shapes that part do not come back, but for turns.
         let longest = if is_convex(a.shape) && is_convex(b.shape) { 1.0 } else { LONGEST_STEP };
         let (mut last, mut time) = (0.0, 4.0 * self.tolerance() / speed);
-        // Not if nothing moves, nor if something is not finite.
-        while time > 0.0 && time.is_finite() && last < 1.0 {
+        for _ in 0..MOST_PARTING_STEPS {
+            // Not if nothing moves, nor if something is not finite.
+            if !(time > 0.0 && time.is_finite() && last < 1.0) {
+                break;
+            }
             let now = time.min(1.0);
             if !self.touches(a, b, now, workspace) {
                 // Those that begin to part at once, as after a bounce, have not gone far.
@@ -236,12 +268,14 @@ impl NarrowPhase {
 
     /// The first meeting of two that do not turn: as one of them sees it, the other comes along a line.
     fn straight(&self, a: &Moving, b: &Moving, workspace: &mut Workspace) -> Option<TimedContact> {
-        let (direction, distance) = Dir3::new_and_length(a.way() - b.way()).ok()?;
+        let (direction, distance) = direction_and_length(a.way() - b.way())?;
         let (moving, target) = (Placed::new(a.shape, &a.start), Placed::new(b.shape, &b.start));
         let impact = self.sweep(moving, direction, distance, target, workspace)?;
         let time = (impact.distance / distance).min(1.0);
         let point = impact.point + b.way() * time;
-        Some(TimedContact { time, contact: Contact { normal: -impact.normal, point, depth: 0.0 } })
+        let velocity = a.way() - b.way();
+        let normal = at_once(a, b, time, |a, b| self.normal_in_passing(a, b, -impact.normal, velocity, workspace));
+        Some(TimedContact { time, contact: Contact { normal, point, depth: 0.0 } })
     }
 
     /// The first meeting of two of which one turns, which are apart at `from`: by conservative advancement.
@@ -256,8 +290,10 @@ impl NarrowPhase {
         let (mut last, mut time) = (from, from);
         // Was the last step longer than was safe?
         let mut hurried = false;
-        let mut looks = 0;
-        while time <= 1.0 {
+        for looks in 0..MOST_LOOKS {
+            if time > 1.0 {
+                break;
+            }
             let near = at_once(a, b, time, |a, b| self.closest_points(a, b, workspace));
             let touching = match near {
                 Some(near) => near.distance <= tolerance,
@@ -282,9 +318,10 @@ impl NarrowPhase {
             }
             let hurry = looks >= LOOKS || near.is_none();
             let least = if hurry { LEAST_STEP * (1.0 - from) } else { 0.0 };
-            hurried = free < least;
-            (last, time) = (time, time + free.max(least));
-            looks += 1;
+            // A step that rounding swallows is none: the next number is the least.
+            let step = free.max(least).max(time.next_up() - time);
+            hurried = free < step;
+            (last, time) = (time, time + step);
         }
         None
     }
@@ -305,13 +342,14 @@ fn is_own(shape: &Shape) -> bool {
     is_convex(shape) || matches!(shape, Shape::Mesh(_))
 }
 
-/// Do the two come nearer to each other where they touch at the start?
-fn comes_nearer(a: &Moving, b: &Moving, contact: &Contact) -> bool {
-    approach([a, b].map(|moving| moving.velocity_at(contact.point)), contact.normal)
+/// Do the two come nearer to each other where they meet?
+fn comes_nearer(a: &Moving, b: &Moving, met: &TimedContact) -> bool {
+    approach([a, b].map(|moving| moving.velocity_at(met.time, met.contact.point)), met.contact.normal)
 }
 
 /// Do two come nearer to each other along a normal from the first to the second? More so than rounding would have them.
 pub(crate) fn approach(velocities: [Vec3; 2], normal: Vec3) -> bool {
-    let velocity = velocities[0] - velocities[1];
-    velocity.dot(normal) > APPROACH * velocity.length()
+    // In 64 bits, for the squares of the largest velocities are beyond 32.
+    let velocity = velocities[0].as_dvec3() - velocities[1].as_dvec3();
+    velocity.dot(normal.as_dvec3()) > APPROACH * velocity.length()
 }

@@ -1,4 +1,4 @@
-//! Polygons cut into triangles, for parry.
+//! Polygons cut into triangles, for shapes of Rapier.
 
 use bevy::math::Vec3;
 

@@ -10,4 +10,23 @@ pub struct Workspace {
     pub counters: StageCounters,
     /// The two meshes of a pair, in place.
     pub(super) surfaces: [Surface; 2],
+    /// There was a pair of shapes about which nothing can be said; and somebody has been told.
+    #[cfg(feature = "rapier")]
+    unknown: [bool; 2],
+}
+
+#[cfg(feature = "rapier")]
+impl Workspace {
+    /// A verdict, if there is one; apart, and a note, if not.
+    pub(super) fn known(&mut self, verdict: Option<bool>) -> bool {
+        self.unknown[0] |= verdict.is_none();
+        verdict == Some(true)
+    }
+
+    /// Was there a pair about which nothing can be said, for the first time?
+    pub(crate) fn is_first_unknown(&mut self) -> bool {
+        let [met, told] = self.unknown;
+        self.unknown[1] = met;
+        met && !told
+    }
 }

@@ -51,17 +51,19 @@
 //!
 //! # Bounces
 //!
-//! A Rapier `Velocity` answers to contacts by [`Bounce`](crate::response::Bounce) too: of an entity that has both,
-//! and no [`Velocity`](crate::motion::Velocity) of ours, contacts change the linear velocity by the same rules. Rapier
-//! takes it up in its next step. Such an entity gets a `Velocity` of ours, which mirrors that of Rapier, and
-//! [`MovedElsewhere`](crate::motion::MovedElsewhere), so that only Rapier moves it. Rapier itself parts bodies that
-//! are solid to it: bounces are for sensors and kinematic bodies.
+//! An entity with a Rapier `Velocity` that has [`ShapeFromRapier`] or [`Bounce`](crate::response::Bounce), and no
+//! [`Velocity`](crate::motion::Velocity) of ours, gets one, which mirrors that of Rapier, and
+//! [`MovedElsewhere`](crate::motion::MovedElsewhere), so that only Rapier moves it. What bounces off it answers to how fast
+//! it is; a body that Rapier does not move, because it is fixed or disabled, is at rest, whatever velocity it was given.
+//! Both components go with the last of what they came for.
+//!
+//! Where there is a `Bounce` too, contacts change the linear velocity, by the same rules as all others. Rapier takes it up
+//! in its next step. Rapier itself parts bodies that are solid to it: bounces are for sensors and kinematic bodies.
 
 mod velocity;
 
 use bevy::{
     ecs::{
-        entity_disabling::Disabled,
         lifecycle::HookContext,
         schedule::{InternedScheduleLabel, ScheduleLabel},
         world::DeferredWorld,
@@ -74,7 +76,7 @@ use bevy_rapier3d::{
 };
 use std::sync::Arc;
 
-use crate::{components::CollisionShape, narrow_phase::Shape, plugin::CollisionSystems};
+use crate::{components::CollisionShape, hierarchy, narrow_phase::Shape, plugin::CollisionSystems};
 
 /// Gives an entity the shape of its Rapier `Collider`.
 ///
@@ -124,6 +126,7 @@ impl Plugin for RapierInteropPlugin {
             tracing::warn!("colliders do not become shapes by themselves: {error}");
         }
         // Where Rapier runs in another schedule, its set is empty here, and orders nothing.
+        let follow_colliders = hierarchy::see_disabled(app.world_mut(), follow_colliders);
         app.configure_sets(self.schedule, CollisionSystems::First.after(PhysicsSet::Writeback))
             .add_systems(
                 self.schedule,
@@ -149,7 +152,7 @@ type Altered = Or<(Changed<Collider>, Added<ShapeFromRapier>, Added<RapierCollid
 fn follow_colliders(
     mut commands: Commands,
     // What changes in a disabled entity is not seen as a change once it is enabled.
-    mut colliders: Query<Followed, (Known, Altered, Allow<Disabled>)>,
+    mut colliders: Query<Followed, (Known, Altered)>,
 ) {
     for (entity, collider, shape) in &mut colliders {
         match shape {
@@ -165,13 +168,9 @@ fn follow_colliders(
 }
 
 /// The shape goes in the moment in which the collider goes.
-fn on_collider_removed(
-    event: On<Remove, Collider>,
-    followers: Query<(), (With<ShapeFromRapier>, Allow<Disabled>)>,
-    mut commands: Commands,
-) {
-    if followers.contains(event.entity) {
-        commands.entity(event.entity).try_remove::<CollisionShape>();
+fn on_collider_removed(event: On<Remove, Collider>, mut world: DeferredWorld) {
+    if world.get::<ShapeFromRapier>(event.entity).is_some() {
+        world.commands().entity(event.entity).try_remove::<CollisionShape>();
     }
 }
 

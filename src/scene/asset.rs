@@ -11,8 +11,8 @@ use super::{description::SceneDescription, error::SceneError};
 
 /// Teaches Bevy's asset system to load a [`SceneDescription`] from a file named `*.scene.ron`.
 ///
-/// Does nothing in an app without an [`AssetServer`]: add it after `AssetPlugin`, or do without and call
-/// [`SceneDescription::load`].
+/// It may come before `AssetPlugin` or after it: if before, it is at work once all plugins are
+/// [finished](App::finish). Does nothing in an app without an [`AssetServer`], which can call [`SceneDescription::load`].
 ///
 /// ```
 /// use bevy::{asset::AssetPlugin, prelude::*};
@@ -27,12 +27,25 @@ pub struct SceneAssetPlugin;
 
 impl Plugin for SceneAssetPlugin {
     fn build(&self, app: &mut App) {
-        if app.world().contains_resource::<AssetServer>() {
-            app.init_asset::<SceneDescription>().register_asset_loader(SceneLoader);
-        } else {
+        register(app);
+    }
+
+    fn finish(&self, app: &mut App) {
+        if !register(app) {
             tracing::debug!("no AssetServer: scenes do not load through the asset system");
         }
     }
+}
+
+/// Registers the loader, once; false without an asset server.
+fn register(app: &mut App) -> bool {
+    if !app.world().contains_resource::<AssetServer>() {
+        return false;
+    }
+    if !app.world().contains_resource::<Assets<SceneDescription>>() {
+        app.init_asset::<SceneDescription>().register_asset_loader(SceneLoader);
+    }
+    true
 }
 
 /// Loads a [`SceneDescription`] from RON, as [`SceneDescription::load`] does.
@@ -77,6 +90,10 @@ mod tests {
         let mut app = App::new();
         let assets = AssetPlugin { file_path: folder.to_owned(), ..default() };
         app.add_plugins((MinimalPlugins, assets, SceneAssetPlugin));
+        load_in(app, file)
+    }
+
+    fn load_in(mut app: App, file: &str) -> (App, Handle<SceneDescription>, LoadState) {
         let server = app.world().resource::<AssetServer>().clone();
         let handle = server.load(file.to_owned());
         let start = Instant::now();
@@ -98,6 +115,15 @@ mod tests {
         let scenes = app.world().resource::<Assets<SceneDescription>>();
         let scene = scenes.get(&handle).unwrap();
         assert_eq!((scene.name.as_str(), scene.object_count()), ("t3", 98));
+    }
+
+    #[test]
+    fn the_plugins_may_come_before_those_of_assets() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, crate::OctreePlugins::default(), AssetPlugin::default()));
+        app.finish();
+        let (_, _, state) = load_in(app, "scenes/t3.scene.ron");
+        assert!(state.is_loaded(), "{state:?}");
     }
 
     #[test]

@@ -30,9 +30,15 @@ impl SceneDescription {
 
     /// Reads a scene from RON that comes from `origin`, which errors name.
     pub(super) fn parse_from(text: &str, origin: &str) -> Result<Self, SceneError> {
+        // Some editors begin a file with a byte-order mark.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let scene: Self = ron_options().from_str(text).map_err(|error| {
             let (line, column) = place(text, error.span);
-            SceneError::Parse { origin: origin.to_owned(), line, column, message: error.code.to_string() }
+            let mut message = error.code.to_string();
+            if let Some(variant) = spelled_twice(text, line, column) {
+                message += &format!("; what is in `{variant}(…)` takes no name and no brackets of its own");
+            }
+            SceneError::Parse { origin: origin.to_owned(), line, column, message }
         })?;
         scene.validate().map_err(|problem| SceneError::Invalid { origin: origin.to_owned(), problem })?;
         Ok(scene)
@@ -64,6 +70,20 @@ impl SceneDescription {
 /// How scene files are read and written.
 fn ron_options() -> ron::Options {
     ron::Options::default().with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME)
+}
+
+/// The variant, if what is at a place is its content in the brackets, or under the name, that standard RON has for a
+/// newtype: `Velocity((1, 0, 0))`, `TestSet(TestSet(rings: 3))`.
+fn spelled_twice(text: &str, line: usize, column: usize) -> Option<&str> {
+    let line = text.lines().nth(line.checked_sub(1)?)?;
+    let place = line.char_indices().nth(column.checked_sub(1)?)?.0;
+    let (before, at) = line.split_at(place);
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let before = before.trim_end().trim_end_matches(is_name);
+    let variant = before.trim_end().strip_suffix('(')?.trim_end();
+    let variant = &variant[variant.rfind(|c| !is_name(c)).map_or(0, |end| end + 1)..];
+    let is_variant = ["TestSet", "Objects", "Velocity", "Track"].contains(&variant);
+    (is_variant && at.trim_start_matches(is_name).trim_start().starts_with('(')).then_some(variant)
 }
 
 /// The line and column of the offending token: RON's span begins at the blanks and comments before it.

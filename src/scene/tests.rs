@@ -136,6 +136,36 @@ fn bad_texts_name_the_place_and_what_was_expected() {
 }
 
 #[test]
+fn a_newtype_that_is_spelled_twice_is_told_how_to_be_spelled() {
+    let test_set = |content: &str| format!("(name: \"x\", content: {content})");
+    let track = "keyframes: [(0, (0, 0, 0))]";
+    for (text, variant) in [
+        (object("motion: Velocity((1, 0, 0))"), "Velocity"),
+        (object("motion: Velocity( (1, 0, 0) )"), "Velocity"),
+        (object(&format!("motion: Track(({track}))")), "Track"),
+        (object(&format!("motion: Track(PositionTrack({track}))")), "Track"),
+        (test_set("TestSet((rings: 3))"), "TestSet"),
+        (test_set("TestSet(TestSet(rings: 3))"), "TestSet"),
+    ] {
+        let message = SceneDescription::parse(&text).unwrap_err().to_string();
+        let hint = format!("what is in `{variant}(…)` takes no name and no brackets of its own");
+        assert!(message.ends_with(&hint), "{text}\n{message}");
+    }
+    for text in [object("motion: Velocity(x, 0, 0)"), test_set("TestSet(ring: 3)"), object("position: ((1, 0, 0))")] {
+        let message = SceneDescription::parse(&text).unwrap_err().to_string();
+        assert!(!message.contains("brackets of its own"), "{text}\n{message}");
+    }
+}
+
+#[test]
+fn a_byte_order_mark_is_passed_over() {
+    let text = SceneDescription::from(TestSet::new(2)).to_ron().unwrap();
+    assert_eq!(SceneDescription::parse(&format!("\u{feff}{text}")).unwrap(), TestSet::new(2).into());
+    let error = SceneDescription::parse("\u{feff}(name: 5)").unwrap_err();
+    assert!(error.to_string().starts_with("scene text:1:8: Expected string"), "{error}");
+}
+
+#[test]
 fn bad_shapes_name_the_place_and_what_was_expected() {
     let bad = [
         ("Cuboid(half_size: (1, -1, 1))", "must be finite and not negative, got [1, -1, 1]"),

@@ -25,7 +25,8 @@ use crate::{
 /// ```
 #[derive(Clone, Copy)]
 pub struct SpatialQueryFilter<'a> {
-    world: u32,
+    /// All worlds, if none is given.
+    world: Option<u32>,
     layers: Option<u32>,
     except: Option<Entity>,
     excluded: Option<&'a EntityHashSet>,
@@ -43,12 +44,18 @@ type Predicate<'a> = &'a (dyn Fn(Entity) -> bool + Sync);
 impl<'a> SpatialQueryFilter<'a> {
     /// All entities that are in no [`CollisionWorld`](crate::worlds::CollisionWorld), and so in the default world.
     pub const ALL: Self =
-        Self { world: PairFilter::DEFAULT_WORLD, layers: None, except: None, excluded: None, predicate: None };
+        Self { world: Some(PairFilter::DEFAULT_WORLD), layers: None, except: None, excluded: None, predicate: None };
 
     /// Those that are [in this world](crate::worlds::InCollisionWorld), instead of the default one.
     #[must_use]
     pub const fn in_world(self, world: Entity) -> Self {
-        Self { world: worlds::number(world), ..self }
+        Self { world: Some(worlds::number(world)), ..self }
+    }
+
+    /// Those of all worlds, the default one included.
+    #[must_use]
+    pub const fn in_any_world(self) -> Self {
+        Self { world: None, ..self }
     }
 
     /// All entities but one: the one that asks, most of the time.
@@ -86,7 +93,7 @@ impl<'a> SpatialQueryFilter<'a> {
     /// Does an entity pass that the broad phase knows as `object`? The cheapest questions come first.
     #[must_use]
     pub fn accepts(&self, entity: Entity, object: &PairFilter) -> bool {
-        self.world == object.world
+        self.world.is_none_or(|world| world == object.world)
             && self.layers.is_none_or(|layers| layers & object.memberships != 0)
             && self.except != Some(entity)
             && self.excluded.is_none_or(|excluded| !excluded.contains(&entity))

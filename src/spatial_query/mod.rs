@@ -48,7 +48,7 @@ use crate::{
 /// # Exactness
 ///
 /// All answers but those about frustums are about the shapes themselves, not their boxes: oriented cuboids, spheres,
-/// convex and general meshes as they are, Rapier colliders by parry. What touches counts as met: see
+/// convex and general meshes as they are, Rapier colliders by what they consist of. What touches counts as met: see
 /// [`NarrowPhase::intersects`], [`cast_ray`](NarrowPhase::cast_ray), [`sweep`](NarrowPhase::sweep),
 /// [`closest_point`](NarrowPhase::closest_point). Solids are solid: a ray that starts inside one meets it at a distance
 /// of 0.

@@ -51,6 +51,11 @@ impl SpatialQuery<'_> {
         let closest =
             |scratch: &mut scratch::Scratch| self.tests().closest_point(body.placed(), from, &mut scratch.workspace);
         let point = scratch::with(closest)?;
-        Some(PointHit { entity: body.entity, distance: point.distance(from), point })
+        let distance = match point.distance(from) {
+            // In double precision, no square overflows.
+            f32::INFINITY => point.as_dvec3().distance(from.as_dvec3()) as f32,
+            distance => distance,
+        };
+        Some(PointHit { entity: body.entity, distance, point })
     }
 }

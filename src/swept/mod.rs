@@ -45,34 +45,79 @@ mod resolve;
 mod track;
 
 use bevy::{
-    ecs::{entity_disabling::Disabled, lifecycle::HookContext, schedule::InternedScheduleLabel, world::DeferredWorld},
+    ecs::{
+        entity_disabling::Disabled, lifecycle::HookContext, schedule::InternedScheduleLabel,
+        system::RegisteredSystemError, world::DeferredWorld,
+    },
+    math::primitives::HalfSpace,
     prelude::*,
 };
 
 pub(crate) use resolve::{Outcomes, apply_outcomes, clear_outcomes, resolve_impacts};
 
 use crate::{
-    bounds::{self, Ancestor},
+    bounds,
+    broad_phase::ProxyId,
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
-    narrow_phase::Moving,
+    hierarchy::{self, Ancestor},
+    narrow_phase::{Moving, NarrowPhase, Placed},
     plugin::{CollisionSystems, NarrowPhaseSettings},
+    shear::{self, Sheared},
 };
 
 /// An entity that is looked at all along its way, however fast it is: see the [module's documentation](self).
 ///
 /// Its way in a tick goes from where it was at the tick before to where it is now, in a straight line, turning by the
-/// shorter way, whoever moved it. To put it elsewhere without passing through what is between, insert this component anew.
-/// An entity without it counts, for the whole tick, as where it is at the end of it; so of two that move fast, both need it.
+/// shorter way, whoever moved it: see [`SweptWay`]. To put it elsewhere without passing through what is between, insert this
+/// component anew, with any value. An entity without it counts, for the whole tick, as where it is at the end of it; so of
+/// two that move fast, both need it.
 ///
 /// Where it meets another and [bounces](crate::response::Bounce), it does so only if the two come nearer to each other, by
 /// their velocities, and as often as it meets something: what is said of ticks there, holds for impacts here. It moves on
-/// for the rest of the tick if it is moved by its [`Velocity`](crate::motion::Velocity) and has no parent.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Component, Debug, Default, PartialEq)]
-#[component(on_discard = shrink_box)]
+/// for the rest of the tick if it is moved by its [`Velocity`](crate::motion::Velocity); one with a parent does so in the
+/// world, wherever the parent goes. What hangs on it goes with it.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Component, Clone, Debug, Default, PartialEq)]
+#[require(SweptWay)]
+#[component(on_insert = begin_anew, on_discard = shrink_box)]
 pub struct Swept {
-    /// How often it may bounce within a tick. At the impact after that, it stays where it is, until the next tick.
+    /// How often it may bounce within a tick. At the impact after that, it stays where it is until the next tick, as a wall
+    /// at rest to all that it meets, and keeps its velocity. This bounds the search for impacts, too.
     pub sub_steps: u32,
+}
+
+impl Swept {
+    /// How often an entity may bounce within a tick, unless told otherwise.
+    pub const DEFAULT_SUB_STEPS: u32 = 8;
+
+    /// Swept, with a bound of one's own to the number of bounces within a tick.
+    #[must_use]
+    pub const fn new(sub_steps: u32) -> Self {
+        Self { sub_steps }
+    }
+}
+
+impl Default for Swept {
+    fn default() -> Self {
+        Self::new(Self::DEFAULT_SUB_STEPS)
+    }
+}
+
+/// Where the way of an entity with [`Swept`] begins. Comes with it; a cloned entity gets one of its own.
+///
+/// It holds for the entity that it was written for, for as long as that stays in the
+/// [`CollisionIndex`](crate::collision_index::CollisionIndex): a copy on another entity, or one from before the entity was out
+/// of the index, says nothing, and its way begins anew.
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component, Clone, Debug, Default, PartialEq)]
+#[component(clone_behavior = Ignore)]
+pub struct SweptWay {
+    /// Whose way it is.
+    #[reflect(ignore, default = "nobody")]
+    entity: Entity,
+    /// The handle that it had when the way began; `None` before its first tick.
+    #[reflect(ignore)]
+    id: Option<ProxyId>,
     /// Where its way in this tick begins.
     #[reflect(ignore)]
     start: Option<Transform>,
@@ -84,37 +129,49 @@ pub struct Swept {
     stretched: bool,
 }
 
-impl Swept {
-    /// How often an entity may bounce within a tick, unless told otherwise.
-    pub const DEFAULT_SUB_STEPS: u32 = 8;
+const fn nobody() -> Entity {
+    Entity::PLACEHOLDER
+}
 
-    /// Swept, with a bound of one's own to the number of bounces within a tick.
-    #[must_use]
-    pub const fn new(sub_steps: u32) -> Self {
-        Self { sub_steps, start: None, last: None, stretched: false }
+impl Default for SweptWay {
+    fn default() -> Self {
+        Self { entity: nobody(), id: None, start: None, last: None, stretched: false }
     }
+}
 
-    /// Where in the world its way began in the last tick; `None` before its first.
+impl SweptWay {
+    /// Where in the world the way began in the last tick; `None` before the first.
     #[must_use]
     pub const fn last_start(&self) -> Option<&Transform> {
         self.last.as_ref()
     }
 
-    /// Has its way begin where it is at the next tick.
+    /// Has the way begin where the entity is at the next tick.
     pub(crate) fn forget(&mut self) {
         (self.start, self.last) = (None, None);
     }
 
-    /// Where its way began, if it leads anywhere.
-    pub(crate) fn way_to(&self, pose: &Transform) -> Option<&Transform> {
+    /// Is it that of this entity, under this handle?
+    pub(crate) fn belongs_to(&self, entity: Entity, id: Option<ProxyId>) -> bool {
+        self.entity == entity && self.id == id
+    }
+
+    /// Its entity has another handle, and is where it was.
+    pub(crate) fn follow(&mut self, id: ProxyId) {
+        self.id = Some(id);
+    }
+
+    /// Where it begins, if it leads anywhere.
+    pub(crate) fn to(&self, pose: &Transform) -> Option<&Transform> {
         let elsewhere = |start: &&Transform| start.translation != pose.translation || start.rotation != pose.rotation;
         self.start.as_ref().filter(elsewhere)
     }
 }
 
-impl Default for Swept {
-    fn default() -> Self {
-        Self::new(Self::DEFAULT_SUB_STEPS)
+/// Whoever gets the component has been put where it is.
+fn begin_anew(mut world: DeferredWorld, context: HookContext) {
+    if let Some(mut way) = world.get_mut::<SweptWay>(context.entity) {
+        way.forget();
     }
 }
 
@@ -131,61 +188,80 @@ pub struct SweptPlugin(pub(crate) InternedScheduleLabel);
 
 impl Plugin for SweptPlugin {
     fn build(&self, app: &mut App) {
+        let begin_ways = hierarchy::see_disabled(app.world_mut(), begin_ways);
         let begin = begin_ways.after(CollisionSystems::First).before(CollisionSystems::Motion);
+        let stretch = stretch_boxes.in_set(CollisionSystems::Bounds).after(bounds::update_children);
         let end = end_ways.after(CollisionSystems::Response).before(CollisionSystems::Report);
-        app.add_systems(self.0, (begin, end).run_if(any_with_component::<Swept>))
-            .add_observer(on_disabled)
-            .register_type::<Swept>();
+        app.add_systems(self.0, (begin, stretch, end).run_if(any_with_component::<Swept>))
+            .register_type::<Swept>()
+            .register_type::<SweptWay>();
     }
 }
+
+type IsSwept = (With<Swept>, With<CollisionShape>);
+type Beginning<'a> = (Entity, &'a Transform, Has<ChildOf>, Shaped<'a>, &'a BroadPhaseProxy, &'a mut SweptWay);
 
 /// The way of an entity that is new begins where it is before it first moves.
-fn begin_ways(
-    mut swept: Query<(Entity, &Transform, Has<ChildOf>, &mut Swept), With<BroadPhaseProxy>>,
-    ancestors: Query<Ancestor, Allow<Disabled>>,
-) {
-    for (entity, transform, has_parent, mut swept) in &mut swept {
-        if swept.start.is_none() {
-            let in_world = || bounds::place_in_world(entity, &ancestors).0.compute_transform();
-            let pose = if has_parent { in_world() } else { *transform };
-            swept.bypass_change_detection().start = pose.is_finite().then_some(pose);
+fn begin_ways(mut swept: Query<Beginning, IsSwept>, ancestors: Query<Ancestor, Allow<Disabled>>) {
+    for (entity, transform, has_parent, (shape, sheared), proxy, mut way) in &mut swept {
+        let is_known = way.belongs_to(entity, proxy.id);
+        if is_known && way.start.is_some() {
+            continue;
         }
+        let in_world = || {
+            let place = hierarchy::place_in_world(entity, &ancestors)?;
+            Some(shear::place(shape, &place, sheared).transform)
+        };
+        let pose = if has_parent { in_world() } else { Some(*transform) };
+        let way = way.bypass_change_detection();
+        *way = SweptWay { entity, id: proxy.id, start: pose.filter(Transform::is_finite), last: None, ..*way };
     }
 }
+
+type Shaped<'a> = (&'a CollisionShape, Option<&'a Sheared>);
 
 /// Each way begins where the last one ended. Who has none in this tick gets one at the next.
-fn end_ways(mut swept: Query<(&BroadPhaseProxy, &mut Swept)>) {
-    for (proxy, mut swept) in &mut swept {
-        if swept.start.is_some() {
-            let swept = swept.bypass_change_detection();
-            swept.last = swept.start.replace(proxy.pose).filter(|_| proxy.pose.is_finite());
-            swept.start = swept.start.filter(Transform::is_finite);
+fn end_ways(mut swept: Query<(&BroadPhaseProxy, &mut SweptWay), IsSwept>) {
+    for (proxy, mut way) in &mut swept {
+        if way.start.is_some() {
+            let way = way.bypass_change_detection();
+            way.last = way.start.replace(proxy.pose).filter(|_| proxy.pose.is_finite());
+            way.start = way.start.filter(Transform::is_finite);
         }
     }
 }
 
-type Stretched<'a> = (Entity, &'a CollisionShape, &'a BroadPhaseProxy, &'a mut Swept, &'a mut WorldAabb);
+type Stretched<'a> = (Entity, Shaped<'a>, &'a BroadPhaseProxy, &'a mut SweptWay, &'a mut WorldAabb);
+
+/// Stretches boxes along the ways so far, at any moment.
+pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
+    world.run_system_cached(stretch_boxes)
+}
 
 /// Stretches boxes along the ways that led anywhere, and shrinks those of a tick ago.
-pub(crate) fn stretch_boxes(mut swept: Query<Stretched>, settings: Res<NarrowPhaseSettings>) {
+fn stretch_boxes(mut swept: Query<Stretched, With<Swept>>, settings: Res<NarrowPhaseSettings>) {
     let tests = settings.tests();
-    for (entity, shape, proxy, mut swept, mut aabb) in &mut swept {
-        let way = swept.way_to(&proxy.pose).map(|start| Moving::new(shape, start, &proxy.pose));
-        if let Some(way) = &way {
+    for (entity, (own, sheared), proxy, mut way, mut aabb) in &mut swept {
+        let shape = shear::shape(own, sheared);
+        let start = way.to(&proxy.pose).filter(|_| way.belongs_to(entity, proxy.id));
+        let moving = start.map(|start| Moving::new(shape, start, &proxy.pose));
+        if let Some(moving) = &moving {
             // What has no box has had its warning.
-            if let Ok(stretched) = tests.swept_aabb(way) {
+            if let Ok(stretched) = tests.swept_aabb(moving) {
                 aabb.0 = stretched;
             }
-        } else if swept.stretched {
+        } else if way.stretched {
             *aabb = bounds::world_aabb(tests, entity, shape, &proxy.pose);
         }
-        swept.bypass_change_detection().stretched = way.is_some();
+        let is_stretched = moving.is_some();
+        way.bypass_change_detection().stretched = is_stretched;
     }
 }
 
-/// What comes back has not passed through what was between.
-fn on_disabled(event: On<Add, Disabled>, mut swept: Query<&mut Swept, Allow<Disabled>>) {
-    if let Ok(mut swept) = swept.get_mut(event.entity) {
-        swept.forget();
-    }
+/// The half-space that a shape without an end is in all along its way, if there is one: see [`NarrowPhase::side`].
+pub(crate) fn side(tests: &NarrowPhase, moving: &Moving) -> Option<HalfSpace> {
+    let [start, end] = [0.0, 1.0].map(|time| tests.side(Placed::new(moving.shape(), &moving.at(time))));
+    let (start, end) = (start?, end?);
+    // As it turns, it comes by everywhere.
+    (start.normal() == end.normal()).then(|| if start.d() > end.d() { start } else { end })
 }

@@ -7,20 +7,26 @@ use crate::{
     broad_phase::ProxyId,
     collision_index::CollisionIndex,
     filters::Sensor,
+    frame::{Ancestor, Frame},
     motion::{Velocity, is_moved_by_velocity},
-    narrow_phase::{Moving, approach},
-    response::{Bounce, respond},
+    narrow_phase::{Contact, Moving, approach},
+    response::{Bounce, Party, respond},
 };
 
 /// A body that met something in this tick, and where it is going since.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Track {
     pub(super) entity: Entity,
-    pub(super) velocity: Vec3,
-    bounce: Option<Bounce>,
+    /// What it hangs on, if anything.
+    pub(super) frame: Option<Frame>,
+    /// Its velocity in the world, and how it answers.
+    party: Party,
     is_sensor: bool,
+    is_swept: bool,
     /// How often it may still bounce within this tick, if its way is ours to change.
     steers: Option<u32>,
+    /// Has it come to stay where it is for what is left of the tick?
+    stays: bool,
     /// The share of the tick after which it last changed course.
     since: f32,
     /// Where it was then.
@@ -29,6 +35,8 @@ pub(super) struct Track {
     way: Vec3,
     /// How often it has changed course.
     pub(super) version: u32,
+    /// Did it do so by itself, rather than with what it hangs on?
+    pub(super) has_turned: bool,
     /// Its handle among those that have.
     pub(super) diverted: Option<ProxyId>,
     pub(super) bounces: u64,
@@ -39,21 +47,46 @@ impl Track {
     pub(super) fn of(id: ProxyId, world: &World) -> Option<Self> {
         let index = world.resource::<CollisionIndex>();
         let (entity, moving) = (index.body(id)?.entity, index.moving(id)?);
-        let swept = world.get::<Swept>(entity);
-        let steers = is_moved_by_velocity(world.entity(entity)) && !world.entity(entity).contains::<ChildOf>();
+        let of_world = world.get_entity(entity).ok()?;
+        let parent = of_world.get::<ChildOf>().map(ChildOf::parent);
+        let frame = parent.map(|parent| Frame::of(parent, |ancestor| Ancestor::of(ancestor, world)));
+        let own = of_world.get::<Velocity>().map_or(Vec3::ZERO, |velocity| velocity.0);
+        // What cannot be told in its own space cannot change.
+        let leads_back = frame.is_none_or(|frame| frame.leads_back());
+        let party = Party {
+            velocity: frame.map_or(own, |frame| frame.velocity_in_world(own)),
+            drift: frame.map_or(Vec3::ZERO, |frame| frame.drift()),
+            bounce: of_world.get::<Bounce>().copied().filter(|_| leads_back && of_world.contains::<Velocity>()),
+            reversed: false,
+        };
+        let swept = of_world.get::<Swept>();
+        let steers = is_moved_by_velocity(of_world) && leads_back;
         Some(Self {
             entity,
-            velocity: world.get::<Velocity>(entity).map_or(Vec3::ZERO, |velocity| velocity.0),
-            bounce: world.get::<Bounce>(entity).copied(),
-            is_sensor: world.entity(entity).contains::<Sensor>(),
+            frame,
+            party,
+            is_sensor: of_world.contains::<Sensor>(),
+            is_swept: swept.is_some(),
             steers: swept.map(|swept| swept.sub_steps).filter(|_| steers),
+            stays: false,
             since: 0.0,
             from: moving.at(0.0).translation,
             way: moving.at(1.0).translation - moving.at(0.0).translation,
             version: 0,
+            has_turned: false,
             diverted: None,
             bounces: 0,
         })
+    }
+
+    /// Its velocity in its own space, as the impacts have made it.
+    pub(super) fn own_velocity(&self) -> Option<Vec3> {
+        self.frame.map_or(Some(self.party.velocity), |frame| frame.own_velocity(self.party.velocity))
+    }
+
+    /// Its velocity in the world, for as long as it moves.
+    pub(super) fn velocity(&self) -> Vec3 {
+        if self.stays { Vec3::ZERO } else { self.party.velocity }
     }
 
     /// Where it is after a share of the tick.
@@ -66,50 +99,85 @@ impl Track {
         whole.after(time).along(self.place(time), self.place(1.0))
     }
 
-    /// May it still answer to an impact?
-    fn answers(&self) -> Option<Bounce> {
-        self.bounce.filter(|_| self.steers != Some(0))
+    /// How far it goes in a whole tick.
+    pub(super) const fn way(&self) -> Vec3 {
+        self.way
     }
 
-    /// Takes up the velocity that an impact leaves it with, if that is another one. Does it change course?
-    fn answer(&mut self, velocity: Option<Vec3>, time: f32, seconds: f32) -> bool {
-        if let Some(velocity) = velocity {
-            self.velocity = velocity;
-            self.bounces += 1;
-            match &mut self.steers {
-                Some(left) => *left -= 1,
-                // It stays on its way, and is reversed once per tick at most.
-                None => {
-                    self.bounce = self.bounce.filter(|bounce| *bounce != Bounce::Reverse);
-                    return false;
-                }
-            }
-            self.divert(time, velocity * seconds);
-        } else {
-            self.divert(time, Vec3::ZERO);
+    /// Is it on another way than at the start of the tick?
+    pub(super) const fn is_diverted(&self) -> bool {
+        self.is_swept && self.version > 0
+    }
+
+    /// Is it on no way, and elsewhere than it would have been?
+    pub(super) const fn is_displaced(&self) -> bool {
+        !self.is_swept && self.version > 0
+    }
+
+    /// Takes up that the way of what it hangs on changes by so much per tick, of so many seconds. What is not swept counts
+    /// for the whole tick as where it is at the end of it.
+    pub(super) fn carry(&mut self, change: Vec3, time: f32, seconds: f32) {
+        let faster = change / seconds;
+        if faster.is_finite() {
+            self.party.velocity += faster;
+            self.party.drift += faster;
+            self.frame = self.frame.map(|frame| frame.drifting(faster));
         }
+        if self.is_swept {
+            (self.from, self.since, self.way) = (self.place(time), time, self.way + change);
+        } else {
+            self.from += change * (1.0 - time);
+        }
+        self.version += 1;
+    }
+
+    /// Has it bounced as often as it may?
+    fn is_spent(&self) -> bool {
+        self.party.bounce.is_some() && self.steers == Some(0)
+    }
+
+    /// How it takes part in an impact. Who is spent keeps its velocity for the next tick; in this one, it is a wall at rest.
+    fn party(&self) -> Party {
+        if self.is_spent() { Party::default() } else { self.party }
+    }
+
+    /// Takes up the velocity that an impact leaves it with, if it answers, or stays where it is, if it no longer may. Does
+    /// it change course?
+    fn answer(&mut self, velocity: Option<Vec3>, time: f32, seconds: f32) -> bool {
+        if self.is_spent() {
+            let comes_to_stay = !std::mem::replace(&mut self.stays, true) && self.way != Vec3::ZERO;
+            if comes_to_stay {
+                self.divert(time, Vec3::ZERO);
+            }
+            return comes_to_stay;
+        }
+        let Some(velocity) = velocity else { return false };
+        self.party.velocity = velocity;
+        self.bounces += 1;
+        let Some(left) = &mut self.steers else {
+            // It stays on its way, and is reversed once per tick at most.
+            self.party.reversed = true;
+            return false;
+        };
+        *left -= 1;
+        self.divert(time, velocity * seconds);
         true
     }
 
     fn divert(&mut self, time: f32, way: Vec3) {
         (self.from, self.since, self.way) = (self.place(time), time, way);
         self.version += 1;
+        self.has_turned = true;
     }
 }
 
 /// Two meet, with the normal from the first to the second: their velocities answer at once. Returns which of them change
 /// course.
-pub(super) fn meet(tracks: [&mut Track; 2], normal: Vec3, time: f32, seconds: f32) -> [bool; 2] {
+pub(super) fn meet(tracks: [&mut Track; 2], contact: &Contact, time: f32, seconds: f32) -> [bool; 2] {
     let [a, b] = tracks;
-    let velocities = [a.velocity, b.velocity];
-    if a.is_sensor || b.is_sensor || !approach(velocities, normal) {
+    if a.is_sensor || b.is_sensor || !approach([a.velocity(), b.velocity()], contact.normal) {
         return [false; 2];
     }
-    // Who has bounced often enough is a wall to the other, and stays.
-    let answers = respond([a.answers(), b.answers()], velocities, normal);
-    let turn = |track: &mut Track, velocity: Option<Vec3>| {
-        let stays = track.bounce.is_some() && track.steers == Some(0) && track.way != Vec3::ZERO;
-        (velocity.is_some() || stays) && track.answer(velocity, time, seconds)
-    };
-    [turn(a, answers[0]), turn(b, answers[1])]
+    let answers = respond([a.party(), b.party()], contact.normal);
+    [a.answer(answers[0], time, seconds), b.answer(answers[1], time, seconds)]
 }

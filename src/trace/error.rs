@@ -77,6 +77,9 @@ pub enum TraceProblem {
         /// The number.
         value: u64,
     },
+    /// More frames than are taken from a trace without objects, in which they take no space.
+    #[error("expected at most {max} frames of no objects, found {0}", max = super::MOST_EMPTY_FRAMES)]
+    TooManyEmptyFrames(u32),
     /// A box cannot be used.
     #[error("expected a box for object {object} in frame {frame}: {error}")]
     Box {

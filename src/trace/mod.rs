@@ -44,7 +44,8 @@
 //! | 304 + 32·N·f | N boxes | frame f, for f from 1 to F |
 //!
 //! A box is 8 × `f32`: min x, y, z, 0, max x, y, z, 0. The zeros are written and not read. A box that is not finite, or
-//! whose minimum lies above its maximum, is an error, in reading as in writing. The file ends with the last box.
+//! whose minimum lies above its maximum, is an error, in reading as in writing. The file ends with the last box. Without
+//! objects, there are at most 65 536 frames: they take no space, and a file must not take longer to read than it is long.
 
 mod error;
 mod reader;
@@ -64,6 +65,8 @@ const COUNTS_OFFSET: usize = 2 * TEXT_BYTES;
 const WORLD_OFFSET: usize = COUNTS_OFFSET + 16;
 const HEADER_BYTES: usize = WORLD_OFFSET + BOX_BYTES;
 const BOX_BYTES: usize = 32;
+/// Without objects, there are no more frames than this.
+const MOST_EMPTY_FRAMES: u32 = 1 << 16;
 /// The boxes that are read and written at a time.
 const BOXES_AT_ONCE: usize = 2048;
 

@@ -9,8 +9,8 @@ use std::{
 use bevy::math::{Vec3A, bounding::Aabb3d};
 
 use super::{
-    BOX_BYTES, BOXES_AT_ONCE, COUNTS_OFFSET, HEADER_BYTES, TEXT_BYTES, TraceError, TraceHeader, TraceProblem,
-    WORLD_OFFSET,
+    BOX_BYTES, BOXES_AT_ONCE, COUNTS_OFFSET, HEADER_BYTES, MOST_EMPTY_FRAMES, TEXT_BYTES, TraceError, TraceHeader,
+    TraceProblem, WORLD_OFFSET,
 };
 use crate::broad_phase::check_box;
 
@@ -76,6 +76,10 @@ impl<R: Read> TraceReader<R> {
             frames: reader.count(COUNTS_OFFSET + 4, "frames")?,
             world: to_box(&std::array::from_fn(|i| reader.bytes[WORLD_OFFSET + i])),
         };
+        let TraceHeader { objects, frames, .. } = reader.header;
+        if objects == 0 && frames > MOST_EMPTY_FRAMES {
+            return Err(reader.error(COUNTS_OFFSET as u64 + 4, TraceProblem::TooManyEmptyFrames(frames)));
+        }
         reader.offset = HEADER_BYTES as u64;
         Ok(reader)
     }

@@ -144,6 +144,22 @@ fn a_trace_of_nothing_has_its_frames() {
 }
 
 #[test]
+fn frames_that_take_no_space_are_few() {
+    let mut writer = TraceWriter::new(Cursor::new(Vec::new()), NAME, "", "", 0).unwrap();
+    for _ in 0..=MOST_EMPTY_FRAMES {
+        writer.write_frame(&[]).unwrap();
+    }
+    let error = writer.write_frame(&[]).unwrap_err();
+    assert!(matches!(error.problem, TraceProblem::TooManyEmptyFrames(65_537)), "{error}");
+    let mut file = writer.finish().unwrap().into_inner();
+    assert_eq!(read(&file).unwrap().len(), 65_537);
+
+    file[260..264].copy_from_slice(&i32::MAX.to_le_bytes());
+    let error = TraceReader::new(&file[..], NAME).unwrap_err().to_string();
+    assert_eq!(error, "some.aabbs: byte 260: expected at most 65536 frames of no objects, found 2147483647");
+}
+
+#[test]
 fn a_frame_may_be_larger_than_the_buffer() {
     let boxes: Vec<_> = (0..2 * BOXES_AT_ONCE + 5).map(|x| cube(x as f32)).collect();
     let mut writer = TraceWriter::new(Cursor::new(Vec::new()), NAME, "", "", boxes.len()).unwrap();

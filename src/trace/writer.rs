@@ -9,7 +9,8 @@ use std::{
 use bevy::math::{Vec3A, bounding::Aabb3d};
 
 use super::{
-    BOX_BYTES, BOXES_AT_ONCE, COUNTS_OFFSET, HEADER_BYTES, TEXT_BYTES, TraceError, TraceProblem, WORLD_OFFSET,
+    BOX_BYTES, BOXES_AT_ONCE, COUNTS_OFFSET, HEADER_BYTES, MOST_EMPTY_FRAMES, TEXT_BYTES, TraceError, TraceProblem,
+    WORLD_OFFSET,
 };
 use crate::broad_phase::check_box;
 
@@ -71,14 +72,18 @@ impl<W: Write + Seek> TraceWriter<W> {
     /// Writes the boxes of a frame, the initial box set first.
     ///
     /// # Errors
-    /// If there is not one box for each object, if a box is not finite or is inverted, or if the sink cannot be
-    /// written to. The first leaves the trace as it was; after the others it cannot be used.
+    /// If there is not one box for each object, if there are more frames than the format takes, if a box is not finite or
+    /// is inverted, or if the sink cannot be written to. The first two leave the trace as it was; after the others it
+    /// cannot be used.
     pub fn write_frame(&mut self, boxes: &[Aabb3d]) -> Result<(), TraceError> {
         if boxes.len() != self.objects as usize {
             let problem = TraceProblem::WrongBoxCount { expected: self.objects, found: boxes.len() };
             return Err(self.error(self.offset, problem));
         }
-        self.count(COUNTS_OFFSET + 4, "frames", self.written)?;
+        let frames = self.count(COUNTS_OFFSET + 4, "frames", self.written)?;
+        if boxes.is_empty() && frames > MOST_EMPTY_FRAMES {
+            return Err(self.error(self.offset, TraceProblem::TooManyEmptyFrames(frames)));
+        }
         for (chunk, boxes) in boxes.chunks(BOXES_AT_ONCE).enumerate() {
             for (place, aabb) in boxes.iter().enumerate() {
                 if let Err(error) = check_box(aabb) {

@@ -1,5 +1,7 @@
 //! A headless app with a clock of its own, and what the tests look at.
 
+pub mod warnings;
+
 use std::{collections::HashMap, time::Duration};
 
 use bevy::{app::Plugins, ecs::schedule::ScheduleLabel, prelude::*, time::TimeUpdateStrategy};
@@ -80,7 +82,7 @@ impl Log {
         clock: Res<CollisionClock>,
         contacts: Res<Contacts>,
     ) {
-        let tick = clock.tick() + 1;
+        let tick = clock.tick().wrapping_add(1);
         for pair in ended.read().map(|message| pair(message.a, message.b)) {
             let place = log.open.iter().position(|open| *open == pair);
             log.open.swap_remove(place.expect("what ends has started"));

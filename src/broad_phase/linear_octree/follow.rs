@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use bevy::math::bounding::Aabb3d;
+use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::{Simd, dispatch};
 
 use super::{
@@ -121,20 +121,33 @@ impl LinearOctree {
         }
     }
 
-    /// For how many ticks ahead to make skins: judged by those that left theirs, or by all.
+    /// For how many ticks ahead to make all skins; 0 if they had better be boxes.
     pub(super) fn horizon(&self, proxies: &Proxies) -> f32 {
-        const SAMPLE: usize = 1024;
-        let sample = |slot: usize| {
+        // What has no skin is renewed each tick. If so many are fast, all would be renewed before the shortest of skins
+        // had served its time.
+        const MOST_FAST: f32 = 1.0 / (skin::SHORTEST * REFRESH_SHARE as f32);
+        skin::horizon(self.sample(0..self.owners.len(), proxies), MOST_FAST)
+    }
+
+    /// For how many ticks ahead to make skins of objects that left theirs. Those that are fast say nothing about the
+    /// others.
+    pub(super) fn horizon_of_escaped(&self, proxies: &Proxies) -> f32 {
+        let escaped = self.escaped.iter().map(|slot| *slot as usize);
+        skin::horizon(self.sample(escaped, proxies), 1.0).max(skin::SHORTEST)
+    }
+
+    /// Steps of some of the objects in slots, and their boxes.
+    fn sample<'a>(
+        &'a self,
+        slots: impl ExactSizeIterator<Item = usize>,
+        proxies: &'a Proxies,
+    ) -> impl Iterator<Item = (Vec3A, &'a Aabb3d)> {
+        const SAMPLE: usize = 512;
+        let step = slots.len() / SAMPLE + 1;
+        slots.step_by(step).filter_map(move |slot| {
             let aabb = proxies.boxes().get(*self.owners.get(slot)? as usize)?;
             Some((self.anchors[slot].step(self.tick, aabb), aabb))
-        };
-        if self.escaped.is_empty() {
-            let all = (0..self.owners.len()).step_by(self.owners.len() / SAMPLE + 1);
-            skin::horizon(all.filter_map(sample))
-        } else {
-            let escaped = self.escaped.iter().step_by(self.escaped.len() / SAMPLE + 1);
-            skin::horizon(escaped.filter_map(|slot| sample(*slot as usize)))
-        }
+        })
     }
 
     /// Makes the skins of all objects for so many ticks ahead. True if each is the box itself.

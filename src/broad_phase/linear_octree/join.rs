@@ -15,6 +15,9 @@ const BATCH: usize = 128;
 const PAIRS_OF_JOB: usize = 256;
 const SLOTS_OF_JOB: usize = 512;
 
+/// How many rows of a search are worked on at once: seldom fewer than there are, and a bound where all overlap.
+const ROWS: usize = 8 * BATCH;
+
 /// Lists that are worked with, kept for the next time.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Workspace {
@@ -29,19 +32,35 @@ pub(super) struct Workspace {
 struct Job {
     /// Boxes, each with a block of the same level with which to compare it.
     rows: List,
-    /// By height: pairs of blocks whose bounds overlap.
+    /// By height: pairs of blocks whose bounds overlap, or rows.
     pairs: Vec<List>,
     found: List,
     compared: usize,
 }
 
+impl Job {
+    /// The list of rows, and one for each of so many levels.
+    fn lists(&mut self, levels: usize) -> (&mut List, &mut [List]) {
+        if self.pairs.len() < levels {
+            self.pairs.resize_with(levels, List::default);
+        }
+        (&mut self.rows, &mut self.pairs[..levels])
+    }
+}
+
 impl Levels {
-    /// Appends the slots of each pair of overlapping boxes, the lower slot first.
+    /// Appends the slots of each pair of overlapping boxes that is to be kept, the lower slot first.
     ///
     /// From the top down: pairs of boxes that overlap on one level are the pairs of blocks to look at on the next. Only
     /// the boxes of the one block that reach into the bounds of the other are compared with it; most pairs of blocks
-    /// have none.
-    pub(super) fn self_join(&self, level: Level, work: &mut Workspace, found: &mut List) {
+    /// have none. Whether a pair is to be kept is asked before the list has grown by more than a batch.
+    pub(super) fn self_join(
+        &self,
+        level: Level,
+        work: &mut Workspace,
+        found: &mut List,
+        keep: Option<&(impl Fn(u32, u32) -> bool + Sync)>,
+    ) {
         let mut height = self.as_slice().len() - 1;
         let Workspace { pairs, next, jobs } = work;
         jobs.resize_with(jobs.len().max(1), Job::default);
@@ -59,15 +78,16 @@ impl Levels {
         let pairs = pairs.as_slice();
         // The order of what is found does not depend on how the work is divided.
         if !parallel::is_on() || pairs.len() <= PAIRS_OF_JOB {
-            let job = &mut jobs[0];
-            job.pairs.resize_with(height, List::default);
-            return self.join(level, height, pairs, &mut job.rows, &mut job.pairs, found);
+            let (rows, below) = jobs[0].lists(height);
+            return self.join(level, height, pairs, rows, below, found, keep);
         }
         jobs.resize_with(jobs.len().max(pairs.len().div_ceil(PAIRS_OF_JOB)), Job::default);
         parallel::for_each(pairs.chunks(PAIRS_OF_JOB).zip(&mut *jobs), |(pairs, job)| {
-            job.found.clear();
-            job.pairs.resize_with(height, List::default);
-            self.join(level, height, pairs, &mut job.rows, &mut job.pairs, &mut job.found);
+            let mut found = std::mem::take(&mut job.found);
+            found.clear();
+            let (rows, below) = job.lists(height);
+            self.join(level, height, pairs, rows, below, &mut found, keep);
+            job.found = found;
         });
         for job in &jobs[..pairs.len().div_ceil(PAIRS_OF_JOB)] {
             found.extend(job.found.as_slice());
@@ -75,6 +95,7 @@ impl Levels {
     }
 
     /// Joins pairs of blocks of one height, and all that is below them.
+    #[expect(clippy::too_many_arguments, reason = "lists that are lent, each for its own purpose")]
     fn join(
         &self,
         level: Level,
@@ -83,14 +104,21 @@ impl Levels {
         rows: &mut List,
         below: &mut [List],
         found: &mut List,
+        keep: Option<&impl Fn(u32, u32) -> bool>,
     ) {
         for batch in pairs.chunks(BATCH) {
             match below.split_last_mut() {
-                None => dispatch!(level, simd => self.join_blocks(simd, height, batch, rows, found)),
+                None => {
+                    let start = found.as_slice().len();
+                    dispatch!(level, simd => self.join_blocks(simd, height, batch, rows, found));
+                    if let Some(keep) = keep {
+                        found.retain_from(start, keep);
+                    }
+                }
                 Some((next, below)) => {
                     next.clear();
                     dispatch!(level, simd => self.join_blocks(simd, height, batch, rows, next));
-                    self.join(level, height - 1, next.as_slice(), rows, below, found);
+                    self.join(level, height - 1, next.as_slice(), rows, below, found, keep);
                 }
             }
         }
@@ -123,13 +151,30 @@ impl Levels {
         }
     }
 
-    /// Appends, for each of some slots, that slot and each other slot whose box overlaps its own. Returns how often a
-    /// box was compared with a block.
-    pub(super) fn search(&self, level: Level, slots: &[u32], work: &mut Workspace, found: &mut List) -> usize {
+    /// Appends, for each of some slots, that slot and each other slot whose box overlaps its own, if the two are to be
+    /// kept: `keep` gets the slot that is searched for first, and is asked before the list has grown by more than a batch.
+    /// Returns how often a box was compared with a block.
+    pub(super) fn search(
+        &self,
+        level: Level,
+        slots: &[u32],
+        work: &mut Workspace,
+        found: &mut List,
+        keep: &(impl Fn(u32, u32) -> bool + Sync),
+    ) -> usize {
+        let height = self.as_slice().len();
         let search = |slots: &[u32], job: &mut Job, found: &mut List| {
-            job.pairs.resize_with(job.pairs.len().max(1), List::default);
-            let batches = slots.chunks(BATCH);
-            batches.map(|batch| dispatch!(level, simd => self.search_batch(simd, batch, job, found))).sum()
+            let (rows, below) = job.lists(height);
+            let mut compared = 0;
+            for batch in slots.chunks(BATCH) {
+                rows.clear();
+                rows.reserve(batch.len());
+                for slot in batch {
+                    rows.push_lanes(1, pack(*slot, 0), 0);
+                }
+                compared += self.descend_rows(level, rows.as_slice(), below, found, keep);
+            }
+            compared
         };
         let chunks = slots.chunks(SLOTS_OF_JOB);
         if !parallel::is_on() || chunks.len() <= 1 {
@@ -148,38 +193,45 @@ impl Levels {
         jobs.iter().map(|job| job.compared).sum()
     }
 
-    /// All slots of a batch go down the tree side by side, one level after the other.
-    #[inline(always)]
-    fn search_batch<S: Simd>(&self, simd: S, slots: &[u32], job: &mut Job, found: &mut List) -> usize {
-        let Job { rows, pairs: lists, .. } = job;
-        let below = &mut lists[0];
-        let levels = self.as_slice();
-        let mut compared = 0;
-        rows.clear();
-        rows.reserve(slots.len());
-        for slot in slots {
-            rows.push_lanes(1, pack(*slot, 0), 0);
-        }
-        for (height, blocks) in levels.iter().enumerate().rev() {
-            let next = if height == 0 { &mut *found } else { &mut *below };
-            if height > 0 {
+    /// Slots go down the tree side by side, one level after the other: rows are slots, each with a block of the level
+    /// that has as many lists left as there are below it.
+    fn descend_rows(
+        &self,
+        level: Level,
+        rows: &[Packed],
+        lists: &mut [List],
+        found: &mut List,
+        keep: &impl Fn(u32, u32) -> bool,
+    ) -> usize {
+        let Some((next, below)) = lists.split_last_mut() else { return 0 };
+        let mut compared = rows.len();
+        for rows in rows.chunks(ROWS) {
+            if below.is_empty() {
+                let start = found.as_slice().len();
+                dispatch!(level, simd => self.search_blocks(simd, 0, rows, found));
+                found.retain_from(start, keep);
+            } else {
                 next.clear();
-            }
-            compared += rows.as_slice().len();
-            next.reserve(rows.as_slice().len());
-            for row in rows.as_slice() {
-                let [slot, place] = unpack(*row);
-                let lane = slot as usize % WIDTH;
-                let hits = blocks[place as usize].overlaps_lane(simd, &levels[0][slot as usize / WIDTH], lane);
-                // At the bottom, each is found by itself.
-                let itself = u32::from(height == 0 && slot / WIDTH as u32 == place) << lane;
-                next.push_lanes(hits & !itself, pack(slot, place * WIDTH as u32), 1);
-            }
-            if height > 0 {
-                std::mem::swap(rows, below);
+                dispatch!(level, simd => self.search_blocks(simd, below.len(), rows, next));
+                compared += self.descend_rows(level, next.as_slice(), below, found, keep);
             }
         }
         compared
+    }
+
+    /// Appends the boxes of each row's block that overlap the row's own.
+    #[inline(always)]
+    fn search_blocks<S: Simd>(&self, simd: S, height: usize, rows: &[Packed], found: &mut List) {
+        let (boxes, blocks) = (&self.as_slice()[0][..], &self.as_slice()[height][..]);
+        found.reserve(rows.len());
+        for row in rows {
+            let [slot, place] = unpack(*row);
+            let lane = slot as usize % WIDTH;
+            let hits = blocks[place as usize].overlaps_lane(simd, &boxes[slot as usize / WIDTH], lane);
+            // At the bottom, each is found by itself.
+            let itself = u32::from(height == 0 && slot / WIDTH as u32 == place) << lane;
+            found.push_lanes(hits & !itself, pack(slot, place * WIDTH as u32), 1);
+        }
     }
 }
 

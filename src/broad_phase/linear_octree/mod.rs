@@ -24,10 +24,12 @@
 //! - **Skins.** What is indexed is not the box but its *skin*: the box swept along its recent motion for some ticks
 //!   ahead. While an object stays in its skin, the index stays as it is, and so does the list of *near pairs*, those
 //!   whose skins overlap; a tick then compares the boxes of near pairs, and nothing else. How far ahead is chosen from
-//!   the speeds: fast objects get no skin, and near pairs are then the pairs themselves.
+//!   the speeds: where many are fast, none has a skin, and near pairs are then the pairs themselves. A few that are much
+//!   faster than others have none, and are kept at the end, apart from these.
 //! - **Sorted seldom.** When more than a share of the objects have left their skins, all get new ones, in their old
 //!   order: neighbours mostly stay neighbours. Only when the bounds of blocks have become so loose that searching them
-//!   has cost as much as sorting would are all objects put in order anew.
+//!   has cost as much as sorting would are all objects put in order anew. Each block is compared with itself as it was
+//!   after the last sort, so that a few objects of any size, anywhere, do not hide what has become of all others.
 //! - **No branches.** The tree is joined with itself level by level, and objects that left their skins go down the tree
 //!   side by side. One comparison gives the verdict on eight boxes as a mask; a table turns the mask into a list of those
 //!   to look at next. Branches on single verdicts would be mispredicted at every other one, and cost more than all else.
@@ -35,10 +37,13 @@
 //! - **The order in memory is the order in space.** Boxes are gathered in the order of the curve once a tick, many at a
 //!   time; all else finds its neighbours in the cache.
 //! - **Sizes apart.** Objects four times smaller than others are sorted apart from them, so that a large box does not
-//!   blow up the bounds of a block of small ones.
+//!   blow up the bounds of a block of small ones. So are a few that are far away from most, for which the cells of the
+//!   curve would have to be large.
 //! - **All threads.** With the feature `multi_threaded`, each step is divided into jobs for the threads of Bevy's
 //!   `ComputeTaskPool`. The pairs come in the same order at any number of threads.
 
+mod apart;
+mod crowd;
 mod follow;
 mod join;
 mod levels;
@@ -50,11 +55,14 @@ mod skin;
 mod validate;
 
 #[cfg(test)]
+mod outlier_tests;
+#[cfg(test)]
 mod tests;
 
 use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::Level;
 
+pub(super) use crowd::Crowd;
 use levels::Levels;
 pub(super) use levels::{Block, WIDTH};
 use list::{List, Packed, unpack};
@@ -88,6 +96,8 @@ pub struct LinearOctree {
     owners: Vec<u32>,
     /// How many slots have an owner.
     owned: usize,
+    /// How many slots there were when all were sorted: those that follow are in no order.
+    sorted: usize,
     /// By slot: where the object was when its skin was made.
     anchors: Vec<Anchor>,
     /// By slot: the box of this tick.
@@ -118,6 +128,7 @@ impl Default for LinearOctree {
             slot_of: Vec::new(),
             owners: Vec::new(),
             owned: 0,
+            sorted: 0,
             anchors: Vec::new(),
             boxes: Vec::new(),
             boxes_are_gathered: false,
@@ -144,7 +155,7 @@ impl LinearOctree {
         }
         self.exact = self.make_all_skins(proxies, horizon);
         self.tree.refit();
-        if self.order.growth(self.tree.looseness()) > TOO_LOOSE {
+        if self.tree.looseness() > TOO_LOOSE {
             self.sort(proxies, has_skins);
             self.exact = self.make_all_skins(proxies, horizon);
             self.tree.refit();
@@ -173,13 +184,15 @@ impl LinearOctree {
         }
         self.order.spare_anchors = old_anchors;
         self.owned = self.owners.len();
+        self.sorted = self.owners.len();
         self.tree.resize(self.owners.len());
         self.boxes_are_gathered = false;
     }
 
     /// Gives the objects that left their skins new ones, in their old places.
     fn renew_escaped(&mut self, proxies: &Proxies) {
-        let horizon = self.horizon(proxies);
+        let horizon = self.horizon_of_escaped(proxies);
+        self.set_fast_apart(proxies);
         let one_by_one = self.escaped.len() * 32 < self.owners.len();
         for &slot in &self.escaped {
             let place = slot as usize;
@@ -283,9 +296,9 @@ impl BroadPhase for LinearOctree {
         } else if !self.escaped.is_empty() {
             self.renew_escaped(proxies);
             // Those that jumped have made blocks large, in which all searches end.
-            let growth = self.order.growth(self.tree.looseness());
-            let is_dear = growth * self.escaped.len() as f64 > proxies.len() as f64;
-            if is_dear || (growth > TOO_LOOSE && self.near.are_all_wanted()) {
+            let looseness = self.tree.looseness();
+            let is_dear = looseness * self.escaped.len() as f64 > proxies.len() as f64;
+            if is_dear || (looseness > TOO_LOOSE && self.near.are_all_wanted()) {
                 self.order.forget();
                 self.refresh(proxies);
             }

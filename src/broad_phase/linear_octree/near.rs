@@ -128,46 +128,49 @@ impl NearPairs {
         !self.are_known || self.fresh.len() * REFRESH_SHARE > self.flags.len()
     }
 
-    /// Brings the pairs up to date. Pairs of slots that do not admit each other are left out.
-    pub(super) fn find(&mut self, level: Level, tree: &Levels, admits: Option<impl Fn(u32, u32) -> bool>) {
-        let known = if self.are_all_wanted() { self.find_all(level, tree) } else { self.renew_fresh(level, tree) };
-        if let Some(admits) = admits {
-            self.pairs.retain_from(known, admits);
+    /// Brings the pairs up to date. Pairs of slots that do not admit each other are left out, before the list grows.
+    pub(super) fn find(&mut self, level: Level, tree: &Levels, admits: Option<impl Fn(u32, u32) -> bool + Sync>) {
+        if self.are_all_wanted() {
+            self.find_all(level, tree, admits);
+        } else {
+            self.renew_fresh(level, tree, admits);
         }
     }
 
-    /// Finds all pairs anew. Returns how many of the pairs were known before: none.
-    fn find_all(&mut self, level: Level, tree: &Levels) -> usize {
+    /// Finds all pairs anew.
+    fn find_all(&mut self, level: Level, tree: &Levels, admits: Option<impl Fn(u32, u32) -> bool + Sync>) {
         self.forget();
         self.are_known = true;
-        tree.self_join(level, &mut self.work, &mut self.pairs);
-        if !self.all_are_watched {
-            self.drop_unwatched();
+        let Self { pairs, flags, all_are_watched, work, .. } = self;
+        let is_watched = |a: u32, b: u32| *all_are_watched || (flags[a as usize] | flags[b as usize]) & WATCHED != 0;
+        match admits {
+            Some(admits) => tree.self_join(level, work, pairs, Some(&|a, b| is_watched(a, b) && admits(a, b))),
+            None => tree.self_join(level, work, pairs, (!*all_are_watched).then_some(&is_watched)),
         }
-        0
     }
 
-    /// Brings the pairs of fresh slots up to date. Returns how many of the pairs were known before.
-    fn renew_fresh(&mut self, level: Level, tree: &Levels) -> usize {
+    /// Brings the pairs of fresh slots up to date.
+    fn renew_fresh(&mut self, level: Level, tree: &Levels, admits: Option<impl Fn(u32, u32) -> bool + Sync>) {
         if self.fresh.is_empty() {
-            return self.pairs.as_slice().len();
+            return;
         }
-        let flags = &self.flags;
-        self.pairs.retain_from(0, |a, b| (flags[a as usize] | flags[b as usize]) & FRESH == 0);
+        let Self { pairs, flags, fresh, all_are_watched, work, .. } = self;
+        pairs.retain_from(0, |a, b| (flags[a as usize] | flags[b as usize]) & FRESH == 0);
         // In the order of space, one search finds in the cache what the last one has read.
-        self.fresh.sort_unstable();
-        let known = self.pairs.as_slice().len();
-        self.blocks_searched += tree.search(level, &self.fresh, &mut self.work, &mut self.pairs);
+        fresh.sort_unstable();
         // Of two fresh ones, the lower finds the pair.
-        self.pairs.retain_from(known, |a, b| {
+        let is_wanted = |a: u32, b: u32| {
             let (of_a, of_b) = (flags[a as usize], flags[b as usize]);
             let is_first = (a < b) | (of_b & FRESH == 0);
-            is_first & (self.all_are_watched | ((of_a | of_b) & WATCHED != 0))
-        });
-        for slot in self.fresh.drain(..) {
-            self.flags[slot as usize] &= !FRESH;
+            is_first & (*all_are_watched | ((of_a | of_b) & WATCHED != 0))
+        };
+        self.blocks_searched += match admits {
+            Some(admits) => tree.search(level, fresh, work, pairs, &|a, b| is_wanted(a, b) && admits(a, b)),
+            None => tree.search(level, fresh, work, pairs, &is_wanted),
+        };
+        for slot in fresh.drain(..) {
+            flags[slot as usize] &= !FRESH;
         }
-        known
     }
 
     /// Is every slot there, and every fresh one listed? For tests.

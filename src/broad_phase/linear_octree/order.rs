@@ -6,6 +6,7 @@ use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::{Level, dispatch, prelude::*};
 
 use super::{
+    levels::WIDTH,
     list::{Packed, pack},
     skin::Anchor,
 };
@@ -19,9 +20,7 @@ pub(super) struct Order {
     for_skins: bool,
     /// How many objects came or went since it was made.
     changes: usize,
-    /// How loose the tree was when it was made, and how much looser it has been since, summed over the times at which it
-    /// was searched as a whole.
-    looseness: Option<f64>,
+    /// How much looser than at first the tree was, summed over the times at which it was searched as a whole since.
     excess: f64,
     items: Vec<Packed>,
     scratch: Vec<Packed>,
@@ -57,25 +56,25 @@ impl Order {
 
     /// Notes how loose the tree is that will be searched as a whole.
     pub(super) fn note_looseness(&mut self, looseness: f64) {
-        match self.looseness {
-            None => self.looseness = Some(looseness),
-            Some(_) => self.excess += (self.growth(looseness) - 1.0).max(0.0),
-        }
-    }
-
-    /// How many times as loose the tree is as when it was made.
-    pub(super) fn growth(&self, looseness: f64) -> f64 {
-        match self.looseness {
-            Some(at_first) if looseness > at_first => looseness / at_first,
-            _ => 1.0,
-        }
+        self.excess += (looseness - 1.0).max(0.0);
     }
 
     /// Sorts all objects: their indices are the second numbers of the items.
     pub(super) fn sort(&mut self, level: Level, proxies: &Proxies, for_skins: bool) -> &[Packed] {
         (self.is_known, self.for_skins, self.changes) = (true, for_skins, 0);
-        (self.looseness, self.excess) = (None, 0.0);
+        self.excess = 0.0;
         let objects = proxies.iter().map(|(id, _)| id.get());
+        order(level, proxies.boxes(), objects, &mut self.items, &mut self.scratch);
+        &self.items
+    }
+
+    /// Puts some objects in order, as [`sort`](Self::sort) does all.
+    pub(super) fn sort_some(
+        &mut self,
+        level: Level,
+        proxies: &Proxies,
+        objects: impl Iterator<Item = u32>,
+    ) -> &[Packed] {
         order(level, proxies.boxes(), objects, &mut self.items, &mut self.scratch);
         &self.items
     }
@@ -122,10 +121,10 @@ const LANES: usize = 16;
 const CELL_BITS: u32 = 9;
 
 /// A run of objects in the same cell that is longer than this is put in order within the cell.
-const LONG_RUN: usize = 64;
+const LONG_RUN: usize = 2 * WIDTH;
 
 /// Fills `items` with the objects in their order on the curve, in the lower halves.
-fn order(
+pub(super) fn order(
     level: Level,
     boxes: &[Aabb3d],
     objects: impl Iterator<Item = u32>,
@@ -136,7 +135,7 @@ fn order(
     items.extend(objects.map(u64::from));
     dispatch!(level, simd => set_keys(simd, boxes, items));
     sort(items, scratch);
-    // Where a few objects far away make the cells large, many may share one.
+    // Where objects are apart by more than cells can tell, many share one.
     let mut long_runs: Vec<Range<usize>> = runs(items, 0);
     while let Some(run) = long_runs.pop() {
         let items = &mut items[run.clone()];
@@ -153,7 +152,9 @@ fn runs(items: &[u64], start: usize) -> Vec<Range<usize>> {
     let mut begin = 0;
     for run in items.chunk_by(|a, b| a >> 32 == b >> 32) {
         let end = begin + run.len();
-        if run.len() > LONG_RUN {
+        // Objects far away may be so in all directions.
+        let is_far = run[0] >> 32 == u64::from(FAR);
+        if run.len() > if is_far { WIDTH } else { LONG_RUN } {
             runs.push(start + begin..start + end);
         }
         begin = end;
@@ -161,20 +162,98 @@ fn runs(items: &[u64], start: usize) -> Vec<Range<usize>> {
     runs
 }
 
+/// Half the centre of a box: sums of large numbers may overflow.
+#[inline(always)]
+fn half_center(aabb: &Aabb3d) -> Vec3A {
+    aabb.min * 0.25 + aabb.max * 0.25
+}
+
+/// Half the sides of a box.
+#[inline(always)]
+fn half_sides(aabb: &Aabb3d) -> Vec3A {
+    aabb.max * 0.5 - aabb.min * 0.5
+}
+
+/// Where objects are, and how large: by half their centres, and half their longest sides.
+struct Extent {
+    low: Vec3A,
+    high: Vec3A,
+    /// The largest size of the largest class.
+    largest: f32,
+    /// Are all of them there?
+    holds_all: bool,
+}
+
+impl Extent {
+    /// With so many objects or more, a few of them may be left out.
+    const MANY: usize = 128;
+    /// How many are then looked at to see where most of them are. One in eight may be far away, on each side.
+    const SAMPLE: usize = 32;
+    /// How many classes of larger sizes than most have there may be.
+    const LARGER_CLASSES: usize = 15;
+
+    #[inline(always)]
+    fn of(boxes: &[Aabb3d], items: &[u64]) -> Self {
+        let (mut low, mut high, mut largest) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY, Vec3A::ZERO);
+        for item in items {
+            let aabb = &boxes[*item as u32 as usize];
+            let center = half_center(aabb);
+            low = low.min(center);
+            high = high.max(center);
+            largest = largest.max(half_sides(aabb));
+        }
+        let mut extent = Self { low, high, largest: largest.max_element(), holds_all: true };
+        if items.len() >= Self::MANY {
+            extent.leave_out_a_few(boxes, items);
+        }
+        extent
+    }
+
+    /// A few objects far away would make cells so large that all others share a few of these, and a few large ones would
+    /// leave no class of size to tell the others apart.
+    fn leave_out_a_few(&mut self, boxes: &[Aabb3d], items: &[u64]) {
+        let mut samples = [[0.0; Self::SAMPLE]; 4];
+        for number in 0..Self::SAMPLE {
+            // By the golden ratio: objects may come in turns.
+            let place = (number as u32).wrapping_mul(0x9E37_79B9) as u64 * items.len() as u64 >> 32;
+            let aabb = &boxes[items[place as usize] as u32 as usize];
+            let [x, y, z] = half_center(aabb).to_array();
+            for (sample, value) in samples.iter_mut().zip([x, y, z, half_sides(aabb).max_element()]) {
+                sample[number] = value;
+            }
+        }
+        samples.iter_mut().for_each(|sample| sample.sort_unstable_by(f32::total_cmp));
+        let ranked = |rank: usize| Vec3A::from_array(std::array::from_fn(|axis| samples[axis][rank]));
+        let (low, high) = (ranked(Self::SAMPLE / 8), ranked(Self::SAMPLE - 1 - Self::SAMPLE / 8));
+        let beyond = (high - low).max_element();
+        let (low, high) = (low - beyond, high + beyond);
+        self.holds_all = (low.cmple(self.low) & high.cmpge(self.high)).all();
+        if !self.holds_all {
+            let centers = items.iter().map(|item| half_center(&boxes[*item as u32 as usize]));
+            let near = centers.filter(|center| (center.cmpge(low) & center.cmple(high)).all());
+            let nothing = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
+            (self.low, self.high) = near.fold(nothing, |(low, high), center| (low.min(center), high.max(center)));
+        }
+        // The typical size is in the middle of its class: otherwise, rounding might part objects of the same size.
+        let mut size = samples[3][Self::SAMPLE / 2] * 2.0;
+        if size > 0.0 {
+            for _ in 0..Self::LARGER_CLASSES {
+                size *= if size < self.largest { 4.0 } else { 1.0 };
+            }
+            self.largest = size;
+        }
+    }
+}
+
+/// The key of objects that are far away from most. The least: pairs of blocks are joined from the first, of which then no
+/// box reaches into the second.
+const FAR: u32 = 0;
+
 /// Gives items, which have their objects in the lower halves, keys in the upper halves.
 #[inline(always)]
 fn set_keys<S: Simd>(_: S, boxes: &[Aabb3d], items: &mut [u64]) {
-    // Half the centres, and half the longest side of all: sums of large numbers may overflow.
-    let (mut low, mut high, mut largest) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY, Vec3A::ZERO);
-    for item in &*items {
-        let aabb = &boxes[*item as u32 as usize];
-        let center = aabb.min * 0.25 + aabb.max * 0.25;
-        low = low.min(center);
-        high = high.max(center);
-        largest = largest.max(aabb.max * 0.5 - aabb.min * 0.5);
-    }
     const CELLS: f32 = (1 << CELL_BITS) as f32;
-    let largest = largest.max_element();
+    let Extent { low, high, largest, holds_all } = Extent::of(boxes, items);
     let scale = CELLS / (high - low).max_element();
     let scale = if scale.is_finite() { scale } else { 0.0 };
     for items in items.chunks_mut(LANES) {
@@ -182,16 +261,23 @@ fn set_keys<S: Simd>(_: S, boxes: &[Aabb3d], items: &mut [u64]) {
         let mut classes = [0_u32; LANES];
         for (lane, item) in items.iter().enumerate() {
             let aabb = &boxes[*item as u32 as usize];
-            let cell = (aabb.min * 0.25 + aabb.max * 0.25 - low) * scale;
-            let cell = cell.min(Vec3A::splat(CELLS - 1.0)).to_array();
+            let cell = ((half_center(aabb) - low) * scale).min(Vec3A::splat(CELLS - 1.0)).to_array();
             for axis in 0..3 {
                 cells[axis][lane] = cell[axis] as u32;
             }
-            classes[lane] = size_class(largest / (aabb.max * 0.5 - aabb.min * 0.5).max_element());
+            classes[lane] = size_class(largest / half_sides(aabb).max_element());
         }
         let places = hilbert(cells);
         for (lane, item) in items.iter_mut().enumerate() {
             *item = pack(classes[lane] << (3 * CELL_BITS) | places[lane], *item as u32);
+        }
+    }
+    if !holds_all {
+        for item in items {
+            let center = half_center(&boxes[*item as u32 as usize]);
+            if (center.cmplt(low) | center.cmpgt(high)).any() {
+                *item = pack(FAR, *item as u32);
+            }
         }
     }
 }

@@ -6,8 +6,15 @@ use bevy::math::{Vec3, Vec3A, bounding::Aabb3d};
 const GROWTH: f32 = 1.6;
 
 /// The fewest ticks that skins are worth making for, and how much larger they may be for these.
-const SHORTEST: f32 = 2.0;
+pub(super) const SHORTEST: f32 = 2.0;
 const GROWTH_FOR_SHORTEST: f32 = 2.1;
+
+/// The skin of a single object may be nearly so much larger than its box: as if it moved by its own size in each of the
+/// fewest ticks, along one axis. What is faster has no skin, and does not count where the time ahead is chosen for all.
+const GROWTH_OF_ONE: f32 = 1.0 + SHORTEST;
+
+/// A skin that is longer than its box by no more than this share along each axis is no larger than that.
+const SHORT: f32 = 0.44;
 
 /// The most ticks that skins are made for.
 const LONGEST: f32 = 32.0;
@@ -23,16 +30,25 @@ pub(super) struct Anchor {
 }
 
 impl Anchor {
-    /// Makes the skin of a box for some ticks ahead: the box swept along its way. `None` if it has none.
+    /// Makes the skin of a box for some ticks ahead, or fewer if it is fast: the box swept along its way. `None` if it has
+    /// none.
     #[inline(always)]
     pub(super) fn renew(&mut self, tick: u32, aabb: &Aabb3d, horizon: f32) -> Option<Aabb3d> {
-        let way = self.step(tick, aabb) * horizon;
+        let step = self.step(tick, aabb);
         self.drop_at(tick, aabb);
-        let margin = way.abs() * MARGIN;
-        let min = aabb.min + way.min(Vec3A::ZERO) - margin;
-        let max = aabb.max + way.max(Vec3A::ZERO) + margin;
-        // A way that overflows is not worth a skin.
-        (way != Vec3A::ZERO && min.is_finite() && max.is_finite()).then_some(Aabb3d { min, max })
+        if step == Vec3A::ZERO {
+            return None;
+        }
+        let skin = swept(aabb, step * horizon);
+        let size = aabb.max - aabb.min;
+        // A skin that overflows is no shorter than the largest number.
+        let short = (size * (1.0 + SHORT)).min(Vec3A::MAX);
+        if (skin.max - skin.min).cmple(short).all() { Some(skin) } else { shorter(aabb, step, horizon) }
+    }
+
+    /// Is an object too fast for a skin?
+    pub(super) fn is_fast(&self, tick: u32, aabb: &Aabb3d) -> bool {
+        is_fast(share(self.step(tick, aabb), aabb))
     }
 
     /// Notes where a box is, the skin of which is the box itself.
@@ -52,30 +68,76 @@ impl Anchor {
     }
 }
 
+/// A step in parts of the box's size; 1 at most, also for points.
+fn share(step: Vec3A, aabb: &Aabb3d) -> Vec3A {
+    let step = step.abs();
+    step / (aabb.max - aabb.min).max(step).max(Vec3A::splat(f32::MIN_POSITIVE))
+}
+
+/// Are steps of such a share of the size too fast for a skin?
+#[inline(always)]
+fn is_fast(share: Vec3A) -> bool {
+    let is_slow = (share * SHORTEST).cmple(Vec3A::splat(SHORT)).all();
+    !is_slow && growth(share, SHORTEST) >= GROWTH_OF_ONE
+}
+
+/// How many times as large as a box its skin for so many ticks is.
+fn growth(share: Vec3A, ticks: f32) -> f32 {
+    (Vec3A::ONE + share * ticks).to_array().into_iter().product()
+}
+
+/// A box swept along its way.
+#[inline(always)]
+fn swept(aabb: &Aabb3d, way: Vec3A) -> Aabb3d {
+    let (ahead, behind) = (way * (1.0 + MARGIN), way * -MARGIN);
+    Aabb3d { min: aabb.min + ahead.min(behind), max: aabb.max + ahead.max(behind) }
+}
+
+/// The skin of a box that may be too large for so many ticks. `None` if it is fast, or its way overflows.
+#[cold]
+fn shorter(aabb: &Aabb3d, step: Vec3A, horizon: f32) -> Option<Aabb3d> {
+    let share = share(step, aabb);
+    let mut ticks = horizon;
+    while growth(share, ticks) >= GROWTH_OF_ONE {
+        if ticks <= SHORTEST {
+            return None;
+        }
+        ticks = (0.5 * ticks).max(SHORTEST);
+    }
+    let skin = swept(aabb, step * ticks);
+    (skin.min.is_finite() && skin.max.is_finite()).then_some(skin)
+}
+
 /// For how many ticks ahead skins should be made, given steps of a sample of objects and their boxes; 0 if that does
-/// not pay.
+/// not pay, or if more than a share of the sample is too fast for it.
 ///
-/// The mean of the steps, in parts of the objects' sizes, says how fast skins would grow.
-pub(super) fn horizon<'a>(sample: impl Iterator<Item = (Vec3A, &'a Aabb3d)>) -> f32 {
-    let (mut sum, mut count) = (Vec3A::ZERO, 0.0);
+/// The mean of the steps of all others, in parts of the objects' sizes, says how fast skins would grow.
+pub(super) fn horizon<'a>(sample: impl Iterator<Item = (Vec3A, &'a Aabb3d)>, most_fast: f32) -> f32 {
+    let (mut sum, mut slow, mut fast, mut all) = (Vec3A::ZERO, 0.0, 0.0, 0.0);
     for (step, aabb) in sample {
-        let step = step.abs();
+        all += 1.0;
         if step != Vec3A::ZERO {
-            // The share is 1 at most, also for points.
-            sum += step / (aabb.max - aabb.min).max(step).max(Vec3A::splat(f32::MIN_POSITIVE));
-            count += 1.0;
+            let share = share(step, aabb);
+            if is_fast(share) {
+                fast += 1.0;
+            } else {
+                sum += share;
+                slow += 1.0;
+            }
         }
     }
-    if count == 0.0 {
+    if fast > all * most_fast {
+        return 0.0;
+    }
+    if slow == 0.0 {
         return SHORTEST;
     }
-    let share = sum / count;
-    let growth = |ticks: f32| (Vec3A::ONE + share * ticks).to_array().into_iter().product::<f32>();
-    if growth(SHORTEST) > GROWTH_FOR_SHORTEST {
+    let mean = sum / slow;
+    if growth(mean, SHORTEST) > GROWTH_FOR_SHORTEST {
         return 0.0;
     }
     let mut ticks = SHORTEST;
-    while ticks < LONGEST && growth(ticks + 1.0) <= GROWTH {
+    while ticks < LONGEST && growth(mean, ticks + 1.0) <= GROWTH {
         ticks += 1.0;
     }
     ticks

@@ -84,7 +84,7 @@ fn objects_that_jump_do_not_leave_the_tree_loose() {
         }
         checked.index.update();
         let octree: &LinearOctree = checked.index.engine_as().unwrap();
-        let growth = octree.order.growth(octree.tree.looseness());
+        let growth = octree.tree.looseness();
         let searches = octree.escaped.len().max(1) as f64;
         assert!(growth * searches <= 3000.0, "one in {share}: {growth} times as loose, searched {searches} times");
         assert!(growth <= TOO_LOOSE || !octree.near.are_all_wanted(), "one in {share}: {growth}");

@@ -30,7 +30,10 @@
 //! 3. **Canonical shape.** After an update the tree equals, node for node, the tree built from scratch over the same
 //!    boxes and root (with a [merge slack](ObjectOctreeSettings::merge_slack) of 0): a node is split if, and only if,
 //!    it is above the depth limit and more than N objects that fit in it overlap it.
-//! 4. **The root.** It starts as 150 % of the bounding box of all objects and doubles toward an object that leaves it.
+//! 4. **The root.** It starts as 150 % of the bounding box of all objects and doubles toward an object that leaves it. When
+//!    searches and maintenance have cost far more than a look at all objects, it is seen whether it still fits: where it is
+//!    four times as large as the objects need or more, or may not double any more and leaves out more than one in eight,
+//!    it is laid anew. So neither does an excursion spoil it for good, nor is it laid anew at each step across its border.
 //!
 //! [`ObjectOctree::assert_well_formed`] checks the first three.
 //!
@@ -40,7 +43,15 @@
 //! region within which its list of leaves cannot change, spares most of them any further work. Those that are left
 //! visit their leaves, and whatever is below the lowest node that holds all of the box. A node is looked at for a merge
 //! only when so many objects have left its leaves that it may have to. Pairs are searched for in leaves that list an
-//! object that moved; its box is compared with eight others at a time. Memory is linear in the objects.
+//! object that moved; its box is compared with eight others at a time.
+//!
+//! A leaf lists at most N objects that fit in it, and beside them every larger one that overlaps it, or all that share a
+//! cell at the depth limit: rods side by side, plates upon plates, and scenes of which the root is more than
+//! 2^[`max_depth`](ObjectOctreeSettings::max_depth) times as large as what is in them are not told apart by cells. Where 512
+//! objects or more that move share a leaf, they are therefore put in order before they are compared, as in the linear
+//! octree: a leaf of n objects takes O(n log n) and its pairs, not n². Lists take memory for each leaf that an object
+//! overlaps: at most eight for one that is smaller than the leaves around it; a large one is listed in each of the small
+//! leaves that smaller objects have brought about within it. Pairs that filters rule out take none.
 //!
 //! # When to use it
 //!
@@ -94,6 +105,8 @@ pub struct ObjectOctree {
     unsettled: Vec<u32>,
     /// Emptied lists, for reuse.
     spare: Vec<Vec<u32>>,
+    /// How much work there has been since it was last seen whether the root fits.
+    work: u64,
     /// The vector instructions that this machine has.
     level: Level,
     /// The objects of the leaf that is searched.
@@ -150,6 +163,7 @@ impl ObjectOctree {
             shrunk: Vec::new(),
             unsettled: Vec::new(),
             spare: Vec::new(),
+            work: 0,
             level: Level::new(),
             group: Group::default(),
         }
@@ -217,7 +231,13 @@ impl BroadPhase for ObjectOctree {
     }
 
     fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {
-        self.search_leaves(proxies, pairs)
+        let compared = self.search_leaves(proxies, pairs);
+        self.work += compared;
+        compared
+    }
+
+    fn asks_filters(&self) -> bool {
+        true
     }
 
     fn traverse(&self, _: &Proxies, visitor: &mut dyn Visitor) {
@@ -252,12 +272,17 @@ impl BroadPhase for ObjectOctree {
     }
 
     fn stats(&self) -> BroadPhaseStats {
+        let queues = self.overfull.capacity() + self.shrunk.capacity();
         let mut stats = BroadPhaseStats {
             nodes: self.tree.node_count(),
             leaves: self.tree.leaf_count(),
             bytes: self.tree.memory_bytes()
                 + self.entries.capacity() * size_of::<Entry>()
-                + self.seen.capacity() * size_of::<u64>(),
+                + self.seen.capacity() * size_of::<u64>()
+                + queues * size_of::<NodeId>()
+                + (self.unsettled.capacity() + self.spare.iter().map(Vec::capacity).sum::<usize>()) * size_of::<u32>()
+                + self.spare.capacity() * size_of::<Vec<u32>>()
+                + self.group.memory_bytes(),
             ..BroadPhaseStats::default()
         };
         for node in self.tree.subtree(NodeId::ROOT) {

@@ -85,12 +85,11 @@ impl ObjectOctree {
             entry.leaves.push(node);
             self.unsettle(object);
         }
-        let spare = &mut self.spare;
-        self.tree.join(node, |mut cell| {
-            let mut list = cell.take_list();
-            list.clear();
-            spare.push(list);
-        });
+        for child in self.tree.children(node) {
+            let list = self.tree.data_mut(child).take_list();
+            self.recycle(list);
+        }
+        self.tree.join(node, drop);
         self.tree.data_mut(node).put_list(objects, counted);
     }
 
@@ -150,8 +149,12 @@ impl ObjectOctree {
         }
     }
 
-    fn recycle(&mut self, mut list: Vec<u32>) {
-        list.clear();
-        self.spare.push(list);
+    /// Keeps a list for the next leaf. Those that have grown beyond what leaves need are let go: by and by, all would.
+    pub(super) fn recycle(&mut self, mut list: Vec<u32>) {
+        let most = 2 * (self.settings.max_objects as usize + 1);
+        if (1..=most).contains(&list.capacity()) {
+            list.clear();
+            self.spare.push(list);
+        }
     }
 }

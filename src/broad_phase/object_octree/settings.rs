@@ -4,10 +4,10 @@ use bevy::prelude::*;
 use thiserror::Error;
 
 /// How the root cell of an [`ObjectOctree`](super::ObjectOctree) is laid.
-#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[derive(Clone, Copy, Debug, Reflect)]
 pub enum RootPolicy {
-    /// A cube around the centre of the bounding box of all objects at the first update, its side this multiple of the
-    /// box's longest side. The report's heuristic is 1.5.
+    /// A cube around the centre of the bounding box of all objects, its side this multiple of the box's longest side. The
+    /// report's heuristic is 1.5.
     Fit {
         /// Side of the root over the longest side of the bounding box; at least 1.
         scale: f32,
@@ -19,6 +19,20 @@ pub enum RootPolicy {
         /// Half its side; more than 0.
         half_size: f32,
     },
+}
+
+/// A number that is not one is equal to itself: settings that stay the same are the same.
+impl PartialEq for RootPolicy {
+    fn eq(&self, other: &Self) -> bool {
+        let same = |a: f32, b: f32| a == b || (a.is_nan() && b.is_nan());
+        match (*self, *other) {
+            (Self::Fit { scale: a }, Self::Fit { scale: b }) => same(a, b),
+            (Self::Cube { center: a, half_size: r }, Self::Cube { center: b, half_size: s }) => {
+                same(r, s) && a.to_array().into_iter().zip(b.to_array()).all(|(a, b)| same(a, b))
+            }
+            (Self::Fit { .. }, Self::Cube { .. }) | (Self::Cube { .. }, Self::Fit { .. }) => false,
+        }
+    }
 }
 
 impl Default for RootPolicy {
@@ -43,9 +57,11 @@ pub struct ObjectOctreeSettings {
     pub max_depth: u32,
     /// How the root cell is laid.
     pub root: RootPolicy,
-    /// How often the root cell may double toward objects that leave it. Objects beyond the root are still found: they
-    /// are listed in the outermost cells, which reach to infinity. The bound keeps a single runaway from making the
-    /// root so large that all others share a few cells at the depth limit.
+    /// How often the root cell may double toward objects that leave it, since it was laid. Objects beyond the root are
+    /// still found: they are listed in the outermost cells, which reach to infinity. The bound keeps a single runaway from
+    /// making the root so large that all others share a few cells at the depth limit. When the objects need no more than a
+    /// quarter of the root any longer, or more than an eighth of them are beyond it, the root is
+    /// [laid anew](super#what-holds).
     pub max_doublings: u32,
     /// Eight leaves merge when they list at most `max_objects - merge_slack` distinct objects between them. With a
     /// slack above 0, objects that wander to and fro across a border do not split and merge the same nodes at each
@@ -168,6 +184,8 @@ mod tests {
             let error = settings.check().unwrap_err().to_string();
             assert!(error.contains(expected), "{error}");
             assert_eq!(settings.clamped().check(), Ok(()));
+            let same = settings;
+            assert_eq!(settings, same, "settings that stay as they are have not changed");
         }
     }
 }

@@ -104,6 +104,144 @@ fn the_root_doubles_when_an_object_leaves_it() {
     assert!(after.max.x >= 10.0);
 }
 
+/// How many pairs the last search compared.
+fn step(checked: &mut Checked) -> u64 {
+    checked.step();
+    checked.index.pairs_tested()
+}
+
+fn half_size(checked: &Checked) -> f32 {
+    let root = octree(checked).root_cell().unwrap();
+    (root.max - root.min).x * 0.5
+}
+
+/// Cubes in a grid of 6 × 6 × 6, and one that goes far away and comes back.
+#[test]
+fn the_root_shrinks_after_an_excursion() {
+    for policy in [RootPolicy::default(), RootPolicy::Cube { center: Vec3::splat(9.0), half_size: 16.0 }] {
+        let mut checked = checked(ObjectOctreeSettings { root: policy, ..with_n(4) });
+        let at = |i: u16| Vec3::from([i % 6, i / 6 % 6, i / 36].map(|c| 3.0 * f32::from(c)));
+        let ids: Vec<_> = (0..216).map(|i| checked.index.insert(Aabb3d::new(at(i), Vec3::ONE)).unwrap()).collect();
+        let tick = |checked: &mut Checked, wanderer: Vec3, share: usize| {
+            checked.index.set(ids[0], &Aabb3d::new(wanderer, Vec3::ONE)).unwrap();
+            ids.iter().step_by(share).for_each(|id| assert!(checked.index.touch(*id)));
+            step(checked)
+        };
+        checked.step();
+        let (before, compared) = (half_size(&checked), tick(&mut checked, Vec3::ZERO, 1));
+        // Whether all others move, or next to none.
+        for share in [1, 100] {
+            tick(&mut checked, Vec3::splat(1e6), share);
+            assert!(half_size(&checked) >= 5e5);
+            assert!(tick(&mut checked, Vec3::splat(1e6), 1) > 4 * compared);
+            let back = (0..2000).find(|_| {
+                tick(&mut checked, Vec3::ZERO, share);
+                half_size(&checked) <= before * 2.0
+            });
+            assert!(back.is_some(), "{policy:?}, {share}: it is still {}", half_size(&checked));
+            assert_eq!(tick(&mut checked, Vec3::ZERO, 1), compared);
+        }
+        // From one tick to the next, across the border and back: it is not laid anew each time.
+        for (far, most) in [(-15.0, 2), (-100.0, 60)] {
+            let mut roots = Vec::new();
+            for tick_number in 0..600 {
+                tick(&mut checked, if tick_number % 2 == 0 { Vec3::ZERO } else { Vec3::splat(far) }, 1);
+                roots.push(half_size(&checked));
+            }
+            roots.dedup();
+            assert!(roots.len() <= most, "{far}: {roots:?}");
+        }
+    }
+}
+
+#[test]
+fn a_root_that_may_not_double_any_more_is_laid_anew_where_many_need_it() {
+    for max_doublings in [0, 2] {
+        let mut checked = checked(ObjectOctreeSettings { max_doublings, ..with_n(4) });
+        let ids: Vec<_> = (0..200).map(|_| checked.index.insert(cube(0.0, 0.0, 0.0, 0.01)).unwrap()).collect();
+        checked.step();
+        let mut compared = 0;
+        for tick in 0..400_u16 {
+            let shift = f32::from(tick % 2);
+            for (id, place) in ids.iter().zip(0_u16..) {
+                let at = [place % 6, place / 6 % 6, place / 36].map(|c| 1e4 + 10.0 * f32::from(c) + shift);
+                checked.index.set(*id, &cube(at[0], at[1], at[2], 1.0)).unwrap();
+            }
+            checked.index.update();
+            checked.index.find_pairs();
+            compared = checked.index.pairs_tested();
+        }
+        checked.step();
+        assert!(compared < 200 * 20, "{max_doublings}: {compared}");
+    }
+}
+
+/// Boxes that no octree tells apart by cells: each is as large as the crowd, or far smaller than the smallest cell.
+#[test]
+fn crowds_that_share_their_cells_are_not_compared_each_with_each() {
+    const COUNT: u16 = 3000;
+    let rod = |i: u16| Aabb3d::new(Vec3::new(0.0, f32::from(i), 0.0), Vec3::new(2000.0, 0.45, 0.45));
+    let plate = |i: u16| Aabb3d::new(Vec3::new(0.0, f32::from(i), 0.0), Vec3::new(2000.0, 0.45, 2000.0));
+    let grid = |i: u16| Vec3::from([i % 15, i / 15 % 15, i / 225].map(f32::from));
+    let small = |i: u16| Aabb3d::new(grid(i) * 1e-4, Vec3::splat(4e-5));
+    let scales = |i: u16| {
+        let scale = 2_f32.powi(i32::from(i % 80) - 40);
+        Aabb3d::new(Vec3::new(1.0, 0.01 * f32::from(i / 80), 0.0) * scale, Vec3::splat(0.004 * scale))
+    };
+    let scenes: [(&str, &dyn Fn(u16) -> Aabb3d); 4] =
+        [("rods", &rod), ("plates", &plate), ("far from one another", &small), ("scales", &scales)];
+    for (name, scene) in scenes {
+        let mut checked = checked(ObjectOctreeSettings::default());
+        let mut boxes: Vec<Aabb3d> = (0..COUNT).map(scene).collect();
+        boxes.push(cube(1e7, 1e7, 1e7, 1.0));
+        let ids: Vec<_> = boxes.iter().map(|aabb| checked.index.insert(*aabb).unwrap()).collect();
+        // Once with all that move, once with half of them.
+        let all = step(&mut checked);
+        for id in &ids {
+            checked.index.touch(*id);
+        }
+        let again = step(&mut checked);
+        for id in ids.iter().step_by(2) {
+            checked.index.touch(*id);
+        }
+        let half = step(&mut checked);
+        let bound = 64 * u64::from(COUNT);
+        assert!(all.max(again).max(half) < bound, "{name}: {all}, {again}, {half} compared");
+    }
+}
+
+/// The same crowd, some of whom meet.
+#[test]
+fn a_crowd_finds_the_pairs_that_a_few_find() {
+    let mut rng = fastrand::Rng::with_seed(9);
+    let mut checked = checked(ObjectOctreeSettings { max_depth: 1, ..with_n(1) });
+    let mut random = |scale: f32| Vec3::from(std::array::from_fn(|_| (rng.f32() - 0.5) * scale));
+    let mut ids = Vec::new();
+    for layer in 0..1200 {
+        let filter = crate::broad_phase::PairFilter {
+            memberships: 1 << (layer % 3),
+            filters: 0b110,
+            is_static: layer % 5 == 0,
+            ..Default::default()
+        };
+        let id = checked.index.insert(Aabb3d::new(random(20.0), random(4.0).abs())).unwrap();
+        checked.index.set_filter(id, filter).unwrap();
+        ids.push(id);
+    }
+    checked.step();
+    for share in [1, 2, 1] {
+        for id in ids.iter().step_by(share) {
+            let by = random(0.5);
+            let old = *checked.index.proxies().get(*id).unwrap();
+            let moved =
+                Aabb3d { min: old.min + bevy::math::Vec3A::from(by), max: old.max + bevy::math::Vec3A::from(by) };
+            checked.index.set(*id, &moved).unwrap();
+        }
+        checked.step();
+    }
+    assert!(checked.index.pairs().len() > 1000);
+}
+
 #[test]
 fn memory_stays_flat_over_a_long_run() {
     fastrand::seed(7);

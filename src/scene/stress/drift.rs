@@ -13,6 +13,13 @@ const SPEED: [f32; 2] = [0.05, 0.1];
 const LARGEST: f32 = 1000.0;
 /// One object in so many is different from the others, in `static90` and `clusters`.
 const SHARE: usize = 10;
+/// How wide the ground is in `ground`.
+const GROUND: f32 = 20_000.0;
+/// How far away the outlier goes in `outlier`, along each axis, and in which tick.
+const FAR: f32 = 1e6;
+const DEPARTURE: usize = 4;
+/// How far the rooms are apart in `rooms`.
+const BETWEEN_ROOMS: f32 = 10_000.0;
 
 /// Boxes in random motion. The objects are dealt to the rooms in turn.
 #[derive(Clone, Debug)]
@@ -22,6 +29,8 @@ pub(super) struct Drift {
     rng: Rng,
     /// The first object whose velocity is drawn anew in the next tick.
     redrawn: usize,
+    /// In how many ticks the last object goes far away and rests there, if it ever does.
+    departure: Option<usize>,
 }
 
 #[derive(Clone, Debug)]
@@ -81,6 +90,34 @@ pub(super) fn clusters(objects: usize, mut rng: Rng) -> (Vec<Aabb3d>, Drift) {
     Drift::new(&sides, rooms, rng)
 }
 
+/// The same as `brownian`, on a ground that never moves and is much wider than the room.
+pub(super) fn ground(objects: usize, rng: Rng) -> (Vec<Aabb3d>, Drift) {
+    let cubes = objects.saturating_sub(1);
+    let (mut boxes, drift) = brownian(cubes, rng);
+    if cubes < objects {
+        // Its top is the floor of the room: cubes dip into it as they do into the walls.
+        let middle = drift.rooms[0].high.x * 0.5;
+        let [low, high] = [-0.5, 0.5].map(|half| middle + half * GROUND);
+        boxes.push(Aabb3d { min: Vec3A::new(low, -1.0, low), max: Vec3A::new(high, 0.0, high) });
+    }
+    (boxes, drift)
+}
+
+/// The same as `brownian`, but one cube goes far away and rests there.
+pub(super) fn outlier(objects: usize, rng: Rng) -> (Vec<Aabb3d>, Drift) {
+    let (boxes, drift) = brownian(objects, rng);
+    (boxes, Drift { departure: Some(DEPARTURE), ..drift })
+}
+
+/// The same as `brownian`, in four rooms far from each other.
+pub(super) fn rooms(objects: usize, rng: Rng) -> (Vec<Aabb3d>, Drift) {
+    let sides = vec![1.0; objects];
+    let corners = [Vec3A::ZERO, Vec3A::X, Vec3A::Y, Vec3A::Z];
+    let side = room_side(&sides[..objects.div_ceil(corners.len())], 1.0);
+    let rooms = corners.map(|corner| Room::new(corner * BETWEEN_ROOMS, side));
+    Drift::new(&sides, rooms.to_vec(), rng)
+}
+
 impl Drift {
     fn new(sides: &[f32], rooms: Vec<Room>, mut rng: Rng) -> (Vec<Aabb3d>, Self) {
         let bodies: Vec<_> =
@@ -90,7 +127,7 @@ impl Drift {
             Aabb3d { min, max: min + body.side }
         };
         let boxes = bodies.iter().zip(rooms.iter().cycle()).map(place).collect();
-        (boxes, Self { bodies, rooms, rng, redrawn: 0 })
+        (boxes, Self { bodies, rooms, rng, redrawn: 0, departure: None })
     }
 
     pub(super) fn step(&mut self, boxes: &mut [Aabb3d]) {
@@ -98,10 +135,18 @@ impl Drift {
             body.velocity = velocity(&mut self.rng, body.side);
         }
         self.redrawn = (self.redrawn + 1) % REDRAW_TICKS;
-        for ((body, aabb), room) in self.bodies.iter_mut().zip(boxes).zip(self.rooms.iter().cycle()) {
+        for ((body, aabb), room) in self.bodies.iter_mut().zip(&mut *boxes).zip(self.rooms.iter().cycle()) {
             if !room.still {
                 room.advance(body, aabb);
             }
+        }
+        self.departure = self.departure.and_then(|ticks| ticks.checked_sub(1));
+        if self.departure == Some(0)
+            && let Some(body) = self.bodies.pop()
+            && let Some(aabb) = boxes.last_mut()
+        {
+            aabb.min += FAR;
+            aabb.max = aabb.min + body.side;
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Stress scenes: many moving boxes, made to measure broad phases.
 //!
 //! A [`StressSimulation`] is nothing but boxes and a rule that moves them: no app, no entities. A [`StressScene`] names
-//! one of seven rules; each strains another part of a broad phase.
+//! one of ten rules; each strains another part of a broad phase.
 //!
 //! ```
 //! use bevy_octree::scene::stress::{StressScene, StressSimulation};
@@ -16,7 +16,7 @@
 //!
 //! # The scenes
 //!
-//! Lengths are in sides of a box, which is a cube of side 1 except in `sizes`; speeds are per tick and axis. The last
+//! Lengths are in sides of a box, which is a cube of side 1 except in `sizes` and for the ground; speeds are per tick and axis. The last
 //! column is the number of other boxes that a box overlaps on average, at the start unless said otherwise.
 //!
 //! | scene | what happens | speed | overlaps |
@@ -28,6 +28,9 @@
 //! | [`static90`](StressScene::Static90) | as `brownian`, but nine boxes in ten never move | 0.05 to 0.1 | 1 |
 //! | [`sizes`](StressScene::Sizes) | as `brownian`, with sides from 1 to 1 000, log-uniform | 0.05 to 0.1 of the own side | 4 |
 //! | [`clusters`](StressScene::Clusters) | as `brownian`, but nine boxes in ten are confined to nine cubes, together 1 % of the space | 0.05 to 0.1 | 2 in the clusters |
+//! | [`ground`](StressScene::Ground) | as `brownian`, but one box is a ground that never moves, 20 000 wide and 1 high | 0.05 to 0.1 | 1, and the ground those at the bottom |
+//! | [`outlier`](StressScene::Outlier) | as `brownian`, but in the fourth tick one box goes a million away along each axis, and rests there | 0.05 to 0.1 | 1 |
+//! | [`rooms`](StressScene::Rooms) | as `brownian`, but in four rooms, each a cube with walls, 10 000 from each other | 0.05 to 0.1 | 1 |
 //!
 //! Space grows with the number of objects, so that all but `planes` are as dense at a million objects as at a thousand.
 //! Objects come in no spatial order. A step takes O(n) time, a few nanoseconds per object.
@@ -75,6 +78,9 @@ impl StressSimulation {
             StressScene::Static90 => drift(drift::static90(objects, rng)),
             StressScene::Sizes => drift(drift::sizes(objects, rng)),
             StressScene::Clusters => drift(drift::clusters(objects, rng)),
+            StressScene::Ground => drift(drift::ground(objects, rng)),
+            StressScene::Outlier => drift(drift::outlier(objects, rng)),
+            StressScene::Rooms => drift(drift::rooms(objects, rng)),
             StressScene::Freefall => {
                 let (boxes, freefall) = freefall::new(objects, rng);
                 (boxes, Motion::Freefall(freefall))

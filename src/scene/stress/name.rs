@@ -21,12 +21,28 @@ pub enum StressScene {
     Sizes,
     /// Nine cubes in ten share a hundredth of the space.
     Clusters,
+    /// Cubes in random motion over a ground that is much larger than all of them.
+    Ground,
+    /// Cubes in random motion, one of which goes far away.
+    Outlier,
+    /// Cubes in random motion, in rooms far from each other.
+    Rooms,
 }
 
 impl StressScene {
     /// All scenes.
-    pub const ALL: [Self; 7] =
-        [Self::Brownian, Self::Freefall, Self::Gravity, Self::Planes, Self::Static90, Self::Sizes, Self::Clusters];
+    pub const ALL: [Self; 10] = [
+        Self::Brownian,
+        Self::Freefall,
+        Self::Gravity,
+        Self::Planes,
+        Self::Static90,
+        Self::Sizes,
+        Self::Clusters,
+        Self::Ground,
+        Self::Outlier,
+        Self::Rooms,
+    ];
 
     /// The name in lower case, by which [`FromStr`] knows the scene.
     #[must_use]
@@ -39,6 +55,9 @@ impl StressScene {
             Self::Static90 => "static90",
             Self::Sizes => "sizes",
             Self::Clusters => "clusters",
+            Self::Ground => "ground",
+            Self::Outlier => "outlier",
+            Self::Rooms => "rooms",
         }
     }
 }

@@ -37,6 +37,9 @@ fn a_seed_gives_the_same_bits_on_any_machine() {
         0x9044_5dab_26e7_39f4,
         0xdb46_be0d_bd90_9bf9,
         0x204f_5d18_f4b5_bf78,
+        0x3c70_c4a7_92e3_ea66,
+        0xd94e_7026_d460_6a8f,
+        0x6ecc_1197_4c43_6074,
     ];
     assert_eq!(hashes, expected, "{hashes:#018x?}");
 }
@@ -73,6 +76,8 @@ fn overlaps_are_as_many_as_documented_and_stay_so() {
         (StressScene::Static90, 1.0),
         (StressScene::Sizes, 4.0),
         (StressScene::Clusters, 1.8),
+        (StressScene::Outlier, 1.0),
+        (StressScene::Rooms, 1.0),
     ];
     for (scene, expected) in expected {
         for ticks in [0, 100, 500] {
@@ -119,6 +124,37 @@ fn nine_in_ten_never_move_in_static90_and_all_others_do() {
     let end = after(StressScene::Static90, 1000, 100);
     let resting = start.boxes().iter().zip(end.boxes()).filter(|(a, b)| same_bits(a, b)).count();
     assert_eq!(resting, 900);
+}
+
+#[test]
+fn a_ground_is_under_all_others_and_never_moves() {
+    let simulation = after(StressScene::Ground, 1000, 300);
+    let (ground, cubes) = simulation.boxes().split_last().unwrap();
+    assert!(same_bits(ground, &StressSimulation::new(StressScene::Ground, 1000, 1).boxes()[999]));
+    assert!(cubes.iter().all(|cube| ground.min.x < cube.min.x - 1000.0 && ground.max.z > cube.max.z + 1000.0));
+    let on_it = cubes.iter().filter(|cube| cube.min.y <= ground.max.y).count();
+    assert!((20..200).contains(&on_it), "{on_it}");
+}
+
+#[test]
+fn an_outlier_goes_far_away_and_rests_there() {
+    let far = |ticks| {
+        let simulation = after(StressScene::Outlier, 1000, ticks);
+        let far: Vec<_> = simulation.boxes().iter().copied().filter(|aabb| aabb.min.min_element() > 1e5).collect();
+        far
+    };
+    assert_eq!([0, 3, 4, 300].map(|ticks| far(ticks).len()), [0, 0, 1, 1]);
+    assert!(same_bits(&far(4)[0], &far(300)[0]));
+}
+
+#[test]
+fn rooms_are_far_apart_and_each_holds_its_share() {
+    let simulation = after(StressScene::Rooms, 1000, 300);
+    let in_room = |corner: bevy::math::Vec3A| {
+        simulation.boxes().iter().filter(|aabb| (aabb.min - corner).abs().max_element() < 100.0).count()
+    };
+    let corners = [bevy::math::Vec3A::ZERO, bevy::math::Vec3A::X, bevy::math::Vec3A::Y, bevy::math::Vec3A::Z];
+    assert_eq!(corners.map(|corner| in_room(corner * 10_000.0)), [250; 4]);
 }
 
 #[test]
@@ -177,7 +213,8 @@ fn objects_come_in_no_spatial_order() {
     for scene in StressScene::ALL {
         let simulation = after(scene, 4000, 0);
         let boxes = simulation.boxes();
-        let distance = |a: &Aabb3d, b: &Aabb3d| (a.min - b.min).abs().element_sum();
+        // Those of a ground would outweigh all others.
+        let distance = |a: &Aabb3d, b: &Aabb3d| (a.min - b.min).abs().element_sum().min(1000.0);
         let mean = |far: usize| boxes.iter().zip(&boxes[far..]).map(|(a, b)| distance(a, b)).sum::<f32>();
         // Neighbours in memory are as far apart as any two.
         let ratio = mean(1) / mean(1777) * (4000.0 - 1777.0) / 3999.0;

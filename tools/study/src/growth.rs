@@ -28,7 +28,7 @@ const BOXES_SET: usize = 8_000_000;
 #[derive(Args)]
 #[command(allow_negative_numbers = true)]
 pub struct Arguments {
-    /// The scenes: brownian, freefall, gravity, planes, static90, sizes or clusters.
+    /// The scenes: brownian, freefall, gravity, planes, static90, sizes, clusters, ground, outlier or rooms.
     #[arg(long, value_delimiter = ',', default_values_t = [StressScene::Brownian, StressScene::Gravity])]
     scenes: Vec<StressScene>,
     /// The broad phases: auto, linear, object or exhaustive.

@@ -6,7 +6,7 @@ use clap::Args;
 /// A stress scene.
 #[derive(Args, Clone, Copy)]
 pub struct WhichScene {
-    /// Which scene: brownian, freefall, gravity, planes, static90, sizes or clusters.
+    /// Which scene: brownian, freefall, gravity, planes, static90, sizes, clusters, ground, outlier or rooms.
     #[arg(long)]
     pub scene: StressScene,
     /// How many objects there are.
