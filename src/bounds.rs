@@ -27,8 +27,8 @@ use crate::{
 ///
 /// A parent with a scale that differs by axis shears the children that are turned against it. Cuboids and meshes are then
 /// what they are under it, exactly. A ball stays a ball, by the largest stretch in any direction, and a Rapier collider
-/// is not sheared, as by Rapier itself: both with a warning in the log, once for each entity. Ancestors that move and turn
-/// cost what they cost elsewhere; when the shear itself changes, shapes are built anew, in time linear in their vertices.
+/// is not sheared, as by Rapier itself: both with a warning in the log, once for each entity. Ancestors that move, turn and
+/// stretch cost what they cost elsewhere; a shape that turns against them is built anew, in time linear in its vertices.
 #[derive(Clone, Debug)]
 pub struct BoundsPlugin(pub(crate) InternedScheduleLabel);
 

@@ -45,6 +45,9 @@ pub struct CollisionIndex {
     /// search, and say so themselves.
     #[reflect(ignore)]
     moved_at_search: Vec<bool>,
+    /// When the pairs of the last search were handed out.
+    #[reflect(ignore)]
+    listed: Tick,
     /// What tells it from all others.
     #[reflect(ignore)]
     number: u64,
@@ -60,6 +63,7 @@ impl Default for CollisionIndex {
             starts: Vec::new(),
             search: 0,
             moved_at_search: Vec::new(),
+            listed: Tick::default(),
             number: NUMBER.fetch_add(1, Ordering::Relaxed),
         }
     }
@@ -183,6 +187,11 @@ impl CollisionIndex {
         self.index.touch_moved();
     }
 
+    /// Are the candidates just those that were found, each once?
+    pub(crate) fn has_listed(&self, candidates: &Res<CandidatePairs>) -> bool {
+        candidates.last_changed() == self.listed
+    }
+
     /// The number of the last search whose pairs are for the exact tests.
     #[inline]
     pub(crate) const fn search(&self) -> u64 {
@@ -219,12 +228,12 @@ impl CollisionIndex {
         rested(pair.a) && rested(pair.b) && self.entities(pair) == entities
     }
 
-    fn set_start(&mut self, id: ProxyId, start: Option<&Transform>) {
+    fn set_start(&mut self, id: ProxyId, start: Option<Transform>) {
         if start.is_some() && self.starts.len() <= id.index() {
             self.starts.resize(id.index() + 1, None);
         }
         if let Some(place) = self.starts.get_mut(id.index()) {
-            *place = start.copied();
+            *place = start;
         }
     }
 
@@ -398,7 +407,7 @@ fn mend(
 }
 
 type Boxed<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy);
-type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<(&'a Swept, &'a mut SweptWay)>);
+type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<(&'a Swept, &'a SweptWay)>);
 
 fn maintain(
     mut index: ResMut<CollisionIndex>,
@@ -419,7 +428,7 @@ fn maintain(
     for ((entity, aabb, own, mut proxy), parts, swept) in &mut boxes {
         let proxy = proxy.bypass_change_detection();
         let way = swept.map(|(_, way)| way).filter(|way| way.belongs_to(entity, proxy.id));
-        let start = way.as_ref().and_then(|way| way.to(&proxy.pose)).copied();
+        let start = way.and_then(|way| way.to(&proxy.pose)).copied();
         let id = if let Some((id, body)) = index.follow(entity, aabb, proxy) {
             body.pose = proxy.pose;
             // It may have changed when nobody looked, between two sets.
@@ -433,12 +442,9 @@ fn maintain(
             let shape = shear::shape(&own, sheared.get(entity).ok());
             proxy.id = index.take_up(entity, (aabb, start.as_ref()), proxy, shape, narrow.tests(), filter);
             let Some(id) = proxy.id else { continue };
-            if let Some(mut way) = way {
-                way.bypass_change_detection().follow(id);
-            }
             id
         };
-        index.set_start(id, start.as_ref());
+        index.set_start(id, start);
     }
     index.index.update();
     let proxies = index.index.proxies();
@@ -457,6 +463,7 @@ pub(crate) fn find_candidates(
     counters.tick.candidates = candidates.len() as u64;
     counters.tick.resting_pairs = pairs.resting().len() as u64;
     counters.tick.pairs_tested = index.index.pairs_tested();
+    index.listed = candidates.last_changed();
     index.search += 1;
     index.moved_at_search.clear();
 }

@@ -72,10 +72,13 @@ pub struct CollisionPickingSettings {
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 pub struct CollisionPickable;
 
+/// What a camera says about what can be picked through it.
+type Picking<'a> = (&'a Camera, Has<CollisionPickable>, Option<&'a CollisionLayers>, Option<&'a InCollisionWorld>);
+
 fn pick(
     rays: Res<RayMap>,
     settings: Res<CollisionPickingSettings>,
-    cameras: Query<(&Camera, Has<CollisionPickable>, Option<&CollisionLayers>, Option<&InCollisionWorld>)>,
+    cameras: Query<Picking>,
     targets: Query<(Option<&Pickable>, Has<CollisionPickable>)>,
     spatial: SpatialQuery,
     mut found: Local<Vec<RayHit>>,

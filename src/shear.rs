@@ -2,8 +2,8 @@
 //!
 //! A parent with a scale that differs by axis shears what hangs on it and is turned against it: no [`Transform`] says where
 //! that is. But whatever a hierarchy does to a shape is, in this order, a turn, a scale along axes, another turn and a way.
-//! The first turn is built into the shape; the rest is a transform. It stays the same while ancestors only move and turn, so
-//! that a shape is built anew only when the shear changes.
+//! The first turn is built into the shape; the rest is a transform. That turn stays the same while a parent moves, turns and
+//! stretches, so that a shape is built anew only when it turns against what stretches it.
 
 use bevy::{
     math::{DAffine3, DMat3, DQuat, DVec3},
@@ -151,7 +151,12 @@ mod tests {
     use super::*;
 
     fn shear(parent: Transform) -> DAffine3 {
-        let child = Transform::from_rotation(Quat::from_euler(EulerRot::XYZ, 0.5, 0.7, 0.9));
+        turned(parent, 0.9)
+    }
+
+    /// That of a child which is turned against its parent.
+    fn turned(parent: Transform, angle: f32) -> DAffine3 {
+        let child = Transform::from_rotation(Quat::from_euler(EulerRot::XYZ, 0.5, 0.7, angle));
         let affine = |transform: Transform| {
             let Transform { translation, rotation, scale } = transform;
             let rotation = rotation.as_dquat().normalize();
@@ -191,22 +196,25 @@ mod tests {
     }
 
     #[test]
-    fn a_shape_is_built_anew_only_when_the_shear_changes() {
+    fn a_shape_is_built_anew_only_when_it_turns_against_its_parent() {
         let shape = Shape::cuboid(Vec3::ONE).unwrap();
         let parent = Transform::from_scale(Vec3::new(4.0, 1.0, 2.0));
         let mut sheared = Sheared::new(&shape, place(&shape, &shear(parent), None).turn);
-        let mut follow = |parent| {
+        let mut follow = |parent, angle| {
             let before = sheared.clone();
-            let placement = place(&shape, &shear(parent), Some(&sheared));
+            let placement = place(&shape, &turned(parent, angle), Some(&sheared));
             sheared.follow(&shape, placement.turn);
             sheared.shape().is_same(before.shape())
         };
         for step in 0..200 {
             let step = step as f32;
             let turned = Quat::from_euler(EulerRot::XYZ, step, 0.3 * step, 0.1 * step);
-            assert!(follow(parent.with_rotation(turned).with_translation(Vec3::splat(step))));
+            let parent = parent.with_rotation(turned).with_translation(Vec3::splat(step));
+            // Nor does it matter how far the parent is stretched.
+            assert!(follow(parent.with_scale(Vec3::new(4.0, 1.0 + step, 2.0)), 0.9));
         }
-        assert!(!follow(parent.with_scale(Vec3::new(4.0, 1.1, 2.0))));
-        assert!(!follow(Transform::IDENTITY));
+        assert!(!follow(parent, 1.0));
+        assert!(!follow(Transform::IDENTITY, 1.0));
+        assert!(follow(Transform::IDENTITY, 1.1));
     }
 }

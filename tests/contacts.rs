@@ -41,8 +41,12 @@ fn handles(app: &App, entities: EntityPair) -> Pair {
     Pair::new(a, b)
 }
 
+/// As the first of the two sees it, whichever has the lower handle.
 fn geometry(app: &App, entities: EntityPair) -> Option<Contact> {
-    app.world().resource::<Contacts>().geometry(handles(app, entities)).copied()
+    let pair = handles(app, entities);
+    let contact = app.world().resource::<Contacts>().geometry(pair).copied()?;
+    let is_first = get::<BroadPhaseProxy>(app, entities[0]).id() == Some(pair.a);
+    Some(Contact { normal: if is_first { contact.normal } else { -contact.normal }, ..contact })
 }
 
 /// All starts so far, as messages.

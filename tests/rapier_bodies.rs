@@ -8,7 +8,7 @@ mod common;
 use std::sync::{Arc, Mutex};
 
 use bevy::{
-    ecs::{entity_disabling::Disabled, system::RunSystemOnce},
+    ecs::{entity_disabling::Disabled, schedule::SingleThreadedExecutor, system::RunSystemOnce},
     prelude::*,
 };
 use bevy_octree::{narrow_phase::Shape, prelude::*};
@@ -204,6 +204,10 @@ fn a_pair_that_nothing_is_known_of_is_told_once_with_both_entities() {
     let logged = Logged::default();
     let (a, b) = tracing::subscriber::with_default(logged.clone(), || {
         let mut app = app(Method::default());
+        // Who listens hears this thread alone.
+        app.edit_schedule(FixedPostUpdate, |schedule| {
+            schedule.set_executor(SingleThreadedExecutor::new());
+        });
         let unheard = || CollisionShape(Shape::Rapier(SharedShape(Arc::new(Unheard(Ball::new(0.5))))));
         let [near, far] =
             [0.0, 100.0].map(|x| app.world_mut().spawn((unheard(), Transform::from_xyz(x, 0.0, 0.0))).id());

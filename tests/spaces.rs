@@ -198,17 +198,20 @@ fn a_ball_in_a_moving_cart() {
     }
 }
 
-/// Two that hang on the same, of which one is put elsewhere on its way: the other finds its place by that.
+/// What hangs on one that bounces on its way goes with it, and meets nothing behind the wall.
 #[test]
-fn a_child_of_one_that_bounces_is_where_it_was_found() {
+fn a_child_of_one_that_bounces_goes_with_it() {
     let mut app = app(Method::default());
-    wall(&mut app, Vec3::X * 5.5, Vec3::new(0.5, 9.0, 9.0));
+    wall(&mut app, Vec3::X * 5.5, Vec3::new(0.5, 1.0, 1.0));
+    wall(&mut app, Vec3::new(7.5, 2.0, 0.0), Vec3::splat(0.5));
     let above = ball(&mut app, Transform::IDENTITY, Vec3::X * 64.0 * 8.0, true);
     let child = ball(&mut app, Transform::from_xyz(0.0, 2.0, 0.0), Vec3::ZERO, true);
     adopt(&mut app, above, child);
     tick(&mut app, 1);
     assert_near(in_world(&mut app, above), Vec3::X * (2.0 * 4.75 - 8.0), 1e-3);
     assert_near(in_world(&mut app, child), Vec3::new(2.0 * 4.75 - 8.0, 2.0, 0.0), 1e-3);
+    assert_eq!((velocity(&app, child), get::<Transform>(&app, child).translation), (Vec3::ZERO, Vec3::Y * 2.0));
+    assert_eq!(app.world().resource::<Contacts>().len(), 1);
 }
 
 /// What is flat has no way back: it is a wall, and keeps its velocity.

@@ -1,47 +1,20 @@
 //! Continuous detection takes no more memory the longer it runs: by an allocator that counts.
 
+#[path = "common/allocator.rs"]
+#[expect(dead_code, reason = "shared with other tests")]
+mod allocator;
 #[expect(dead_code, reason = "shared with other tests")]
 mod common;
 
-use std::{
-    alloc::{GlobalAlloc, Layout, System},
-    sync::atomic::{AtomicUsize, Ordering::Relaxed},
-};
-
+use allocator::live;
 use bevy::prelude::*;
 use bevy_octree::prelude::*;
-
-struct Counting;
-
-static LIVE: AtomicUsize = AtomicUsize::new(0);
-
-// Nothing but the system's own allocator, and a sum.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        LIVE.fetch_add(layout.size(), Relaxed);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        LIVE.fetch_sub(layout.size(), Relaxed);
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        LIVE.fetch_add(size, Relaxed);
-        LIVE.fetch_sub(layout.size(), Relaxed);
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// Bytes in use after `ticks` ticks, by which all buffers have grown, and after four times as many.
 fn early_and_late(app: &mut App, ticks: usize) -> [f64; 2] {
     [ticks, 3 * ticks].map(|ticks| {
         common::tick(app, ticks);
-        LIVE.load(Relaxed) as f64
+        live() as f64
     })
 }
 

@@ -77,6 +77,8 @@ pub struct Contacts {
     found_in: u64,
     /// Those that were found, rather than kept, in this tick.
     found: Vec<Pair>,
+    /// May a pair have been found twice at the end of the tick?
+    may_repeat: bool,
     /// Those of which more is known, in the order of `pairs`; of the last report; and of the last tick, unreported.
     #[reflect(ignore)]
     tracked: Vec<TrackedContact>,
@@ -199,8 +201,8 @@ impl Contacts {
     }
 
     /// Forgets what the last tick found.
-    fn clear_found(&mut self, search: u64) {
-        self.found_in = search;
+    fn clear_found(&mut self, search: u64, may_repeat: bool) {
+        (self.found_in, self.may_repeat) = (search, may_repeat);
         self.found.clear();
         self.found_geometry.clear();
         self.impacts.clear();
@@ -216,7 +218,9 @@ impl Contacts {
         self.by_object.take();
         self.found.extend(self.impacts.iter().map(|impact| impact.pair));
         self.found.sort_unstable();
-        self.found.dedup_by_key(|pair| pair.key());
+        if self.may_repeat || !self.impacts.is_empty() {
+            self.found.dedup();
+        }
         let displaced = &self.displaced;
         let last = turn(&mut self.pairs, &mut self.before, &mut self.unreported, self.has_news);
         let kept = last.iter();

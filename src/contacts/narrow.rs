@@ -75,11 +75,17 @@ fn test_candidates(
     let contacts = &mut *contacts;
     let tests = settings.tests();
     contacts.tracking.refresh(&event_settings, enabled.iter().filter_map(BroadPhaseProxy::id));
-    contacts.clear_found(index.search());
+    let may_repeat = !index.has_listed(&candidates);
+    contacts.clear_found(index.search(), may_repeat);
     if contacts.tracking.is_idle() && !index.has_swept() {
         let mut touch =
             |pair: &Pair| placed(&index, *pair).is_some_and(|[a, b]| tests.intersects(a, b, &mut workspace));
-        contacts.found.extend(candidates.iter().copied().filter(|pair| touch(pair)).filter_map(in_order));
+        let touching = candidates.iter().copied().filter(|pair| touch(pair));
+        if may_repeat {
+            contacts.found.extend(touching.filter_map(in_order));
+        } else {
+            contacts.found.extend(touching);
+        }
     } else {
         for pair in candidates.iter().copied().filter_map(in_order) {
             if index.is_swept(pair) {

@@ -13,12 +13,11 @@ use crate::{
     swept::{Swept, SweptWay},
 };
 
+type Way<'a> = (&'a CollisionShape, Option<&'a Sheared>, &'a BroadPhaseProxy, &'a SweptWay, Option<&'a DebugDraw>);
+
 /// Draws the ways of swept entities that moved in the last tick: from where they began to where they ended, though there may
 /// have been bounces on the way.
-pub(super) fn draw_ways(
-    mut gizmos: Gizmos<CollisionGizmos>,
-    swept: Query<(&CollisionShape, Option<&Sheared>, &BroadPhaseProxy, &SweptWay, Option<&DebugDraw>), With<Swept>>,
-) {
+pub(super) fn draw_ways(mut gizmos: Gizmos<CollisionGizmos>, swept: Query<Way, With<Swept>>) {
     let color @ Some(_) = gizmos.config_ext.sweeps else { return };
     for (shape, sheared, proxy, way, own) in &swept {
         let shape = shear::shape(shape, sheared);

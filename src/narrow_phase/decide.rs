@@ -78,6 +78,7 @@ impl NarrowPhase {
     ///
     /// # Errors
     /// As for [`Shape::world_aabb`].
+    #[inline]
     pub fn world_aabb(&self, placed: Placed) -> Result<Aabb3d, BoundsError> {
         let Aabb3d { min, max } = placed.shape.world_aabb(placed.transform)?;
         // However it is turned, a box is wider than its greatest half extent, from which the

@@ -16,7 +16,7 @@ const MOST_STEPS: usize = 64;
 const PRECISION: f64 = 1e-9;
 /// What counts as flat, or as nothing, as a share of the sizes at hand: more than rounding.
 const FLAT: f64 = 1e-13;
-/// So often is a polytope expanded: enough for round shapes to be off by a few thousandths of the depth.
+/// So often is a polytope expanded: enough for the depth of round shapes to be off by less than a hundredth.
 const MOST_EXPANSIONS: usize = 64;
 
 /// How two shapes are to each other.

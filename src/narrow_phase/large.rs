@@ -5,7 +5,7 @@ use bevy::math::{Dir3, Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
 use super::pair::Pair;
-use super::{NarrowPhase, Placed, Shape};
+use super::{NarrowPhase, Placed};
 
 /// The greatest length whose fourth power 32-bit floats hold, with room to spare.
 const LARGE: f32 = 1e9;
@@ -41,7 +41,7 @@ impl Smaller {
     /// `None` if one of the two is a shape of Rapier's: these have no scale, and are looked at in 64-bit floats.
     pub fn of(pair: &Pair, tests: &NarrowPhase) -> Option<Self> {
         #[cfg(feature = "rapier")]
-        if matches!((pair.a.shape, pair.b.shape), (Shape::Rapier(_), _) | (_, Shape::Rapier(_))) {
+        if [pair.a, pair.b].iter().any(|placed| matches!(placed.shape, super::Shape::Rapier(_))) {
             return None;
         }
         // The power of two that is next below: its exponent alone.

@@ -3,7 +3,6 @@
 use bevy::math::{Mat3A, Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
-use super::large::length;
 use super::{BoundsError, Shape};
 
 /// The box around a placed shape, turned with it; the shape itself, if that is a cuboid.
@@ -39,7 +38,8 @@ impl OrientedBox {
             center: Vec3A::from(transform.translation - origin) + axes * (local_center * scale),
             axes,
             half,
-            radius: length(half).min(local_radius * scale.abs().max_element()),
+            // Where the square of the first is beyond all numbers, the second is not.
+            radius: half.length().min(local_radius * scale.abs().max_element()),
         };
         // A NaN anywhere in axes or extents shows in the reach.
         if (placed.center.abs() + placed.reach()).is_finite() && placed.radius.is_finite() {

@@ -185,7 +185,9 @@ fn impact(
     });
     let (distance, gap) = first?;
     let normal = if distance > 0.0 { -gap.normal.as_vec3() } else { -*direction };
-    let point = (origin.as_dvec3() + gap.points[1]).as_vec3();
+    // What overlaps at the start meets where both are: a ray from inside, where it starts.
+    let met = if gap.distance < 0.0 { gap.between } else { gap.points[1] };
+    let point = (origin.as_dvec3() + met).as_vec3();
     let (distance, normal) = (distance as f32, ray::against(normal, direction));
     (distance.is_finite() && point.is_finite()).then_some(Impact { distance, point, normal })
 }

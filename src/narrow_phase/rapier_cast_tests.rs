@@ -72,6 +72,30 @@ fn rays_and_sweeps_from_afar_are_those_from_nearby() {
 }
 
 #[test]
+fn a_ray_from_inside_meets_the_shape_where_it_starts() {
+    let mut random = Random::new(7);
+    let tests = NarrowPhase::default();
+    let mut inside = 0;
+    for solid in solids(1.0, &mut random) {
+        let here = at(1.0, -2.0, 3.0);
+        let target = Placed::new(&solid.shape, &here);
+        for _ in 0..200 {
+            let origin = here.translation + random.point();
+            let closest = tests.closest_point(target, origin, &mut Workspace::default()).unwrap();
+            if closest.distance(origin) > 0.0 {
+                continue;
+            }
+            inside += 1;
+            let direction = Dir3::new(origin - here.translation + Vec3::X * 0.01).unwrap();
+            let impact = tests.cast_ray(target, origin, direction, 10.0).unwrap();
+            assert_eq!((impact.distance, impact.normal), (0.0, -*direction), "{:?}", solid.shape);
+            assert!(impact.point.distance(origin) < 1e-5, "{:?}: {impact:?} from {origin}", solid.shape);
+        }
+    }
+    assert!(inside > 200, "{inside}");
+}
+
+#[test]
 fn a_ray_from_a_face_along_it_meets_the_shape_at_once() {
     let half = Vec3::splat(0.5);
     let mut flat: Vec<(&str, Shape, f32)> =

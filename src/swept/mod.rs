@@ -115,7 +115,7 @@ pub struct SweptWay {
     /// Whose way it is.
     #[reflect(ignore, default = "nobody")]
     entity: Entity,
-    /// The handle that it had when the way began; `None` before its first tick.
+    /// The handle that it has while it is in the index; `None` in its first tick, in which it gets one.
     #[reflect(ignore)]
     id: Option<ProxyId>,
     /// Where its way in this tick begins.
@@ -153,12 +153,7 @@ impl SweptWay {
 
     /// Is it that of this entity, under this handle?
     pub(crate) fn belongs_to(&self, entity: Entity, id: Option<ProxyId>) -> bool {
-        self.entity == entity && self.id == id
-    }
-
-    /// Its entity has another handle, and is where it was.
-    pub(crate) fn follow(&mut self, id: ProxyId) {
-        self.id = Some(id);
+        self.entity == entity && (self.id.is_none() || self.id == id)
     }
 
     /// Where it begins, if it leads anywhere.
@@ -214,17 +209,18 @@ fn begin_ways(mut swept: Query<Beginning, IsSwept>, ancestors: Query<Ancestor, A
         };
         let pose = if has_parent { in_world() } else { Some(*transform) };
         let way = way.bypass_change_detection();
-        *way = SweptWay { entity, id: proxy.id, start: pose.filter(Transform::is_finite), last: None, ..*way };
+        *way = SweptWay { entity, id: None, start: pose.filter(Transform::is_finite), last: None, ..*way };
     }
 }
 
 type Shaped<'a> = (&'a CollisionShape, Option<&'a Sheared>);
 
 /// Each way begins where the last one ended. Who has none in this tick gets one at the next.
-fn end_ways(mut swept: Query<(&BroadPhaseProxy, &mut SweptWay), IsSwept>) {
-    for (proxy, mut way) in &mut swept {
-        if way.start.is_some() {
+fn end_ways(mut swept: Query<(Entity, &BroadPhaseProxy, &mut SweptWay), IsSwept>) {
+    for (entity, proxy, mut way) in &mut swept {
+        if way.start.is_some() && way.belongs_to(entity, proxy.id) {
             let way = way.bypass_change_detection();
+            way.id = proxy.id;
             way.last = way.start.replace(proxy.pose).filter(|_| proxy.pose.is_finite());
             way.start = way.start.filter(Transform::is_finite);
         }

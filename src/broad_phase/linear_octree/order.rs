@@ -215,7 +215,7 @@ impl Extent {
         let mut samples = [[0.0; Self::SAMPLE]; 4];
         for number in 0..Self::SAMPLE {
             // By the golden ratio: objects may come in turns.
-            let place = (number as u32).wrapping_mul(0x9E37_79B9) as u64 * items.len() as u64 >> 32;
+            let place = ((number as u32).wrapping_mul(0x9E37_79B9) as u64 * items.len() as u64) >> 32;
             let aabb = &boxes[items[place as usize] as u32 as usize];
             let [x, y, z] = half_center(aabb).to_array();
             for (sample, value) in samples.iter_mut().zip([x, y, z, half_sides(aabb).max_element()]) {

@@ -129,8 +129,8 @@ fn a_huge_object_does_not_put_all_others_in_one_class_of_size() {
     let count = |more: &[Aabb3d], rng: &mut fastrand::Rng| {
         let mut proxies = Proxies::default();
         for number in 0..2000 {
-            let half = if number % 8 == 0 { 8.0 } else { 0.05 };
-            let at = Vec3::from(std::array::from_fn(|_| rng.f32())) * 100.0;
+            let half = if number % 40 == 0 { 8.0 } else { 0.05 };
+            let at = Vec3::from(std::array::from_fn(|_| rng.f32())) * 20.0;
             proxies.insert(Aabb3d::new(at, Vec3::splat(half))).unwrap();
         }
         more.iter().for_each(|aabb| assert!(proxies.insert(*aabb).is_ok()));
@@ -141,8 +141,8 @@ fn a_huge_object_does_not_put_all_others_in_one_class_of_size() {
         blocks.iter().map(|a| blocks.iter().filter(|b| overlap(a, b)).count()).sum::<usize>()
     };
     let alone = count(&[], &mut rng.clone());
-    let with_huge = count(&[Aabb3d::new(Vec3::splat(-2e30), Vec3::splat(1e30))], &mut rng);
-    assert!(with_huge as f64 <= 1.1 * alone as f64, "{with_huge} pairs of blocks, {alone} without it");
+    let with_huge = count(&[Aabb3d::new(Vec3::splat(10.0), Vec3::splat(1e30))], &mut rng);
+    assert!(with_huge as f64 <= 1.2 * alone as f64, "{with_huge} pairs of blocks, {alone} without it");
 }
 
 #[test]
