@@ -1,6 +1,6 @@
 //! Which objects of an animation touch, and when: the report over position tracks.
 //!
-//! `cargo run --release --example animation_report -- assets/scenes/clip.scene.ron`
+//! `cargo run --release --features reports,scene_files --example animation_report -- assets/scenes/clip.scene.ron`
 
 use std::{
     fs::{self, File},
@@ -9,49 +9,55 @@ use std::{
     process::ExitCode,
 };
 
+use arguments::Arguments;
 use bevy::prelude::*;
 use bevy_octree::{
     motion::CollisionReport,
     prelude::*,
     scene::{Motion, SceneDescription},
 };
-use clap::Parser;
 use outcome::{Outcome, exit};
 use progress::Progress;
 
+#[path = "common/arguments.rs"]
+mod arguments;
 #[path = "common/outcome.rs"]
 mod outcome;
 #[path = "common/progress.rs"]
 mod progress;
 
-/// Plays a clip, in which objects follow position tracks, and reports which of them touch: first and last contact of
-/// each pair, and tick by tick.
-///
-/// Writes contacts.csv and contacts.jsonl (a row for each pair), ticks.csv and ticks.jsonl (a row for each tick with
-/// contacts).
-#[derive(Parser)]
-struct Arguments {
-    /// The scene file to play.
-    file: PathBuf,
-    /// How many ticks to play; to the last keyframe if not given.
-    #[arg(long)]
-    ticks: Option<u64>,
-    /// The folder to write to.
-    #[arg(long, default_value = "target/animation_report")]
-    out: PathBuf,
-    /// How overlapping boxes are searched for: `octree` or `exhaustive`.
-    #[arg(long, default_value_t = Method::default())]
-    method: Method,
-}
+const HELP: &str = "
+Plays a clip, in which objects follow position tracks, and reports which of them touch: first and last contact of each
+pair, and tick by tick.
+
+Writes contacts.csv and contacts.jsonl (a row for each pair), ticks.csv and ticks.jsonl (a row for each tick with
+contacts).
+
+Usage: animation_report [OPTIONS] <FILE>
+
+Arguments:
+  <FILE>             The scene file to play
+
+Options:
+  --ticks <TICKS>    How many ticks to play; to the last keyframe if not given
+  --out <FOLDER>     The folder to write to [default: target/animation_report]
+  --method <METHOD>  How overlapping boxes are searched for: `auto`, `linear`, `octree` or `exhaustive` [default: auto]
+  -h, --help         Print help
+";
 
 fn main() -> ExitCode {
-    exit(run(&Arguments::parse()))
+    exit(run(Arguments::given(HELP)))
 }
 
-fn run(arguments: &Arguments) -> Outcome {
-    let scene = SceneDescription::load(&arguments.file)?;
-    let ticks = arguments.ticks.unwrap_or_else(|| last_keyframe(&scene) + 1);
-    let report = play(&scene, ticks, arguments.method.clone())?;
+fn run(mut arguments: Arguments) -> Outcome {
+    let ticks = arguments.option("--ticks")?;
+    let out = arguments.option("--out")?.unwrap_or_else(|| PathBuf::from("target/animation_report"));
+    let method = arguments.option("--method")?.unwrap_or_default();
+    let [file] = arguments.rest(["FILE"])?;
+
+    let scene = SceneDescription::load(file)?;
+    let ticks = ticks.unwrap_or_else(|| last_keyframe(&scene) + 1);
+    let report = play(&scene, ticks, method)?;
 
     println!("{:<12} {:<12} {:>6} {:>6} {:>6}  intervals", "a", "b", "first", "last", "ticks");
     for pair in report.pairs() {
@@ -66,14 +72,14 @@ fn run(arguments: &Arguments) -> Outcome {
             intervals.join(", ")
         );
     }
-    write(&report, &arguments.out)?;
+    write(&report, &out)?;
     println!(
         "scene={} objects={} ticks={ticks} pairs={} ticks_with_contact={} out={}",
         scene.name,
         scene.object_count(),
         report.pairs().len(),
         report.ticks().count(),
-        arguments.out.display()
+        out.display()
     );
     Ok(())
 }

@@ -6,6 +6,7 @@
 
 use std::{fs, path::PathBuf, process::ExitCode};
 
+use arguments::Arguments;
 use bevy::{
     gizmos::GizmoPlugin,
     math::{Vec3A, bounding::Aabb3d},
@@ -13,56 +14,50 @@ use bevy::{
     prelude::*,
 };
 use bevy_octree::{counters::TickCounters, prelude::*};
-use clap::Parser;
 use gizmo_lines::{Path, paths};
 use outcome::{Outcome, exit};
-use plot::{Drawn, bold, draw, text};
-use plotters::{
-    element::PathElement,
-    prelude::{Color as _, RGBColor, ShapeStyle, Text},
-};
+use svg::Svg;
 
+#[path = "common/arguments.rs"]
+mod arguments;
 #[path = "common/gizmo_lines.rs"]
 mod gizmo_lines;
 #[path = "common/outcome.rs"]
 mod outcome;
-#[path = "common/plot.rs"]
-mod plot;
+#[path = "common/svg.rs"]
+mod svg;
 
-/// A swarm of cubes and balls above a field of resting ones, after some ticks; drawn to debug_draw.svg and debug_draw.png.
-#[derive(Parser)]
-struct Arguments {
-    /// The folder to write to.
-    #[arg(long, default_value = "target/debug_draw")]
-    out: PathBuf,
-    /// How many entities move.
-    #[arg(long, default_value_t = 40)]
-    objects: u16,
-    /// N: how many objects a leaf may list before it splits.
-    #[arg(long, default_value_t = 5)]
-    max_objects: u32,
-    /// What the colours of leaves tell: `generation` or `fill`.
-    #[arg(long, default_value = "generation", value_parser = leaf_colors)]
-    leaves: LeafColors,
-    /// How many ticks to run.
-    #[arg(long, default_value_t = 30)]
-    steps: u32,
-}
+const HELP: &str = "
+A swarm of cubes and balls above a field of resting ones, after some ticks; drawn to debug_draw.svg.
 
-fn leaf_colors(name: &str) -> Result<LeafColors, String> {
-    match name {
-        "generation" => Ok(LeafColors::Generation),
-        "fill" => Ok(LeafColors::Fill),
-        _ => Err(format!("unknown colours `{name}`: expected `generation` or `fill`")),
-    }
-}
+Usage: debug_draw [OPTIONS]
+
+Options:
+  --out <FOLDER>     The folder to write to [default: target/debug_draw]
+  --objects <COUNT>  How many entities move [default: 40]
+  --max-objects <N>  How many objects a leaf may list before it splits [default: 5]
+  --leaves <COLORS>  What the colours of leaves tell: `generation` or `fill` [default: generation]
+  --steps <STEPS>    How many ticks to run [default: 30]
+  -h, --help         Print help
+";
 
 fn main() -> ExitCode {
-    exit(run(&Arguments::parse()))
+    exit(run(Arguments::given(HELP)))
 }
 
-fn run(arguments: &Arguments) -> Outcome {
-    let settings = ObjectOctreeSettings::with_max_objects(arguments.max_objects);
+fn run(mut arguments: Arguments) -> Outcome {
+    let out = arguments.option("--out")?.unwrap_or_else(|| PathBuf::from("target/debug_draw"));
+    let objects = arguments.option("--objects")?.unwrap_or(40);
+    let max_objects = arguments.option("--max-objects")?.unwrap_or(5);
+    let leaf_colors = match arguments.option::<String>("--leaves")?.as_deref() {
+        None | Some("generation") => LeafColors::Generation,
+        Some("fill") => LeafColors::Fill,
+        Some(name) => return Err(format!("unknown colours `{name}`: expected `generation` or `fill`").into()),
+    };
+    let steps = arguments.option("--steps")?.unwrap_or(30);
+    let [] = arguments.rest([])?;
+
+    let settings = ObjectOctreeSettings::with_max_objects(max_objects);
     settings.check()?;
     let mut app = App::new();
     // What `DefaultPlugins` have; to see gizmos in a window, the app needs no more than these, and a camera.
@@ -74,8 +69,8 @@ fn run(arguments: &Arguments) -> Outcome {
         .insert_resource(CollisionEventSettings { geometry: EventScope::All, ..default() })
         .insert_gizmo_config(CollisionGizmos { normal_length: 1.0, ..default() }, GizmoConfig::default())
         .add_systems(Update, ask.after(CollisionSystems::Last));
-    spawn(app.world_mut(), arguments.objects)?;
-    for _ in 0..arguments.steps {
+    spawn(app.world_mut(), objects)?;
+    for _ in 0..steps {
         app.update();
     }
 
@@ -83,7 +78,7 @@ fn run(arguments: &Arguments) -> Outcome {
     let objects = paths(&app);
     let nothing =
         CollisionGizmos { moving: None, resting: None, contacts: None, rays: None, sweeps: None, ..default() };
-    let leaves = CollisionGizmos { leaves: Some(arguments.leaves), ..nothing };
+    let leaves = CollisionGizmos { leaves: Some(leaf_colors), ..nothing };
     *app.world_mut().resource_mut::<GizmoConfigStore>().config_mut::<CollisionGizmos>().1 = leaves;
     app.world_mut().run_schedule(Last);
     let leaves = paths(&app);
@@ -91,10 +86,10 @@ fn run(arguments: &Arguments) -> Outcome {
     let stats = app.world().resource::<CollisionIndex>().index().stats();
     let TickCounters { objects: entities, contacts, .. } = app.world().resource::<CollisionCounters>().tick;
     let title = format!("{entities} entities, {contacts} contacts, {} leaves", stats.leaves);
-    fs::create_dir_all(&arguments.out)
-        .map_err(|error| format!("cannot make the folder {}: {error}", arguments.out.display()))?;
-    let files = draw(&arguments.out.join("debug_draw"), SIZE, |canvas| picture(canvas, &leaves, &objects, &title))?;
-    println!("{}", files.map(|file| file.display().to_string()).join(", "));
+    fs::create_dir_all(&out).map_err(|error| format!("cannot make the folder {}: {error}", out.display()))?;
+    let file = out.join("debug_draw.svg");
+    picture(&leaves, &objects, &title).save(&file)?;
+    println!("{}", file.display());
     println!("objects={entities} contacts={contacts} leaves={} lines={}", stats.leaves, leaves.len() + objects.len());
     if leaves.is_empty() || objects.is_empty() { Err("nothing was drawn".into()) } else { Ok(()) }
 }
@@ -138,25 +133,26 @@ fn ask(spatial: SpatialQuery, mut gizmos: Gizmos<CollisionGizmos>) {
 /// The colour of one entity alone.
 const OWN: Color = Color::WHITE;
 
-const SIZE: (u32, u32) = (1200, 760);
-const BACKGROUND: RGBColor = RGBColor(15, 18, 28);
+const SIZE: [u32; 2] = [1200, 760];
+const BACKGROUND: &str = "#0f121c";
 
 /// The lines as a camera sees them: leaves behind, all else in front of them.
-fn picture(canvas: &plot::Canvas, leaves: &[Path], objects: &[Path], title: &str) -> Drawn {
-    canvas.fill(&BACKGROUND)?;
-    let eye = Mat4::perspective_rh(0.62, SIZE.0 as f32 / SIZE.1 as f32, 0.1, 100.0)
+fn picture(leaves: &[Path], objects: &[Path], title: &str) -> Svg {
+    let mut svg = Svg::new(SIZE, BACKGROUND);
+    let [width, height] = SIZE.map(|side| side as f32);
+    let eye = Mat4::perspective_rh(0.62, width / height, 0.1, 100.0)
         * Mat4::look_at_rh(Vec3::new(15.0, 14.0, 28.0), Vec3::new(0.5, 2.0, 0.0), Vec3::Y);
     let pixel = |point: &Vec3| {
-        let seen = eye.project_point3(*point) * Vec3::new(0.5, -0.5, 1.0) + Vec3::new(0.5, 0.5, 0.0);
-        ((seen.x * SIZE.0 as f32) as i32, (seen.y * SIZE.1 as f32) as i32)
+        let seen = eye.project_point3(*point);
+        [(0.5 + 0.5 * seen.x) * width, (0.5 - 0.5 * seen.y) * height]
     };
-    for (paths, opacity, width) in [(leaves, 0.6, 1), (objects, 1.0, 2)] {
+    for (paths, style) in [(leaves, r#"opacity="0.6""#), (objects, r#"stroke-width="2""#)] {
         for Path { points, color } in paths {
-            let style = ShapeStyle::from(rgb(*color).mix(opacity)).stroke_width(width);
-            canvas.draw(&PathElement::new(points.iter().map(pixel).collect::<Vec<_>>(), style))?;
+            let color = Srgba::from(*color).with_alpha(1.0).to_hex();
+            svg.line(points.iter().map(pixel), &format!(r#"stroke="{color}" {style}"#));
         }
     }
-    canvas.draw(&Text::new(title.to_owned(), (24, 20), bold(24).color(&RGBColor(230, 232, 240))))?;
+    svg.text([24.0, 36.0], title, r##"font-size="19" font-weight="bold" fill="#e6e8f0""##);
     let shades = CollisionGizmos::default();
     let legend = [
         ("leaves", Some(shades.leaf_colors[1])),
@@ -167,14 +163,9 @@ fn picture(canvas: &plot::Canvas, leaves: &[Path], objects: &[Path], title: &str
         ("ray and hit", shades.rays),
         ("swept box", shades.sweeps),
     ];
-    for ((name, color), row) in legend.into_iter().zip(0..) {
-        let color = rgb(color.unwrap_or_default().into());
-        canvas.draw(&Text::new(name, (24, 58 + 24 * row), text(18).color(&color)))?;
+    for ((name, color), row) in legend.into_iter().zip(0_u8..) {
+        let color = color.unwrap_or_default().to_srgba().with_alpha(1.0).to_hex();
+        svg.text([24.0, 70.0 + 24.0 * f32::from(row)], name, &format!(r#"font-size="15" fill="{color}""#));
     }
-    Ok(())
-}
-
-fn rgb(color: LinearRgba) -> RGBColor {
-    let [red, green, blue, _] = Srgba::from(color).to_u8_array();
-    RGBColor(red, green, blue)
+    svg
 }

@@ -2,65 +2,75 @@
 //!
 //! `cargo run --release --example planes -- --help` explains the arguments.
 
-use std::{path::PathBuf, process::ExitCode, time::Instant};
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+    time::Instant,
+};
 
+use arguments::Arguments;
 use bevy::prelude::*;
 use bevy_octree::{
     counters::TickCounters,
     prelude::*,
     scene::{SceneDescription, TestSet},
 };
-use clap::Parser;
 use outcome::{Outcome, exit};
 use progress::Progress;
 
+#[path = "common/arguments.rs"]
+mod arguments;
 #[path = "common/outcome.rs"]
 mod outcome;
 #[path = "common/progress.rs"]
 mod progress;
 
-/// Two parallel planes of cubes move toward each other and bounce off: the test sets of the 1994 report, or a scene
-/// file, in a headless app.
-///
-/// Prints one line of figures for each method. Without --method, both run, and must find the same contacts.
-#[derive(Parser)]
-struct Arguments {
-    /// Rings of cubes around the central cube of each plane; r rings make 2·(2r + 1)² cubes.
-    #[arg(long, default_value_t = 10, allow_negative_numbers = true)]
-    rings: u32,
-    /// N: how many objects a leaf of the octree may list before it splits.
-    #[arg(long, default_value_t = ObjectOctreeSettings::default().max_objects, allow_negative_numbers = true)]
-    max_objects: u32,
-    /// How many ticks to run.
-    #[arg(long, default_value_t = 200, allow_negative_numbers = true)]
-    steps: u32,
-    /// How overlapping boxes are searched for: `octree` or `exhaustive`. Both, one after the other, if not given.
-    #[arg(long)]
-    method: Option<Method>,
-    /// A scene file to run instead of a test set, such as assets/scenes/mixed_shapes.scene.ron.
-    #[arg(long, conflicts_with = "rings")]
-    scene: Option<PathBuf>,
-}
+const HELP: &str = "
+Two parallel planes of cubes move toward each other and bounce off: the test sets of the 1994 report, or a scene file, in
+a headless app.
+
+Prints one line of figures for each method. Without --method, both run, and must find the same contacts.
+
+Usage: planes [OPTIONS]
+
+Options:
+  --rings <RINGS>    Rings of cubes around the central cube of each plane; r rings make 2·(2r + 1)² cubes [default: 10]
+  --max-objects <N>  How many objects a leaf of the octree may list before it splits [default: 64]
+  --steps <STEPS>    How many ticks to run [default: 200]
+  --method <METHOD>  How overlapping boxes are searched for: `octree` or `exhaustive`. Both, one after the other, if not
+                     given
+  --scene <FILE>     A scene file to run instead of a test set, such as assets/scenes/mixed_shapes.scene.ron; needs a
+                     build with --features scene_files
+  -h, --help         Print help
+";
 
 fn main() -> ExitCode {
-    exit(run(&Arguments::parse()))
+    exit(run(Arguments::given(HELP)))
 }
 
-fn run(arguments: &Arguments) -> Outcome {
-    let scene = match &arguments.scene {
-        Some(path) => SceneDescription::load(path)?,
-        None => SceneDescription::from(TestSet::new(arguments.rings)),
+fn run(mut arguments: Arguments) -> Outcome {
+    let rings: Option<u32> = arguments.option("--rings")?;
+    let max_objects = arguments.option("--max-objects")?.unwrap_or(ObjectOctreeSettings::default().max_objects);
+    let steps = arguments.option("--steps")?.unwrap_or(200);
+    let method: Option<Method> = arguments.option("--method")?;
+    let file: Option<PathBuf> = arguments.option("--scene")?;
+    let [] = arguments.rest([])?;
+
+    let scene = match (file, rings) {
+        (Some(_), Some(_)) => return Err("--scene cannot be used with --rings".into()),
+        (Some(file), None) => load(&file)?,
+        (None, rings) => SceneDescription::from(TestSet::new(rings.unwrap_or(10))),
     };
-    let octree = ObjectOctreeSettings::with_max_objects(arguments.max_objects);
+    let octree = ObjectOctreeSettings::with_max_objects(max_objects);
     octree.check()?;
-    let methods = match &arguments.method {
+    let methods = match method {
         Some(Method::Octree(_)) => vec![Method::Octree(octree)],
-        Some(method) => vec![method.clone()],
+        Some(method) => vec![method],
         None => vec![Method::Octree(octree), Method::Exhaustive],
     };
     let mut totals = Vec::new();
     for method in &methods {
-        totals.push(measure(&scene, method, arguments.steps, arguments.max_objects)?);
+        totals.push(measure(&scene, method, steps, max_objects)?);
     }
     if let [first, second] = &totals[..]
         && (first.contacts, first.bounces) != (second.contacts, second.bounces)
@@ -68,6 +78,16 @@ fn run(arguments: &Arguments) -> Outcome {
         return Err("the two methods do not find the same contacts".into());
     }
     Ok(())
+}
+
+#[cfg(feature = "scene_files")]
+fn load(file: &Path) -> Outcome<SceneDescription> {
+    Ok(SceneDescription::load(file)?)
+}
+
+#[cfg(not(feature = "scene_files"))]
+fn load(_: &Path) -> Outcome<SceneDescription> {
+    Err("--scene needs a build with --features scene_files".into())
 }
 
 /// Runs a scene by one method, and prints its line.

@@ -1,9 +1,14 @@
 //! The octree splits and merges as objects move: Figures 5 to 7 of the 1994 report.
 //!
-//! `cargo run --release --example split_and_merge`
+//! `cargo run --release --features scene_files --example split_and_merge`
 
-use std::{fs, path::PathBuf, process::ExitCode};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
+use arguments::Arguments;
 use bevy::{math::bounding::Aabb3d, prelude::*};
 use bevy_octree::{
     broad_phase::{ObjectOctree, ProxyId},
@@ -11,36 +16,31 @@ use bevy_octree::{
     prelude::*,
     scene::SceneDescription,
 };
-use clap::Parser;
 use outcome::{Outcome, exit};
-use plot::{Drawn, bold, draw, text};
-use plotters::prelude::{BLACK, ChartBuilder, Color, EmptyElement, PathElement, RGBColor, Rectangle, Text};
+use svg::Svg;
 
+#[path = "common/arguments.rs"]
+mod arguments;
 #[path = "common/outcome.rs"]
 mod outcome;
-#[path = "common/plot.rs"]
-mod plot;
+#[path = "common/svg.rs"]
+mod svg;
 
-/// Three objects and an octree with N = 2. One object crosses the middle of the root: the octree splits twice to keep
-/// two objects to a leaf. It bounces off, crosses back, and the leaves merge.
-///
-/// Prints the octree at the three moments, and writes a picture of each: figure_5, figure_6 and figure_7, as SVG and
-/// PNG.
-#[derive(Parser)]
-struct Arguments {
-    /// The folder to write to.
-    #[arg(long, default_value = "target/split_and_merge")]
-    out: PathBuf,
-    /// The scene to play.
-    #[arg(long, default_value = "assets/scenes/figures_5_7.scene.ron")]
-    scene: PathBuf,
-    /// N: how many objects a leaf may list before it splits.
-    #[arg(long, default_value_t = 2)]
-    max_objects: u32,
-    /// How many ticks to wait for the split and the merge.
-    #[arg(long, default_value_t = 60)]
-    steps: u32,
-}
+const HELP: &str = "
+Three objects and an octree with N = 2. One object crosses the middle of the root: the octree splits twice to keep two
+objects to a leaf. It bounces off, crosses back, and the leaves merge.
+
+Prints the octree at the three moments, and writes a picture of each: figure_5.svg, figure_6.svg and figure_7.svg.
+
+Usage: split_and_merge [OPTIONS]
+
+Options:
+  --out <FOLDER>     The folder to write to [default: target/split_and_merge]
+  --scene <FILE>     The scene to play [default: assets/scenes/figures_5_7.scene.ron]
+  --max-objects <N>  How many objects a leaf may list before it splits [default: 2]
+  --steps <STEPS>    How many ticks to wait for the split and the merge [default: 60]
+  -h, --help         Print help
+";
 
 /// What there is to see of a tick.
 #[derive(Clone)]
@@ -62,31 +62,36 @@ struct Object {
 }
 
 fn main() -> ExitCode {
-    exit(run(&Arguments::parse()))
+    exit(run(Arguments::given(HELP)))
 }
 
-fn run(arguments: &Arguments) -> Outcome {
-    let frames = play(arguments)?;
-    fs::create_dir_all(&arguments.out)
-        .map_err(|error| format!("cannot make the folder {}: {error}", arguments.out.display()))?;
+fn run(mut arguments: Arguments) -> Outcome {
+    let out = arguments.option("--out")?.unwrap_or_else(|| PathBuf::from("target/split_and_merge"));
+    let scene = arguments.option("--scene")?.unwrap_or_else(|| PathBuf::from("assets/scenes/figures_5_7.scene.ron"));
+    let max_objects = arguments.option("--max-objects")?.unwrap_or(2);
+    let steps = arguments.option("--steps")?.unwrap_or(60);
+    let [] = arguments.rest([])?;
+
+    let frames = play(&scene, max_objects, steps)?;
+    fs::create_dir_all(&out).map_err(|error| format!("cannot make the folder {}: {error}", out.display()))?;
     let captions = ["before the split", "after the split", "after the merge"];
     for (number, (frame, caption)) in (5..).zip(frames.iter().zip(captions)) {
         let title = format!("Figure {number}: tick {}, {caption}, {} nodes", frame.tick, frame.nodes);
         println!("{title}\n{}", frame.tree);
-        let paths =
-            draw(&arguments.out.join(format!("figure_{number}")), (820, 860), |canvas| picture(canvas, frame, &title))?;
-        println!("{}\n", paths.map(|path| path.display().to_string()).join(", "));
+        let path = out.join(format!("figure_{number}.svg"));
+        picture(frame, &title).save(&path)?;
+        println!("{}\n", path.display());
     }
     let [before, split, merged] = frames.map(|frame| frame.nodes);
-    println!("scene={} nodes_before={before} nodes_split={split} nodes_merged={merged}", arguments.scene.display());
+    println!("scene={} nodes_before={before} nodes_split={split} nodes_merged={merged}", scene.display());
     Ok(())
 }
 
 /// Runs the scene until the octree has split and merged again; gives the frames before the split, after it, and after
 /// the merge.
-fn play(arguments: &Arguments) -> Outcome<[Frame; 3]> {
-    let scene = SceneDescription::load(&arguments.scene)?;
-    let settings = ObjectOctreeSettings::with_max_objects(arguments.max_objects);
+fn play(scene: &Path, max_objects: u32, steps: u32) -> Outcome<[Frame; 3]> {
+    let scene = SceneDescription::load(scene)?;
+    let settings = ObjectOctreeSettings::with_max_objects(max_objects);
     settings.check()?;
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
@@ -97,7 +102,7 @@ fn play(arguments: &Arguments) -> Outcome<[Frame; 3]> {
 
     let mut before: Option<Frame> = None;
     let mut split: Option<[Frame; 2]> = None;
-    for tick in 1..=arguments.steps {
+    for tick in 1..=steps {
         app.update();
         let Some(now) = look(&app, tick) else { continue };
         match (&before, &split) {
@@ -109,7 +114,7 @@ fn play(arguments: &Arguments) -> Outcome<[Frame; 3]> {
         }
         before = Some(now);
     }
-    Err(format!("the octree did not split and merge within {} ticks", arguments.steps).into())
+    Err(format!("the octree did not split and merge within {steps} ticks").into())
 }
 
 fn look(app: &App, tick: u32) -> Option<Frame> {
@@ -137,44 +142,68 @@ fn look(app: &App, tick: u32) -> Option<Frame> {
     })
 }
 
-const LEAF: RGBColor = RGBColor(60, 90, 140);
-const OBJECTS: [RGBColor; 3] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115)];
+const SIZE: [u32; 2] = [820, 860];
+// The borders of the chart.
+const LEFT: f32 = 72.0;
+const RIGHT: f32 = 803.0;
+const TOP: f32 = 45.0;
+const BOTTOM: f32 = 799.0;
+const LEAF: &str = r##"stroke="#3c5a8c" stroke-width="2" shape-rendering="crispEdges""##;
+const OBJECTS: [&str; 3] = ["#0072b2", "#d55e00", "#009e73"];
 
 /// The octree and the objects, seen along z: a square for each cube of a leaf, a filled one for each object, with an
 /// arrow as long as the way of ten ticks.
-fn picture(canvas: &plot::Canvas, frame: &Frame, title: &str) -> Drawn {
+fn picture(frame: &Frame, title: &str) -> Svg {
+    let mut svg = Svg::new(SIZE, "#ffffff");
+    svg.text(
+        [SIZE[0] as f32 / 2.0, 22.0],
+        title,
+        r#"font-size="19" font-weight="bold" fill="black" text-anchor="middle""#,
+    );
     let (low, high) = (frame.root.min, frame.root.max);
-    let canvas = canvas.titled(title, bold(24))?;
-    let mut chart = ChartBuilder::on(&canvas)
-        .margin(16)
-        .x_label_area_size(44)
-        .y_label_area_size(56)
-        .build_cartesian_2d(low.x..high.x, low.y..high.y)?;
-    chart
-        .configure_mesh()
-        .disable_mesh()
-        .x_desc("x")
-        .y_desc("y")
-        .label_style(text(16))
-        .axis_desc_style(text(18))
-        .draw()?;
-    let square = |aabb: &Aabb3d| [(aabb.min.x, aabb.min.y), (aabb.max.x, aabb.max.y)];
-    chart.draw_series(frame.leaves.iter().map(|leaf| Rectangle::new(square(leaf), LEAF.stroke_width(2))))?;
+    let pixel = |x: f32, y: f32| {
+        let (x, y) = ((x - low.x) / (high.x - low.x), (y - low.y) / (high.y - low.y));
+        [LEFT.lerp(RIGHT, x), BOTTOM.lerp(TOP, y)]
+    };
+    let square = |Aabb3d { min, max }: &Aabb3d| {
+        [(min.x, min.y), (max.x, min.y), (max.x, max.y), (min.x, max.y), (min.x, min.y)].map(|(x, y)| pixel(x, y))
+    };
+    for leaf in &frame.leaves {
+        svg.line(square(leaf), LEAF);
+    }
+    axes(&mut svg, &frame.root, pixel);
     for (object, color) in frame.objects.iter().zip(OBJECTS.iter().cycle()) {
         let center = (object.aabb.min + object.aabb.max) * 0.5;
         let way = object.velocity * (10.0 / 64.0);
-        let tip = (center.x + way.x, center.y + way.y);
-        let barb = |side: f32| (tip.0 - 0.12 * way.x.signum(), tip.1 + side * 0.06);
-        let arrow =
-            PathElement::new(vec![(center.x, center.y), tip, barb(1.0), tip, barb(-1.0)], BLACK.stroke_width(2));
-        chart.draw_series([Rectangle::new(square(&object.aabb), color.mix(0.55).filled())])?;
-        chart.draw_series([Rectangle::new(square(&object.aabb), color.stroke_width(2))])?;
+        svg.line(square(&object.aabb), &format!(r#"fill="{color}" fill-opacity="0.55" stroke="{color}""#));
         if way != Vec3::ZERO {
-            chart.draw_series([arrow])?;
+            let [start, tip] = [pixel(center.x, center.y), pixel(center.x + way.x, center.y + way.y)];
+            let barb = |side: f32| [tip[0] - 14.0 * way.x.signum(), tip[1] + side];
+            svg.line([start, tip, barb(-7.0), tip, barb(7.0)], r#"stroke="black" stroke-width="2""#);
         }
-        let label =
-            EmptyElement::at((center.x, object.aabb.max.y)) + Text::new(object.name.clone(), (-20, -24), text(18));
-        chart.draw_series([label])?;
+        let [x, y] = pixel(center.x, object.aabb.max.y);
+        svg.text([x, y - 12.0], &object.name, r#"font-size="15" fill="black" text-anchor="middle""#);
     }
-    Ok(())
+    svg
+}
+
+/// Numbers and names along the left and the lower side, a number for each half unit.
+fn axes(svg: &mut Svg, root: &Aabb3d, pixel: impl Fn(f32, f32) -> [f32; 2]) {
+    let halves = |low: f32, high: f32| {
+        ((low * 2.0).ceil() as i32..=(high * 2.0).floor() as i32).map(|number| number as f32 / 2.0)
+    };
+    let (line, number) = (r#"stroke="black""#, r#"font-size="13" fill="black""#);
+    for x in halves(root.min.x, root.max.x) {
+        let [at, _] = pixel(x, 0.0);
+        svg.line([[at, BOTTOM], [at, BOTTOM + 5.0]], line);
+        svg.text([at, BOTTOM + 20.0], &format!("{x:.1}"), &format!(r#"{number} text-anchor="middle""#));
+    }
+    for y in halves(root.min.y, root.max.y) {
+        let [_, at] = pixel(0.0, y);
+        svg.line([[LEFT - 5.0, at], [LEFT, at]], line);
+        svg.text([LEFT - 10.0, at + 4.0], &format!("{y:.1}"), &format!(r#"{number} text-anchor="end""#));
+    }
+    let middle = [LEFT.midpoint(RIGHT), TOP.midpoint(BOTTOM)];
+    svg.text([middle[0], BOTTOM + 42.0], "x", r#"font-size="15" fill="black" text-anchor="middle""#);
+    svg.text([18.0, middle[1] + 4.0], "y", r#"font-size="15" fill="black" text-anchor="middle""#);
 }

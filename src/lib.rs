@@ -60,6 +60,7 @@
 //!
 //! The system is that of J. Edward Swan II, *Fast Collision Detection with an N-Objects Octree*, Ohio State University,
 //! ACCAD, 1994; "Swan 1994" or "the report" in the documentation.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 #![warn(missing_docs, clippy::doc_markdown)]
 

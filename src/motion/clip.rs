@@ -1,9 +1,8 @@
 //! The collision report of a clip: which objects touch, and when.
 
-use std::{
-    collections::{BTreeMap, HashMap},
-    io,
-};
+use std::collections::{BTreeMap, HashMap};
+#[cfg(feature = "reports")]
+use std::io;
 
 use serde::Serialize;
 use thiserror::Error;
@@ -22,6 +21,7 @@ use thiserror::Error;
 /// report.record(1, [("wall", "arm"), ("arm", "floor")])?;
 /// report.record(2, [] as [(&str, &str); 0])?;
 ///
+/// # #[cfg(feature = "reports")] {
 /// let mut csv = Vec::new();
 /// report.write_csv(&mut csv)?;
 /// assert_eq!(
@@ -30,10 +30,13 @@ use thiserror::Error;
 ///      arm,wall,0,1,2,1\n\
 ///      arm,floor,1,1,1,1\n"
 /// );
+/// # }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Formats
+///
+/// With the feature `reports`, it is written to files.
 ///
 /// Rows of pairs come in the order of their first contact, then of their names; rows of ticks in the order of the ticks,
 /// then of the names. Within a pair, `a` sorts before `b`.
@@ -160,6 +163,21 @@ impl CollisionReport {
         })
     }
 
+    /// The number under which a name is kept.
+    fn id(&mut self, name: &str) -> usize {
+        if let Some(&id) = self.ids.get(name) {
+            return id;
+        }
+        let id = self.names.len();
+        self.names.push(name.to_owned());
+        self.ids.insert(name.to_owned(), id);
+        id
+    }
+}
+
+/// Reports that are written, with the feature `reports`.
+#[cfg(feature = "reports")]
+impl CollisionReport {
     /// Writes a row for each pair, as CSV.
     ///
     /// # Errors
@@ -219,25 +237,15 @@ impl CollisionReport {
         }
         writer.flush()
     }
-
-    /// The number under which a name is kept.
-    fn id(&mut self, name: &str) -> usize {
-        if let Some(&id) = self.ids.get(name) {
-            return id;
-        }
-        let id = self.names.len();
-        self.names.push(name.to_owned());
-        self.ids.insert(name.to_owned(), id);
-        id
-    }
 }
 
+#[cfg(feature = "reports")]
 fn write_line(writer: &mut impl io::Write, row: &impl Serialize) -> io::Result<()> {
     serde_json::to_writer(&mut *writer, row)?;
     writer.write_all(b"\n")
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "reports"))]
 mod tests {
     use super::*;
 

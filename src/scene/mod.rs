@@ -6,6 +6,8 @@
 //!
 //! # Scene files
 //!
+//! With the feature `scene_files`, scenes are read from files and written to them.
+//!
 //! Scene files are [RON](https://docs.rs/ron) with the extensions `unwrap_variant_newtypes` and `implicit_some` switched
 //! on, and are named `*.scene.ron`. Fields not listed in the file take the default given here; unknown fields are errors.
 //!
@@ -33,6 +35,7 @@
 //! ```
 //! use bevy_octree::scene::SceneDescription;
 //!
+//! # #[cfg(feature = "scene_files")] {
 //! let scene = SceneDescription::parse(
 //!     r#"(
 //!         name: "one hit",
@@ -46,6 +49,7 @@
 //!
 //! let error = SceneDescription::parse("(name: \"t3\",\n content: TestSet(ring: 3))").unwrap_err();
 //! assert!(error.to_string().starts_with("scene text:2:19: Unexpected field named `ring`"));
+//! # }
 //! # Ok::<(), bevy_octree::scene::SceneError>(())
 //! ```
 //!
@@ -58,6 +62,8 @@
 mod asset;
 mod description;
 mod error;
+#[cfg(feature = "scene_files")]
+mod file;
 mod shape;
 mod spawn;
 pub mod stress;
@@ -70,5 +76,5 @@ pub use error::{ObjectProblem, SceneError, SceneProblem};
 pub use shape::ShapeDescription;
 pub use test_set::{Plane, TestCube, TestSet, TestSetError};
 
-#[cfg(test)]
+#[cfg(all(test, feature = "scene_files"))]
 mod tests;

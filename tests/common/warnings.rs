@@ -1,15 +1,25 @@
-//! Warnings in the log, counted.
+//! Warnings in the log.
 
-use std::sync::{
-    Arc,
-    atomic::{AtomicUsize, Ordering},
+use std::{
+    fmt::Debug,
+    mem::take,
+    sync::{Arc, LazyLock, Mutex},
 };
 
-use tracing::{Event, Level, Metadata, Subscriber, span, subscriber};
+use tracing::{
+    Dispatch, Event, Level, Metadata, Subscriber,
+    field::{Field, Visit},
+    span, subscriber,
+};
 
-struct Counter(Arc<AtomicUsize>);
+/// While there is one subscriber, `tracing` lets the thread that comes to a warning first say whether anybody wants it,
+/// for good and for all threads: another test that runs at the time, and does not listen. With two, it asks both.
+static SECOND: LazyLock<Dispatch> = LazyLock::new(|| Dispatch::new(Listener::default()));
 
-impl Subscriber for Counter {
+#[derive(Clone, Default)]
+struct Listener(Arc<Mutex<Vec<String>>>);
+
+impl Subscriber for Listener {
     fn enabled(&self, metadata: &Metadata) -> bool {
         *metadata.level() == Level::WARN && metadata.target().starts_with("bevy_octree")
     }
@@ -22,8 +32,10 @@ impl Subscriber for Counter {
 
     fn record_follows_from(&self, _: &span::Id, _: &span::Id) {}
 
-    fn event(&self, _: &Event) {
-        self.0.fetch_add(1, Ordering::Relaxed);
+    fn event(&self, event: &Event) {
+        let mut message = Message(String::new());
+        event.record(&mut message);
+        self.0.lock().expect("nobody panics").push(message.0);
     }
 
     fn enter(&self, _: &span::Id) {}
@@ -31,9 +43,23 @@ impl Subscriber for Counter {
     fn exit(&self, _: &span::Id) {}
 }
 
+struct Message(String);
+
+impl Visit for Message {
+    fn record_debug(&mut self, _: &Field, value: &dyn Debug) {
+        self.0 += &format!("{value:?}");
+    }
+}
+
+/// The warnings of the crate's that this thread logs meanwhile.
+pub fn told(act: impl FnOnce()) -> Vec<String> {
+    LazyLock::force(&SECOND);
+    let listener = Listener::default();
+    subscriber::with_default(listener.clone(), act);
+    take(&mut *listener.0.lock().expect("nobody panics"))
+}
+
 /// How many warnings of the crate's this thread logs meanwhile.
 pub fn warnings(act: impl FnOnce()) -> usize {
-    let count = Arc::new(AtomicUsize::new(0));
-    subscriber::with_default(Counter(count.clone()), act);
-    count.load(Ordering::Relaxed)
+    told(act).len()
 }

@@ -1,0 +1,42 @@
+//! What the crate promises to those who use it: a file for each promise, all of them in one program, which is quicker to
+//! build than a program each. `cargo test --test app -- swept::` runs one of them.
+
+mod bounce;
+#[path = "../common/mod.rs"]
+mod common;
+mod conservation;
+mod contact_events;
+mod contacts;
+#[cfg(feature = "debug_draw")]
+mod debug_draw;
+mod diagnostics;
+mod filters;
+mod hierarchies;
+#[path = "../common/hook.rs"]
+mod hook;
+mod interrupted_ticks;
+mod lifecycle;
+#[cfg(feature = "picking")]
+mod picking;
+mod plugin;
+mod random_scenes;
+#[cfg(feature = "rapier")]
+mod rapier;
+#[cfg(feature = "rapier")]
+mod rapier_bodies;
+mod seams;
+mod shear;
+mod spaces;
+mod spatial_query;
+mod split_and_merge;
+mod stress;
+mod swept;
+#[cfg(feature = "rapier")]
+mod swept_half_spaces;
+mod swept_ways;
+mod test_sets;
+#[cfg(feature = "multi_threaded")]
+mod threads;
+mod trace;
+mod upkeep;
+mod worlds;

@@ -1,0 +1,66 @@
+//! Continuous detection takes no more memory the longer it runs: by an allocator that counts.
+
+use crate::{allocator, common};
+
+use allocator::{alone, live};
+use bevy::prelude::*;
+use bevy_octree::prelude::*;
+
+/// Bytes in use after `ticks` ticks, by which all buffers have grown, and after four times as many.
+fn early_and_late(app: &mut App, ticks: usize) -> [f64; 2] {
+    [ticks, 3 * ticks].map(|ticks| {
+        common::tick(app, ticks);
+        live() as f64
+    })
+}
+
+fn app() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
+        .insert_resource(MotionSettings { step: Step::Seconds(1.0) });
+    app
+}
+
+fn wall(app: &mut App, center: Vec3, half_size: Vec3) {
+    let shape = CollisionShape::cuboid(half_size).unwrap();
+    app.world_mut().spawn((shape, Transform::from_translation(center)));
+}
+
+fn ball(app: &mut App, center: Vec3, velocity: Vec3, parts: impl Bundle) {
+    let shape = CollisionShape::sphere(0.1).unwrap();
+    let moving = (Velocity(velocity), Bounce::Reflect { restitution: 1.0 });
+    app.world_mut().spawn((shape, moving, Transform::from_translation(center), parts));
+}
+
+#[test]
+fn memory_stays_flat() {
+    let _alone = alone();
+    // One ball between two walls, that bounces once per tick.
+    let mut one = app();
+    for x in [-1.0, 1.0] {
+        wall(&mut one, Vec3::X * x, Vec3::new(0.1, 5.0, 5.0));
+    }
+    ball(&mut one, Vec3::ZERO, Vec3::X * 2.0, Swept::default());
+    let [early, late] = early_and_late(&mut one, 20_000);
+    assert!(late <= early * 1.01, "one ball: {early} bytes, then {late}");
+    drop(one);
+
+    // A room of balls, a quarter of them swept.
+    let mut many = app();
+    for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+        for side in [-1.0, 1.0] {
+            wall(&mut many, axis * side * 8.0, Vec3::splat(8.0) * (Vec3::ONE - axis) + axis * 0.5);
+        }
+    }
+    let mut random = fastrand::Rng::with_seed(1);
+    let mut vector = |size: f32| Vec3::from_array([0; 3].map(|_| (random.f32() * 2.0 - 1.0) * size));
+    for place in 0..400 {
+        let (center, velocity) = (vector(6.0), vector(0.5));
+        match place % 4 {
+            0 => ball(&mut many, center, velocity * 4.0, Swept::default()),
+            _ => ball(&mut many, center, velocity, ()),
+        }
+    }
+    let [early, late] = early_and_late(&mut many, 1_000);
+    assert!(late <= early * 1.01, "a room of balls: {early} bytes, then {late}");
+}
