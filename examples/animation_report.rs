@@ -11,9 +11,8 @@ use std::{
 
 use bevy::prelude::*;
 use bevy_octree::{
-    motion::CollisionReport,
     prelude::*,
-    scene::{Motion, SceneDescription},
+    scene::{CollisionReport, Motion, SceneDescription},
 };
 use clap::Parser;
 use outcome::{Outcome, exit};

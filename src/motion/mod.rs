@@ -1,12 +1,10 @@
 //! Motion: velocities, position tracks and the clock (Swan 1994, sections 1.2 and 1.3).
 
-mod clip;
 mod track;
 
 use bevy::prelude::*;
 
 use crate::schedule::{CollisionSystems, add_to_tick};
-pub use clip::{CollisionReport, Interval, PairContacts, TickOutOfOrder};
 pub use track::{Interpolation, Outside, PositionTrack, TrackError};
 
 /// How fast and where to an entity moves, in units per second, in the space of its parent.

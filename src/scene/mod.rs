@@ -2,7 +2,7 @@
 //!
 //! A [`SceneDescription`] is plain data. It is written by hand in a scene file, generated from a [`TestSet`] (the two
 //! planes of cubes of Swan, *Fast Collision Detection with an N-Objects Octree*, 1994, section 3.1), or put together in
-//! code; [`SceneDescription::spawn`] turns it into entities.
+//! code; [`SceneDescription::spawn`] turns it into entities. A [`CollisionReport`] tells which of them touched, and when.
 //!
 //! # Scene files
 //!
@@ -56,6 +56,7 @@
 
 #[cfg(feature = "asset")]
 mod asset;
+mod clip_report;
 mod description;
 mod error;
 mod shape;
@@ -65,6 +66,7 @@ mod test_set;
 
 #[cfg(feature = "asset")]
 pub use asset::{SceneAssetPlugin, SceneLoader};
+pub use clip_report::{CollisionReport, Interval, PairContacts, TickOutOfOrder};
 pub use description::{Content, Motion, ObjectDescription, SceneDescription};
 pub use error::{ObjectProblem, SceneError, SceneProblem};
 pub use shape::ShapeDescription;

@@ -15,7 +15,7 @@ use thiserror::Error;
 /// Memory grows with the number of contacts, not with how long they last.
 ///
 /// ```
-/// use bevy_octree::motion::CollisionReport;
+/// use bevy_octree::scene::CollisionReport;
 ///
 /// let mut report = CollisionReport::default();
 /// report.record(0, [("arm", "wall")])?;
