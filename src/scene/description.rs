@@ -228,6 +228,10 @@ impl SceneDescription {
     }
 }
 
+pub(super) fn register(app: &mut App) {
+    app.register_type::<SceneDescription>();
+}
+
 impl From<TestSet> for SceneDescription {
     /// The scene of a test set, under the report's name for it.
     fn from(set: TestSet) -> Self {

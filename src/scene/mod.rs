@@ -64,6 +64,8 @@ mod spawn;
 pub mod stress;
 mod test_set;
 
+use bevy::prelude::*;
+
 #[cfg(feature = "asset")]
 pub use asset::{SceneAssetPlugin, SceneLoader};
 pub use clip_report::{CollisionReport, Interval, PairContacts, TickOutOfOrder};
@@ -71,6 +73,17 @@ pub use description::{Content, Motion, ObjectDescription, SceneDescription};
 pub use error::{ObjectProblem, SceneError, SceneProblem};
 pub use shape::ShapeDescription;
 pub use test_set::{Plane, TestCube, TestSet, TestSetError};
+
+/// Makes scenes known to reflection.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ScenePlugin;
+
+impl Plugin for ScenePlugin {
+    fn build(&self, app: &mut App) {
+        description::register(app);
+        test_set::register(app);
+    }
+}
 
 #[cfg(test)]
 mod tests;
