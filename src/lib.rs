@@ -107,6 +107,7 @@ pub mod prelude {
     #[cfg(feature = "rapier")]
     pub use crate::rapier::{RapierInteropPlugin, ShapeFromRapier};
     pub use crate::{
+        collision_layers,
         broad_phase::{Method, ObjectOctreeSettings, PairKinds},
         collision_index::{CandidatePairs, CollisionIndex},
         components::{CollisionShape, Cube, WorldAabb},
@@ -116,7 +117,8 @@ pub mod prelude {
         },
         counters::CollisionCounters,
         filters::{
-            CollisionLayer, CollisionLayers, IgnoreCollisions, PairHook, PairHookPlugin, Sensor, StaticCollider,
+            CollisionLayer, CollisionLayers, IgnoreCollisions, LayerMask, PairHook, PairHookPlugin, Sensor,
+            StaticCollider,
         },
         motion::{CollisionClock, MotionSettings, MovedElsewhere, PositionTrack, Step, Velocity},
         narrow_phase::Shape,
