@@ -116,6 +116,7 @@ pub const STAGES: [CollisionSystems; 7] = [
 /// before it counts.
 #[derive(Resource, Clone, Debug, Default, Reflect)]
 #[reflect(Resource, Debug, Default)]
+#[type_path = "bevy_octree"]
 pub struct StageTimes {
     times: [Duration; STAGES.len()],
     /// The end of the stage before.

@@ -474,14 +474,14 @@ fn queries_see_half_spaces() {
     let entity = ball(&mut app, Vec3::new(0.0, -5.0, 0.0), ());
     tick(&mut app, 1);
     let ask = move |spatial: SpatialQuery| {
-        let all = SpatialQueryFilter::ALL;
+        let all = SpatialQueryFilter::DEFAULT;
         let down = |x: f32| Ray3d::new(Vec3::new(x, 1.0, 0.0), Dir3::NEG_Y);
         let hit = spatial.cast_ray(down(0.0), 100.0, &all).unwrap();
         assert_eq!((hit.entity, hit.distance, hit.normal), (ground, 2.0, Vec3::Y));
         let hit = spatial.cast_ray(down(1e4), 100.0, &all).unwrap();
         assert_eq!((hit.entity, hit.distance), (ground, 2.0));
         assert!(spatial.cast_ray(down(0.0), 1.5, &all).is_none());
-        let below = SpatialQueryFilter::except(ground);
+        let below = SpatialQueryFilter::DEFAULT.except(ground);
         assert_eq!(spatial.cast_ray(down(0.0), 100.0, &below).map(|hit| hit.entity), Some(entity));
         let hit = spatial.cast_sphere(Vec3::Y, 0.5, Dir3::NEG_Y, 100.0, &all).unwrap();
         assert!(hit.entity == ground && (hit.distance - 1.5).abs() < 1e-4, "{hit:?}");
@@ -493,10 +493,10 @@ fn queries_see_half_spaces() {
         assert_eq!((near.entity, near.distance, near.point), (ground, 3.0, Vec3::new(3.0, -1.0, 0.0)));
         assert!(spatial.nearest(Vec3::Y * 2.0, 2.0, &all).is_none());
         let mut found = vec![];
-        spatial.sphere_intersections(Vec3::X * 50.0, 0.9, &all, |entity| found.push(entity));
+        spatial.for_each_sphere_intersection(Vec3::X * 50.0, 0.9, &all, |entity| found.push(entity));
         assert!(found.is_empty());
-        spatial.sphere_intersections(Vec3::X * 50.0, 1.1, &all, |entity| found.push(entity));
-        spatial.point_intersections(Vec3::Y * -5.0, &all, |entity| found.push(entity));
+        spatial.for_each_sphere_intersection(Vec3::X * 50.0, 1.1, &all, |entity| found.push(entity));
+        spatial.for_each_point_intersection(Vec3::Y * -5.0, &all, |entity| found.push(entity));
         let count = |of| found.iter().filter(|entity| **entity == of).count();
         assert_eq!((found.len(), count(ground), count(entity)), (3, 2, 1));
     };

@@ -35,7 +35,7 @@ impl Default for CollisionLayers {
 
 impl From<PairFilter> for CollisionLayers {
     fn from(PairFilter { memberships, filters, .. }: PairFilter) -> Self {
-        Self { memberships: LayerMask(memberships), filters: LayerMask(filters) }
+        Self::from_bits(memberships, filters)
     }
 }
 
@@ -51,13 +51,19 @@ impl CollisionLayers {
     /// # use bevy_octree::prelude::*;
     /// # collision_layers! { enum Layer { Ground, Ship, Bullet } }
     /// let ship = CollisionLayers::new(Layer::Ship, [Layer::Ground, Layer::Bullet]);
-    /// assert_eq!(ship, CollisionLayers::new(0b010, 0b101));
+    /// assert_eq!(ship, CollisionLayers::from_bits(0b010, 0b101));
     /// let ghost = CollisionLayers::new(Layer::Ship, LayerMask::NONE);
     /// # assert_eq!(ghost.memberships, ship.memberships);
     /// ```
     #[must_use]
     pub fn new(memberships: impl Into<LayerMask>, filters: impl Into<LayerMask>) -> Self {
         Self { memberships: memberships.into(), filters: filters.into() }
+    }
+
+    /// The same by bits: one for each layer, the lowest for the first.
+    #[must_use]
+    pub const fn from_bits(memberships: u32, filters: u32) -> Self {
+        Self { memberships: LayerMask(memberships), filters: LayerMask(filters) }
     }
 
     pub(super) const fn put_into(self, filter: &mut PairFilter) {

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 /// Counts ticks from zero: the runs of the schedule that the plugins are in. After tick [`u64::MAX`], it is zero again.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct CollisionClock {
     tick: u64,
 }

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 /// Settings of the motion.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Resource, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct MotionSettings {
     /// How much time passes in a tick.
     pub step: Step,
@@ -12,6 +13,7 @@ pub struct MotionSettings {
 
 /// How much time passes in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[type_path = "bevy_octree"]
 pub enum Step {
     /// What [`Time`] says in the schedule that the plugins are in: the fixed timestep in fixed schedules. Nothing if
     /// the app has no `Time`.

@@ -33,6 +33,7 @@ use super::clock::CollisionClock;
 /// ```
 #[derive(Component, Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Component, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[type_path = "bevy_octree"]
 #[serde(try_from = "UncheckedTrack", into = "UncheckedTrack")]
 #[require(Transform)]
 pub struct PositionTrack {
@@ -45,6 +46,7 @@ pub struct PositionTrack {
 /// How a [`PositionTrack`] gets from one keyframe to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 pub enum Interpolation {
     /// It stays at a keyframe's position until the tick of the next one.
     Step,
@@ -61,6 +63,7 @@ pub enum Interpolation {
 /// Where a [`PositionTrack`] is before its first and after its last keyframe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize)]
 #[reflect(Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 pub enum Outside {
     /// At the nearest keyframe.
     #[default]

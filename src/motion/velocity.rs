@@ -13,6 +13,7 @@ use super::{step::MotionSettings, track::PositionTrack};
 /// nothing, with a warning in the log.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect, Deref, DerefMut)]
 #[reflect(Component, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 #[require(Transform)]
 #[doc(alias("linear velocity", "speed"))]
 pub struct Velocity(pub Vec3);
@@ -21,6 +22,7 @@ pub struct Velocity(pub Vec3);
 /// Contacts change the velocity all the same.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 #[doc(alias = "kinematic")]
 pub struct MovedElsewhere;
 

@@ -85,6 +85,7 @@ use crate::{
 /// this marker. A shape that others give to the entity is replaced.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 #[component(on_remove = drop_shape)]
 pub struct ShapeFromRapier;
 

@@ -50,6 +50,7 @@ fn register(app: &mut App) -> bool {
 
 /// Loads a [`SceneDescription`] from RON, as [`SceneDescription::load`] does.
 #[derive(Clone, Copy, Debug, Default, TypePath)]
+#[type_path = "bevy_octree"]
 pub struct SceneLoader;
 
 impl AssetLoader for SceneLoader {

@@ -17,6 +17,7 @@ use crate::motion::PositionTrack;
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[cfg_attr(feature = "asset", derive(bevy::asset::Asset))]
 #[reflect(Debug, PartialEq)]
+#[type_path = "bevy_octree"]
 #[serde(deny_unknown_fields)]
 pub struct SceneDescription {
     /// The name, for people.
@@ -31,6 +32,7 @@ pub struct SceneDescription {
 /// What is in a scene.
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Debug, PartialEq)]
+#[type_path = "bevy_octree"]
 pub enum Content {
     /// The two planes of cubes of a test set, named `left_0`, `left_1`, … and `right_0`, `right_1`, …, from the centre
     /// outward; opposite cubes have the same number.
@@ -42,6 +44,7 @@ pub enum Content {
 /// One object of a scene.
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Debug, PartialEq)]
+#[type_path = "bevy_octree"]
 // Derives inherent functions, which the trait implementations below wrap: reading checks the object while the reader
 // still knows the line.
 #[serde(deny_unknown_fields, remote = "Self")]
@@ -68,6 +71,7 @@ pub struct ObjectDescription {
 /// How an object of a scene moves.
 #[derive(Clone, Debug, Default, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 pub enum Motion {
     /// Not at all.
     #[default]

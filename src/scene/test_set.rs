@@ -29,6 +29,7 @@ use thiserror::Error;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 #[serde(deny_unknown_fields, default)]
 pub struct TestSet {
     /// How many rings surround each central cube, at most [`TestSet::MAX_RINGS`].
