@@ -19,7 +19,7 @@ use bevy_rapier3d::{
     prelude as rapier,
     prelude::{Collider, RapierPhysicsPlugin, RigidBody},
 };
-use common::*;
+use common::{warnings::warnings, *};
 
 const STEP: f32 = 1.0 / TICKS_PER_SECOND;
 
@@ -562,4 +562,34 @@ fn an_observer_may_despawn_what_rapier_knows() {
     assert!(app.world().get_entity(falling).is_err());
     assert_eq!(messages_about(&app, pair(falling, floor)), (1, 1));
     assert!(contacts(&app).is_empty());
+}
+
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+struct Elsewhere;
+
+#[test]
+fn the_plugin_may_be_added_first_and_goes_where_the_ticks_are() {
+    let mut app = App::new();
+    app.init_schedule(Elsewhere)
+        .insert_resource(rapier::TimestepMode::Fixed { dt: STEP, substeps: 1 })
+        .add_plugins((RapierInteropPlugin::default(), MinimalPlugins, TransformPlugin))
+        .add_plugins((OctreePlugins::new(Elsewhere), RapierPhysicsPlugin::<()>::default()));
+    assert_eq!(warnings(|| app.finish()), 0);
+    app.cleanup();
+    let still = (RigidBody::Fixed, rapier::Sensor);
+    let a = spawn(&mut app, Collider::ball(1.0), Vec3::ZERO, still);
+    let b = spawn(&mut app, Collider::ball(1.0), Vec3::X, (still, Bounce::default(), rapier::Velocity::default()));
+    app.update();
+    assert!(app.world().get::<CollisionShape>(a).is_none(), "no tick has been made");
+    app.world_mut().run_schedule(Elsewhere);
+    assert_eq!(contacts(&app), [pair(a, b)]);
+    assert!(app.world().entity(b).contains::<MovedElsewhere>(), "velocities are in step, too");
+}
+
+#[test]
+fn the_plugin_without_ticks_says_so() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, RapierInteropPlugin::default()));
+    app.add_plugins(RapierPhysicsPlugin::<()>::default());
+    assert_eq!(warnings(|| app.finish()), 1);
 }

@@ -268,6 +268,53 @@ fn filters_and_callbacks() {
     });
 }
 
+#[test]
+fn vectors_are_filled_with_what_callbacks_are_called_with() {
+    for (seed, method) in methods().into_iter().enumerate() {
+        let mut app = random_app(&mut Rng::with_seed(seed as u64), method, 200);
+        ask(&mut app, |spatial| {
+            // What is in them goes.
+            let (mut filled, mut called) = (vec![Entity::PLACEHOLDER], Vec::new());
+            let mut total = 0;
+            let mut compare = |filled: &[Entity], called: &mut Vec<Entity>| {
+                called.sort();
+                assert_eq!(filled, *called);
+                total += called.len();
+                called.clear();
+            };
+            let (cube, place) = (Shape::cuboid(Vec3::splat(3.0)).unwrap(), Transform::from_rotation(Quat::from_rotation_y(0.7)));
+            let aabb = Aabb3d::new(Vec3::ONE, Vec3::splat(4.0));
+            let frustum = ViewFrustum { half_spaces: [HalfSpace::new(Vec4::X); 6] };
+            spatial.box_intersections(&aabb, &ALL, &mut filled);
+            spatial.for_each_box_intersection(&aabb, &ALL, |entity| called.push(entity));
+            compare(&filled, &mut called);
+            spatial.sphere_intersections(Vec3::ONE, 4.0, &ALL, &mut filled);
+            spatial.for_each_sphere_intersection(Vec3::ONE, 4.0, &ALL, |entity| called.push(entity));
+            compare(&filled, &mut called);
+            spatial.point_intersections(Vec3::ONE, &ALL, &mut filled);
+            spatial.for_each_point_intersection(Vec3::ONE, &ALL, |entity| called.push(entity));
+            compare(&filled, &mut called);
+            spatial.shape_intersections(&cube, &place, &ALL, &mut filled);
+            spatial.for_each_shape_intersection(&cube, &place, &ALL, |entity| called.push(entity));
+            compare(&filled, &mut called);
+            spatial.frustum_intersections(&frustum, &ALL, &mut filled);
+            spatial.for_each_frustum_intersection(&frustum, &ALL, |entity| called.push(entity));
+            compare(&filled, &mut called);
+            spatial.half_space_intersections(&frustum.half_spaces, &ALL, &mut filled);
+            spatial.for_each_half_space_intersection(&frustum.half_spaces, &ALL, |entity| called.push(entity));
+            compare(&filled, &mut called);
+            assert!(total > 100, "{total}");
+
+            let (mut filled, mut called) = (Vec::new(), Vec::new());
+            spatial.pairs_within(1.0, &ALL, &ALL, &mut filled);
+            spatial.for_each_pair_within(1.0, &ALL, &ALL, |pair| called.push(pair));
+            called.sort_by(|a, b| a.distance.total_cmp(&b.distance).then((a.a, a.b).cmp(&(b.a, b.b))));
+            assert_eq!(filled, called);
+            assert!(filled.len() > 20, "{}", filled.len());
+        });
+    }
+}
+
 #[derive(Clone, Copy)]
 enum Layer {
     Ground,
@@ -316,7 +363,7 @@ fn queries_by_layer() {
                 inside
             })
         };
-        let on = |layers: &[Layer]| ALL.on(layers.iter().copied());
+        let on = |layers: &[Layer]| ALL.on(layers.iter().copied().collect::<LayerMask>());
         assert_eq!(found(&mut app, ALL), [plain, foes[0], foes[1]]);
         assert_eq!(found(&mut app, on(&[Layer::Ground])), [plain]);
         assert_eq!(found(&mut app, on(&[Layer::Foe])), foes);

@@ -237,3 +237,50 @@ macro_rules! collision_layers {
 pub(super) fn register(app: &mut App) {
     app.register_type::<LayerMask>();
 }
+
+#[cfg(test)]
+mod tests {
+    use bevy::reflect::{
+        TypeRegistry,
+        serde::{TypedReflectDeserializer, TypedReflectSerializer},
+    };
+    use serde::de::{
+        DeserializeSeed,
+        value::{Error, MapDeserializer},
+    };
+
+    use super::*;
+    use crate::filters::CollisionLayers;
+
+    #[test]
+    fn masks_are_sets() {
+        let (a, b) = (LayerMask(0b0110), LayerMask(0b0011));
+        assert_eq!([a | b, a & b, a ^ b, !!a], [0b0111, 0b0010, 0b0101, 0b0110].map(LayerMask));
+        assert!(a.contains(LayerMask::layer(2)) && !a.contains(b) && a.contains(LayerMask::NONE) && a.intersects(b));
+        assert!(LayerMask::ALL.contains(a) && !LayerMask::NONE.intersects(LayerMask::ALL));
+        let mut c = a;
+        c |= b;
+        c &= !LayerMask::layer(0);
+        c ^= LayerMask::layer(31);
+        assert_eq!(c, LayerMask(1 << 31 | 0b0110));
+        assert_eq!([32, 33, u32::MAX].map(LayerMask::layer), [LayerMask::NONE; 3]);
+        assert_eq!([a, b].into_iter().collect::<LayerMask>(), LayerMask(0b0111));
+        assert_eq!(format!("{a:?}"), "LayerMask(0b110)");
+    }
+
+    /// As a scene saves it, and an editor writes it.
+    #[test]
+    fn layers_are_numbers_where_they_are_reflected() {
+        let mut registry = TypeRegistry::new();
+        registry.register::<CollisionLayers>();
+        let registration = registry.get_with_type_path("bevy_octree::CollisionLayers").unwrap();
+        let bits = [("memberships", 2_u32), ("filters", 5)].into_iter();
+        let read = TypedReflectDeserializer::new(registration, &registry)
+            .deserialize(MapDeserializer::<_, Error>::new(bits))
+            .unwrap();
+        let layers = CollisionLayers::from_reflect(&*read).unwrap();
+        assert_eq!(layers, CollisionLayers::from_bits(2, 5));
+        let written = fmt::from_fn(|f| TypedReflectSerializer::new(&layers.filters, &registry).serialize(f));
+        assert_eq!(written.to_string(), "5");
+    }
+}
