@@ -107,9 +107,9 @@ pub mod prelude {
     #[cfg(feature = "rapier")]
     pub use crate::rapier::{RapierInteropPlugin, ShapeFromRapier};
     pub use crate::{
-        collision_layers,
         broad_phase::{Method, ObjectOctreeSettings, PairKinds},
         collision_index::{CandidatePairs, CollisionIndex},
+        collision_layers,
         components::{CollisionShape, Cube, WorldAabb},
         contacts::{
             CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted,

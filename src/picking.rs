@@ -58,7 +58,7 @@ impl Plugin for CollisionPickingPlugin {
     }
 }
 
-/// Which entities can be picked at all. May be changed at any time.
+/// The settings of picking: which entities can be picked at all. May be changed at any time.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]

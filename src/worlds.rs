@@ -79,7 +79,7 @@ impl FromWorld for InCollisionWorld {
 pub struct CollisionWorld(EntityHashSet);
 
 impl CollisionWorld {
-    /// All of them, in no particular order.
+    /// Returns all of them, in no particular order.
     #[must_use]
     pub const fn entities(&self) -> &EntityHashSet {
         &self.0

@@ -181,7 +181,9 @@ fn a_shape_that_changes_at_any_moment_counts_by_the_next_tick() {
                 assert_eq!(contacts(&app), expected, "{what:?}");
                 let look = |spatial: SpatialQuery| {
                     let mut found = Vec::new();
-                    spatial.for_each_point_intersection(Vec3::X * 2.0, &SpatialQueryFilter::DEFAULT, |entity| found.push(entity));
+                    spatial.for_each_point_intersection(Vec3::X * 2.0, &SpatialQueryFilter::DEFAULT, |entity| {
+                        found.push(entity)
+                    });
                     found
                 };
                 let found = app.world_mut().run_system_once(look).unwrap();

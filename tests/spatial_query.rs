@@ -198,10 +198,12 @@ fn what_is_in_the_box_but_not_in_the_shape_is_not_met() {
             assert!(found.iter().all(|entity| *entity == cube));
             found.len()
         };
-        let at = |point: Vec3| count(&|found| spatial.for_each_point_intersection(point, &ALL, |entity| found.push(entity)));
+        let at =
+            |point: Vec3| count(&|found| spatial.for_each_point_intersection(point, &ALL, |entity| found.push(entity)));
         assert_eq!((at(corner), at(Vec3::X * 8.6), at(Vec3::X * 10.0)), (0, 1, 1));
-        let ball =
-            |radius| count(&|found| spatial.for_each_sphere_intersection(corner, radius, &ALL, |entity| found.push(entity)));
+        let ball = |radius| {
+            count(&|found| spatial.for_each_sphere_intersection(corner, radius, &ALL, |entity| found.push(entity)))
+        };
         assert_eq!((ball(0.8), ball(0.9)), (0, 1));
         let cuboid = |half: f32| {
             let aabb = Aabb3d::new(corner, Vec3::splat(half));
@@ -214,7 +216,10 @@ fn what_is_in_the_box_but_not_in_the_shape_is_not_met() {
             |x| count(&|found| spatial.for_each_half_space_intersection(&beyond(x), &ALL, |entity| found.push(entity)));
         assert_eq!((planes(8.0), planes(9.0)), (0, 1));
         let frustum = ViewFrustum::from_clip_from_world(&Mat4::orthographic_rh(8.7, 20.0, 1.3, 3.0, -5.0, 5.0));
-        assert_eq!(count(&|found| spatial.for_each_frustum_intersection(&frustum, &ALL, |entity| found.push(entity))), 1);
+        assert_eq!(
+            count(&|found| spatial.for_each_frustum_intersection(&frustum, &ALL, |entity| found.push(entity))),
+            1
+        );
 
         let diagonal = 2f32.sqrt();
         let hit = spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &ALL).unwrap();
@@ -282,7 +287,8 @@ fn vectors_are_filled_with_what_callbacks_are_called_with() {
                 total += called.len();
                 called.clear();
             };
-            let (cube, place) = (Shape::cuboid(Vec3::splat(3.0)).unwrap(), Transform::from_rotation(Quat::from_rotation_y(0.7)));
+            let (cube, place) =
+                (Shape::cuboid(Vec3::splat(3.0)).unwrap(), Transform::from_rotation(Quat::from_rotation_y(0.7)));
             let aabb = Aabb3d::new(Vec3::ONE, Vec3::splat(4.0));
             let frustum = ViewFrustum { half_spaces: [HalfSpace::new(Vec4::X); 6] };
             spatial.box_intersections(&aabb, &ALL, &mut filled);
@@ -352,8 +358,10 @@ fn queries_by_layer() {
                 let nearest = spatial.nearest(Vec3::ZERO, 100.0, &filter).map(|hit| hit.entity);
                 assert_eq!((ray, sphere), (nearest, nearest));
                 let (mut inside, mut seen, mut hits) = (vec![], vec![], vec![]);
-                spatial.for_each_box_intersection(&Aabb3d::new(Vec3::ZERO, Vec3::splat(9.0)), &filter, |e| inside.push(e));
-                spatial.for_each_half_space_intersection(&[HalfSpace::new(Vec4::X)], &filter, |entity| seen.push(entity));
+                spatial
+                    .for_each_box_intersection(&Aabb3d::new(Vec3::ZERO, Vec3::splat(9.0)), &filter, |e| inside.push(e));
+                spatial
+                    .for_each_half_space_intersection(&[HalfSpace::new(Vec4::X)], &filter, |entity| seen.push(entity));
                 spatial.k_nearest(Vec3::ZERO, 9, 100.0, &filter, &mut hits);
                 inside.sort_by_key(|entity| entity.index_u32());
                 seen.sort_by_key(|entity| entity.index_u32());
@@ -598,7 +606,9 @@ fn pairs_within_a_distance_are_those_of_brute_force() {
                     assert!((near.points[0].distance(near.points[1]) - near.distance).abs() < 1e-4);
                     found.push((pair(near.a, near.b), near.distance));
                 });
-                spatial.for_each_pair_within(limit, &first, &second, |near| again.push((pair(near.a, near.b), near.distance)));
+                spatial.for_each_pair_within(limit, &first, &second, |near| {
+                    again.push((pair(near.a, near.b), near.distance))
+                });
                 assert_eq!(found, again);
                 expected.sort_by_key(|(pair, _)| *pair);
                 found.sort_by_key(|(pair, _)| *pair);

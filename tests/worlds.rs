@@ -122,7 +122,8 @@ fn queries_see_one_world() {
                 let ray = spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &filter).map(|hit| hit.entity);
                 let nearest = spatial.nearest(Vec3::ZERO, 100.0, &filter).map(|hit| hit.entity);
                 let mut inside = vec![];
-                spatial.for_each_box_intersection(&Aabb3d::new(Vec3::ZERO, Vec3::splat(9.0)), &filter, |e| inside.push(e));
+                spatial
+                    .for_each_box_intersection(&Aabb3d::new(Vec3::ZERO, Vec3::splat(9.0)), &filter, |e| inside.push(e));
                 inside.sort_by_key(|entity| entity.index_u32());
                 assert_eq!((ray, inside.contains(&ray.unwrap_or(Entity::PLACEHOLDER))), (nearest, ray.is_some()));
                 assert_eq!(ray.is_none(), inside.is_empty());

@@ -8,7 +8,7 @@ use crate::{
     components::{BroadPhaseProxy, WorldAabb},
 };
 
-/// How the box of one entity is drawn, and its way if it is [swept](crate::swept::Swept), whatever the
+/// Says how the box of one entity is drawn, and its way if it is [swept](crate::swept::Swept), whatever the
 /// [`CollisionGizmos`] say about others.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]

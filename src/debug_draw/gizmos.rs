@@ -2,8 +2,8 @@
 
 use bevy::{color::palettes::tailwind, prelude::*};
 
-/// What is drawn, and how: `None` is not drawn, and costs nothing. Line widths and all else that gizmos have are in the
-/// [`GizmoConfig`] beside it.
+/// The settings of debug drawing: `None` is not drawn, and costs nothing. Line widths and all else that gizmos have are in
+/// the [`GizmoConfig`] beside it.
 ///
 /// The default draws everything but leaves.
 ///
@@ -63,7 +63,7 @@ impl Default for CollisionGizmos {
     }
 }
 
-/// What the colour of a leaf tells.
+/// The figure that the colour of a leaf stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]

@@ -40,12 +40,12 @@ impl From<PairFilter> for CollisionLayers {
 }
 
 impl CollisionLayers {
-    /// On no layer: meets nothing.
+    /// The layers of an entity that is on none, and meets nothing.
     pub const NONE: Self = Self { memberships: LayerMask::NONE, filters: LayerMask::NONE };
-    /// On all layers, and may meet all.
+    /// The layers of an entity that is on all, and may meet all.
     pub const ALL: Self = Self { memberships: LayerMask::ALL, filters: LayerMask::ALL };
 
-    /// Says that an entity is on the first layers, and may meet the second.
+    /// Returns the layers of an entity that is on the first, and may meet the second.
     ///
     /// ```
     /// # use bevy_octree::prelude::*;
@@ -60,7 +60,7 @@ impl CollisionLayers {
         Self { memberships: memberships.into(), filters: filters.into() }
     }
 
-    /// The same by bits: one for each layer, the lowest for the first.
+    /// Returns layers by their bits, the lowest for the first layer: for constants.
     #[must_use]
     pub const fn from_bits(memberships: u32, filters: u32) -> Self {
         Self { memberships: LayerMask(memberships), filters: LayerMask(filters) }

@@ -43,14 +43,14 @@ pub trait CollisionLayer {
 pub struct LayerMask(pub u32);
 
 impl LayerMask {
-    /// All 32 layers.
+    /// The set of all 32 layers.
     pub const ALL: Self = Self(u32::MAX);
-    /// No layer.
+    /// The set of no layer.
     pub const NONE: Self = Self(0);
-    /// The first layer, which entities are on that say nothing else.
+    /// The set of the first layer alone, which entities are on that say nothing else.
     pub const DEFAULT: Self = Self(1);
 
-    /// Makes the set of one layer, by its number; of none, if there is no such layer.
+    /// Returns the set of one layer, by its number; of none, if there is no such layer.
     #[must_use]
     pub const fn layer(index: u32) -> Self {
         if index < u32::BITS { Self(1 << index) } else { Self::NONE }

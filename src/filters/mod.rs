@@ -36,17 +36,17 @@ use bevy::prelude::*;
 pub(crate) use change::change_filter;
 pub use hooks::{PairHook, PairHookPlugin};
 pub use ignore::IgnoreCollisions;
-pub(crate) use layers::refresh;
 pub use layers::CollisionLayers;
+pub(crate) use layers::refresh;
 pub use markers::{Sensor, StaticCollider};
 pub use mask::{CollisionLayer, LayerMask};
 pub(crate) use pair_filter::{FilterParts, filter, may_meet};
 
-use crate::worlds;
 #[doc(inline)]
 pub use crate::collision_layers;
+use crate::worlds;
 
-/// Layers, static entities, lists of entities to ignore, and worlds.
+/// Looks at layers, static entities, lists of entities to ignore, and worlds.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FilterPlugin;
 

@@ -30,5 +30,6 @@ pub(crate) fn filter(
 /// May these two meet, by lists and hooks? For pairs that come up after the broad phase.
 pub(crate) fn may_meet(world: &mut World, pair: Pair) -> bool {
     let entities = world.resource::<CollisionIndex>().entities(pair);
-    !ignore::ignore_each_other(entities, |entity| world.get::<IgnoreCollisions>(entity)) && hooks::admit(world, entities)
+    !ignore::ignore_each_other(entities, |entity| world.get::<IgnoreCollisions>(entity))
+        && hooks::admit(world, entities)
 }

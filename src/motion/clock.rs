@@ -11,13 +11,13 @@ pub struct CollisionClock {
 }
 
 impl CollisionClock {
-    /// The number of the current tick: 0 during the first, and one more after each.
+    /// Returns the number of the current tick: 0 during the first, and one more after each.
     #[must_use]
     pub const fn tick(&self) -> u64 {
         self.tick
     }
 
-    /// Sets the clock, as to play position tracks from another tick on.
+    /// Sets the clock to another tick, as to play position tracks from another tick on.
     pub const fn set_tick(&mut self, tick: u64) {
         self.tick = tick;
     }

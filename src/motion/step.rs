@@ -2,16 +2,16 @@
 
 use bevy::prelude::*;
 
-/// Settings of the motion.
+/// The settings of motion.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Resource, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 pub struct MotionSettings {
-    /// How much time passes in a tick.
+    /// The time that passes in a tick.
     pub step: Step,
 }
 
-/// How much time passes in a tick.
+/// The time that passes in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
 pub enum Step {

@@ -43,7 +43,7 @@ pub struct PositionTrack {
     outside: Outside,
 }
 
-/// How a [`PositionTrack`] gets from one keyframe to the next.
+/// The way in which a [`PositionTrack`] gets from one keyframe to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -60,7 +60,7 @@ pub enum Interpolation {
     Ease(EaseFunction),
 }
 
-/// Where a [`PositionTrack`] is before its first and after its last keyframe.
+/// The rule for where a [`PositionTrack`] is before its first and after its last keyframe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize)]
 #[reflect(Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -111,7 +111,7 @@ struct UncheckedTrack {
 }
 
 impl PositionTrack {
-    /// A track through `keyframes`, each a tick and a position, that interpolates linearly and holds outside them.
+    /// Returns a track through `keyframes`, each a tick and a position, that interpolates linearly and holds outside them.
     ///
     /// # Errors
     ///
@@ -135,25 +135,25 @@ impl PositionTrack {
         Ok(Self { keyframes, interpolation: Interpolation::default(), outside: Outside::default() })
     }
 
-    /// The same track with another interpolation.
+    /// Returns the same track with another interpolation.
     #[must_use]
     pub fn with_interpolation(self, interpolation: Interpolation) -> Self {
         Self { interpolation, ..self }
     }
 
-    /// The same track with another rule for the ticks outside the keyframes.
+    /// Returns the same track with another rule for the ticks outside the keyframes.
     #[must_use]
     pub fn with_outside(self, outside: Outside) -> Self {
         Self { outside, ..self }
     }
 
-    /// The keyframes: ticks, strictly increasing, and positions.
+    /// Returns the keyframes: ticks, strictly increasing, and positions.
     #[must_use]
     pub fn keyframes(&self) -> &[(u64, Vec3)] {
         &self.keyframes
     }
 
-    /// The position at a tick, by binary search among the keyframes.
+    /// Returns the position at a tick, by binary search among the keyframes.
     #[must_use]
     pub fn position(&self, tick: u64) -> Vec3 {
         let tick = match self.outside {

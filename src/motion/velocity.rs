@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::{step::MotionSettings, track::PositionTrack};
 
-/// How fast and where to an entity moves, in units per second, in the space of its parent.
+/// The velocity of an entity: how fast and where to it moves, in units per second, in the space of its parent.
 ///
 /// Contacts count with its velocity in the world, to which that of each ancestor adds: one that is moved by other means than
 /// its velocity may have one beside [`MovedElsewhere`], which says how fast it is.
@@ -18,8 +18,8 @@ use super::{step::MotionSettings, track::PositionTrack};
 #[doc(alias("linear velocity", "speed"))]
 pub struct Velocity(pub Vec3);
 
-/// The entity's [`Velocity`] says how it moves, but something else moves it: a system of your own, a physics engine.
-/// Contacts change the velocity all the same.
+/// Marks an entity whose [`Velocity`] says how it moves, but which something else moves: a system of your own, a physics
+/// engine. Contacts change the velocity all the same.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]

@@ -75,7 +75,7 @@ pub struct PairContacts<'a> {
     pub intervals: &'a [Interval],
 }
 
-/// A tick is recorded that is not later than the one recorded before.
+/// The error of a tick that is recorded, but is not later than the one recorded before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("tick {tick} is recorded after tick {previous}, expected a later one")]
 pub struct TickOutOfOrder {
@@ -115,7 +115,7 @@ impl CollisionReport {
         Ok(())
     }
 
-    /// Each pair that touched, in the order of first contacts, then of names.
+    /// Returns each pair that touched, in the order of first contacts, then of names.
     #[must_use]
     pub fn pairs(&self) -> Vec<PairContacts<'_>> {
         let pairs = self.pairs.iter().filter_map(|(&(a, b), intervals)| {
@@ -134,7 +134,7 @@ impl CollisionReport {
         pairs
     }
 
-    /// Each tick that had contacts, in order, with the pairs that touched, in the order of names.
+    /// Returns each tick that had contacts, in order, with the pairs that touched, in the order of names.
     pub fn ticks(&self) -> impl Iterator<Item = (u64, Vec<(&str, &str)>)> {
         let pairs = self.pairs();
         let mut starts: Vec<_> = pairs

@@ -29,7 +29,7 @@ pub struct SceneDescription {
     pub content: Content,
 }
 
-/// What is in a scene.
+/// The content of a scene.
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Debug, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -68,7 +68,7 @@ pub struct ObjectDescription {
     pub motion: Motion,
 }
 
-/// How an object of a scene moves.
+/// The motion of an object of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -94,7 +94,7 @@ impl SceneDescription {
     /// The default of [`ticks_per_second`](Self::ticks_per_second), which is also Bevy's default fixed timestep.
     pub const TICKS_PER_SECOND: f64 = 64.0;
 
-    /// A scene of objects.
+    /// Returns a scene of objects.
     #[must_use]
     pub fn new(name: impl Into<String>, objects: impl IntoIterator<Item = ObjectDescription>) -> Self {
         Self {
@@ -190,7 +190,7 @@ impl SceneDescription {
         Ok(())
     }
 
-    /// How long a tick lasts.
+    /// Returns how long a tick lasts.
     ///
     /// # Errors
     ///
@@ -203,7 +203,7 @@ impl SceneDescription {
             .ok_or(SceneProblem::TicksPerSecond(self.ticks_per_second))
     }
 
-    /// How many objects there are.
+    /// Returns how many objects there are.
     #[must_use]
     pub fn object_count(&self) -> usize {
         match &self.content {
@@ -212,7 +212,7 @@ impl SceneDescription {
         }
     }
 
-    /// The objects in order, those of a test set written out one by one.
+    /// Returns the objects in order, those of a test set written out one by one.
     pub fn objects(&self) -> Box<dyn Iterator<Item = Cow<'_, ObjectDescription>> + '_> {
         match &self.content {
             Content::TestSet(set) => Box::new(self.test_objects(set).map(Cow::Owned)),
@@ -244,13 +244,13 @@ impl From<TestSet> for SceneDescription {
 }
 
 impl ObjectDescription {
-    /// A static, unnamed object at the origin.
+    /// Returns an unnamed object at rest at the origin.
     #[must_use]
     pub fn new(shape: ShapeDescription) -> Self {
         Self { name: None, shape, position: Vec3::ZERO, rotation: Vec3::ZERO, scale: Vec3::ONE, motion: Motion::Static }
     }
 
-    /// Its name, given that it is the scene's object number `index`, from 0.
+    /// Returns its name, given that it is the scene's object number `index`, from 0.
     #[must_use]
     pub fn name_at(&self, index: usize) -> Cow<'_, str> {
         match &self.name {
@@ -259,7 +259,7 @@ impl ObjectDescription {
         }
     }
 
-    /// Where it is at tick 0.
+    /// Returns its place at tick 0.
     #[must_use]
     pub fn transform(&self) -> Transform {
         let [x, y, z] = self.rotation.to_array().map(f32::to_radians);

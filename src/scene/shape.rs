@@ -38,7 +38,7 @@ pub enum ShapeDescription {
 }
 
 impl ShapeDescription {
-    /// The shape that is described.
+    /// Returns the shape that is described.
     ///
     /// # Errors
     ///

@@ -71,7 +71,7 @@ impl Plane {
         }
     }
 
-    /// `left` or `right`.
+    /// Returns `left` or `right`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -118,19 +118,19 @@ impl TestSet {
     /// The largest number of rings: 8 million cubes.
     pub const MAX_RINGS: u32 = 1000;
 
-    /// The test set with `rings` rings, all else at its default.
+    /// Returns the test set with `rings` rings, all else at its default.
     #[must_use]
     pub fn new(rings: u32) -> Self {
         Self { rings, ..Self::default() }
     }
 
-    /// The report's name for the set: `t` and the number of rings.
+    /// Returns the report's name for the set: `t` and the number of rings.
     #[must_use]
     pub fn name(&self) -> String {
         format!("t{}", self.rings)
     }
 
-    /// How many cubes there are: 2 · (2r + 1)².
+    /// Returns how many cubes there are: 2 · (2r + 1)².
     #[must_use]
     pub fn object_count(&self) -> usize {
         let edge = 2 * self.rings as usize + 1;
@@ -168,13 +168,13 @@ impl TestSet {
         ensure(outermost.is_finite(), "spacing", self.spacing, "cubes at a finite distance")
     }
 
-    /// The cubes: the left plane from the centre outward, then the right plane in the same order.
+    /// Returns the cubes: the left plane from the centre outward, then the right plane in the same order.
     pub fn cubes(&self) -> impl Iterator<Item = TestCube> + use<> {
         let set = *self;
         [Plane::Left, Plane::Right].into_iter().flat_map(move |plane| set.plane(plane))
     }
 
-    /// The first tick at whose end ring `ring` of one plane touches that of the other, if nothing turns it away before.
+    /// Returns the first tick at whose end ring `ring` of one plane touches that of the other, if nothing turns it away before.
     #[must_use]
     pub fn first_contact_tick(&self, ring: u32) -> u64 {
         let gap = f64::from(self.gap) + 2.0 * f64::from(ring) * f64::from(self.setback);

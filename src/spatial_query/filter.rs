@@ -6,7 +6,7 @@ use bevy::{ecs::entity::EntityHashSet, prelude::*};
 
 use crate::{broad_phase::PairFilter, filters::LayerMask, worlds};
 
-/// Which entities a query is to see: all of the default world, unless told otherwise. Borrows what it is told, so that it
+/// Says which entities a query sees: all of the default world, unless told otherwise. Borrows what it is told, so that it
 /// costs nothing to make and to copy.
 ///
 /// Begin with [`DEFAULT`](Self::DEFAULT), or `default()`, and refine it:
@@ -49,23 +49,23 @@ impl Default for SpatialQueryFilter<'_> {
 type Predicate<'a> = &'a (dyn Fn(Entity) -> bool + Sync);
 
 impl<'a> SpatialQueryFilter<'a> {
-    /// All entities that are in no [`CollisionWorld`](crate::worlds::CollisionWorld), and so in the default world.
+    /// The filter that lets all entities pass that are in no [`CollisionWorld`](crate::worlds::CollisionWorld), and so in the default world.
     pub const DEFAULT: Self =
         Self { world: Some(PairFilter::DEFAULT_WORLD), layers: None, except: None, excluded: None, predicate: None };
 
-    /// Only those that are [in this world](crate::worlds::InCollisionWorld), instead of the default one.
+    /// Lets those pass that are [in this world](crate::worlds::InCollisionWorld), instead of the default one.
     #[must_use]
     pub const fn in_world(self, world: Entity) -> Self {
         Self { world: Some(worlds::number(world)), ..self }
     }
 
-    /// Those of all worlds, the default one included.
+    /// Lets those of all worlds pass, the default one included.
     #[must_use]
     pub const fn in_any_world(self) -> Self {
         Self { world: None, ..self }
     }
 
-    /// Only those that are on one of these layers: by default, an entity is on the first. Replaces earlier layers.
+    /// Lets only those pass that are on one of these layers: by default, an entity is on the first. Replaces earlier layers.
     ///
     /// ```
     /// # use bevy_octree::prelude::*;
@@ -79,7 +79,7 @@ impl<'a> SpatialQueryFilter<'a> {
         Self { layers: Some(layers.into()), ..self }
     }
 
-    /// None that is this entity: the one that asks, most of the time. Replaces an earlier one; for several, see
+    /// Leaves out one entity: the one that asks, most of the time. Replaces an earlier one; for several, see
     /// [`excluding`](Self::excluding).
     #[must_use]
     #[doc(alias("exclude", "ignore"))]
@@ -87,13 +87,13 @@ impl<'a> SpatialQueryFilter<'a> {
         Self { except: Some(entity), ..self }
     }
 
-    /// None that is in this set. Replaces an earlier set.
+    /// Leaves out the entities of a set. Replaces an earlier set.
     #[must_use]
     pub const fn excluding(self, entities: &'a EntityHashSet) -> Self {
         Self { excluded: Some(entities), ..self }
     }
 
-    /// Only those for which `predicate` holds. Replaces an earlier predicate.
+    /// Lets only those pass for which `predicate` holds. Replaces an earlier predicate.
     ///
     /// It is asked before the exact tests, about no more entities than these would look at.
     #[must_use]

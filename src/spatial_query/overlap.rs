@@ -53,7 +53,7 @@ impl SpatialQuery<'_> {
         }
     }
 
-    /// As [`for_each_box_intersection`](Self::for_each_box_intersection), into a vector.
+    /// Fills a vector as [`for_each_box_intersection`](Self::for_each_box_intersection) calls back.
     pub fn box_intersections(&self, aabb: &Aabb3d, filter: &SpatialQueryFilter, entities: &mut Vec<Entity>) {
         fill(entities, |found| self.for_each_box_intersection(aabb, filter, found));
     }
@@ -72,7 +72,7 @@ impl SpatialQuery<'_> {
         }
     }
 
-    /// As [`for_each_sphere_intersection`](Self::for_each_sphere_intersection), into a vector.
+    /// Fills a vector as [`for_each_sphere_intersection`](Self::for_each_sphere_intersection) calls back.
     pub fn sphere_intersections(
         &self,
         center: Vec3,
@@ -94,7 +94,7 @@ impl SpatialQuery<'_> {
         self.for_each_sphere_intersection(point, 0.0, filter, found);
     }
 
-    /// As [`for_each_point_intersection`](Self::for_each_point_intersection), into a vector.
+    /// Fills a vector as [`for_each_point_intersection`](Self::for_each_point_intersection) calls back.
     pub fn point_intersections(&self, point: Vec3, filter: &SpatialQueryFilter, entities: &mut Vec<Entity>) {
         fill(entities, |found| self.for_each_point_intersection(point, filter, found));
     }
@@ -124,7 +124,7 @@ impl SpatialQuery<'_> {
         });
     }
 
-    /// As [`for_each_shape_intersection`](Self::for_each_shape_intersection), into a vector.
+    /// Fills a vector as [`for_each_shape_intersection`](Self::for_each_shape_intersection) calls back.
     pub fn shape_intersections(
         &self,
         shape: &Shape,
@@ -147,7 +147,7 @@ impl SpatialQuery<'_> {
         self.for_each_box_in(frustum, filter, found);
     }
 
-    /// As [`for_each_frustum_intersection`](Self::for_each_frustum_intersection), into a vector.
+    /// Fills a vector as [`for_each_frustum_intersection`](Self::for_each_frustum_intersection) calls back.
     pub fn frustum_intersections(
         &self,
         frustum: &ViewFrustum,
@@ -167,7 +167,7 @@ impl SpatialQuery<'_> {
         self.for_each_box_in(planes, filter, found);
     }
 
-    /// As [`for_each_half_space_intersection`](Self::for_each_half_space_intersection), into a vector.
+    /// Fills a vector as [`for_each_half_space_intersection`](Self::for_each_half_space_intersection) calls back.
     pub fn half_space_intersections(
         &self,
         planes: &[HalfSpace],

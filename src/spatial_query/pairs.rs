@@ -70,8 +70,8 @@ impl SpatialQuery<'_> {
         });
     }
 
-    /// As [`for_each_pair_within`](Self::for_each_pair_within), into a vector: nearest first, those as near by ascending
-    /// entities. They replace what is in `pairs`, which is yours to use again.
+    /// Fills a vector as [`for_each_pair_within`](Self::for_each_pair_within) calls back: nearest first, those as near by
+    /// ascending entities. They replace what is in `pairs`, which is yours to use again.
     pub fn pairs_within(
         &self,
         distance: f32,

@@ -68,7 +68,7 @@ enum Motion {
 }
 
 impl StressSimulation {
-    /// The scene at tick 0, with so many objects. The same seed gives the same simulation.
+    /// Returns the scene at tick 0, with so many objects. The same seed gives the same simulation.
     #[must_use]
     pub fn new(scene: StressScene, objects: usize, seed: u64) -> Self {
         let rng = Rng::with_seed(seed);
@@ -108,19 +108,19 @@ impl StressSimulation {
         self.tick += 1;
     }
 
-    /// The boxes of this tick, in the order of the objects. All are finite.
+    /// Returns the boxes of this tick, in the order of the objects. All are finite.
     #[must_use]
     pub fn boxes(&self) -> &[Aabb3d] {
         &self.boxes
     }
 
-    /// The scene.
+    /// Returns the scene.
     #[must_use]
     pub const fn scene(&self) -> StressScene {
         self.scene
     }
 
-    /// How many steps were taken.
+    /// Returns how many steps were taken.
     #[must_use]
     pub const fn tick(&self) -> u64 {
         self.tick
