@@ -201,7 +201,7 @@ impl PositionTrack {
                 let (from, to) = (from.as_dvec3(), to.as_dvec3());
                 let controls = [from, from + self.tangent(index) * third, to - self.tangent(index + 1) * third, to];
                 // A Bézier curve, by halves of halves.
-                let [a, b, c] = [0, 1, 2].map(|place| controls[place].lerp(controls[place + 1], t));
+                let [a, b, c] = [0, 1, 2].map(|index| controls[index].lerp(controls[index + 1], t));
                 a.lerp(b, t).lerp(b.lerp(c, t), t).as_vec3()
             }
         };

@@ -54,8 +54,8 @@ impl SpatialQuery<'_> {
         });
         looked_at.sort_unstable_by_key(|(hit, _)| hit.proxy);
         hits.extend(nearest.iter().filter_map(|hit| {
-            let place = looked_at.binary_search_by_key(&hit.proxy, |(hit, _)| hit.proxy).ok()?;
-            let (Hit { proxy, distance }, point) = looked_at[place];
+            let index = looked_at.binary_search_by_key(&hit.proxy, |(hit, _)| hit.proxy).ok()?;
+            let (Hit { proxy, distance }, point) = looked_at[index];
             Some(PointHit { entity: self.index.body(proxy)?.entity, distance, point })
         }));
         debug_assert_eq!(hits.len(), nearest.len(), "the nearest are among those that were looked at");
