@@ -12,9 +12,8 @@ use std::{
 use arguments::Arguments;
 use bevy::prelude::*;
 use bevy_octree::{
-    motion::CollisionReport,
     prelude::*,
-    scene::{Motion, SceneDescription},
+    scene::{CollisionReport, Motion, SceneDescription},
 };
 use outcome::{Outcome, exit};
 use progress::Progress;

@@ -121,10 +121,10 @@ fn spawn(world: &mut World, objects: u16) -> Outcome {
 /// Casts a ray and a box across the field, and draws how far they come.
 fn ask(spatial: SpatialQuery, mut gizmos: Gizmos<CollisionGizmos>) {
     let ray = Ray3d::new(Vec3::new(9.0, 6.0, -4.0), Dir3::new(Vec3::new(-0.75, -0.4, 0.4)).unwrap_or(Dir3::NEG_X));
-    gizmos.ray_hit(ray, spatial.cast_ray(ray, 100.0, &SpatialQueryFilter::ALL));
+    gizmos.ray_hit(ray, spatial.cast_ray(ray, 100.0, &SpatialQueryFilter::DEFAULT));
 
     let start = Aabb3d::new(Vec3::new(10.5, 1.8, 4.5), Vec3::splat(0.5));
-    if let Some(hit) = spatial.cast_box(&start, Dir3::NEG_X, 100.0, &SpatialQueryFilter::ALL) {
+    if let Some(hit) = spatial.cast_box(&start, Dir3::NEG_X, 100.0, &SpatialQueryFilter::DEFAULT) {
         let way = Vec3A::NEG_X * hit.distance;
         gizmos.swept_box(&start, &Aabb3d { min: start.min + way, max: start.max + way });
     }

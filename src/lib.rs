@@ -110,6 +110,7 @@ pub mod prelude {
     pub use crate::{
         broad_phase::{Method, ObjectOctreeSettings, PairKinds},
         collision_index::{CandidatePairs, CollisionIndex},
+        collision_layers,
         components::{CollisionShape, Cube, WorldAabb},
         contacts::{
             CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted,
@@ -117,7 +118,8 @@ pub mod prelude {
         },
         counters::CollisionCounters,
         filters::{
-            CollisionLayer, CollisionLayers, IgnoreCollisions, PairHook, PairHookPlugin, Sensor, StaticCollider,
+            CollisionLayer, CollisionLayers, IgnoreCollisions, LayerMask, PairHook, PairHookPlugin, Sensor,
+            StaticCollider,
         },
         motion::{CollisionClock, MotionSettings, MovedElsewhere, PositionTrack, Step, Velocity},
         narrow_phase::Shape,

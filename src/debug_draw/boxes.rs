@@ -2,15 +2,17 @@
 
 use bevy::prelude::*;
 
-use super::CollisionGizmos;
+use super::gizmos::CollisionGizmos;
 use crate::{
     collision_index::CollisionIndex,
     components::{BroadPhaseProxy, WorldAabb},
 };
 
-/// How the box of one entity is drawn, and its way if it is [swept](crate::swept::Swept), whatever the [`CollisionGizmos`] say about others.
+/// Says how the box of one entity is drawn, and its way if it is [swept](crate::swept::Swept), whatever the
+/// [`CollisionGizmos`] say about others.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 pub enum DebugDraw {
     /// Not at all.
     #[default]
@@ -53,4 +55,8 @@ pub(super) fn draw_boxes(
     } else {
         marked.iter().for_each(|(aabb, proxy, own)| draw(aabb, proxy, Some(own)));
     }
+}
+
+pub(super) fn register(app: &mut App) {
+    app.register_type::<DebugDraw>();
 }

@@ -2,7 +2,7 @@
 
 use bevy::{math::bounding::BoundingVolume, prelude::*};
 
-use super::{CollisionGizmos, surface_point};
+use super::gizmos::{CollisionGizmos, surface_point};
 use crate::{
     components::WorldAabb,
     contacts::{Collision, Collisions},

@@ -488,8 +488,8 @@ fn events_come_in_the_order_of_contacts_ends_first() {
     assert_eq!(heard(&mut app), [Ended(a, b), Ended(b, a), Started(a, c), Started(c, a)]);
 }
 
-const RED: CollisionLayers = CollisionLayers { memberships: 0b10, filters: 0b111 };
-const BLUE: CollisionLayers = CollisionLayers { memberships: 0b100, filters: 0b11 };
+const RED: CollisionLayers = CollisionLayers::from_bits(0b10, 0b111);
+const BLUE: CollisionLayers = CollisionLayers::from_bits(0b100, 0b11);
 
 /// The layers in the messages since this was last asked.
 fn layers_told(app: &mut App) -> (Vec<[CollisionLayers; 2]>, Vec<[CollisionLayers; 2]>) {

@@ -249,7 +249,7 @@ fn a_ray_is_drawn_to_what_it_hits() {
     let cast = |spatial: SpatialQuery, mut gizmos: Gizmos<CollisionGizmos>| {
         for direction in [Dir3::X, Dir3::NEG_X] {
             let ray = Ray3d::new(Vec3::ZERO, direction);
-            gizmos.ray_hit(ray, spatial.cast_ray(ray, f32::MAX, &SpatialQueryFilter::ALL));
+            gizmos.ray_hit(ray, spatial.cast_ray(ray, f32::MAX, &SpatialQueryFilter::DEFAULT));
         }
     };
     app.add_systems(Update, cast.run_if(|contacts: Res<CollisionIndex>| !contacts.index().proxies().is_empty()));

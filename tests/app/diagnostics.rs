@@ -12,6 +12,7 @@ use std::{
 
 use bevy::{
     diagnostic::{DiagnosticPath, DiagnosticsStore},
+    ecs::schedule::ScheduleLabel,
     prelude::*,
 };
 use bevy_octree::{
@@ -19,7 +20,7 @@ use bevy_octree::{
     diagnostics::{CollisionDiagnosticsPlugin as Paths, STAGES, StageTimes},
     prelude::*,
 };
-use common::*;
+use common::{warnings::warnings, *};
 
 fn value(app: &App, path: &DiagnosticPath) -> Option<f64> {
     app.world().resource::<DiagnosticsStore>().get(path).expect("it is registered").value()
@@ -145,4 +146,31 @@ fn a_disabled_diagnostic_is_not_measured() {
     store.get_mut(&Paths::NODES).unwrap().is_enabled = false;
     tick(&mut app, 3);
     assert_eq!((value(&app, &Paths::NODES), value(&app, &Paths::OBJECTS)), (None, Some(0.0)));
+}
+
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+struct Elsewhere;
+
+#[test]
+fn the_plugin_may_be_added_first_and_goes_where_the_ticks_are() {
+    let mut app = App::new();
+    app.init_schedule(Elsewhere).add_plugins((Paths, MinimalPlugins, OctreePlugins::new(Elsewhere)));
+    assert_eq!(warnings(|| app.finish()), 0);
+    app.world_mut().spawn(CollisionShape::default());
+    for _ in 0..2 {
+        app.world_mut().run_schedule(Elsewhere);
+        // What is measured is taken up at the end of the frame.
+        app.update();
+    }
+    assert_eq!(value(&app, &Paths::OBJECTS), Some(1.0));
+    assert!(app.world().resource::<StageTimes>().sum() > Duration::ZERO);
+}
+
+#[test]
+fn the_plugin_without_ticks_says_so() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, Paths));
+    assert_eq!(warnings(|| app.finish()), 1);
+    app.update();
+    assert_eq!(value(&app, &Paths::OBJECTS), None);
 }

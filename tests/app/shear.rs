@@ -13,7 +13,7 @@ use bevy_octree::{narrow_phase::Shape, prelude::*};
 use common::{warnings::warnings, *};
 use fastrand::Rng;
 
-const ALL: SpatialQueryFilter = SpatialQueryFilter::ALL;
+const ALL: SpatialQueryFilter = SpatialQueryFilter::DEFAULT;
 
 fn ask<T: 'static>(app: &mut App, question: impl FnMut(SpatialQuery) -> T + Send + Sync + 'static) -> T {
     app.world_mut().run_system_once(question).expect("the plugins are there")
@@ -22,7 +22,7 @@ fn ask<T: 'static>(app: &mut App, question: impl FnMut(SpatialQuery) -> T + Send
 fn found_at(app: &mut App, point: Vec3) -> Vec<Entity> {
     ask(app, move |spatial| {
         let mut found = Vec::new();
-        spatial.point_intersections(point, &ALL, |entity| found.push(entity));
+        spatial.for_each_point_intersection(point, &ALL, |entity| found.push(entity));
         found.sort();
         found
     })

@@ -123,7 +123,7 @@ fn a_sheared_space_changes_nothing_in_the_world() {
         } else {
             (start, step)
         };
-        let ball = (shape.clone(), ELASTIC, Swept::default(), CollisionLayers { memberships: 2, filters: 1 });
+        let ball = (shape.clone(), ELASTIC, Swept::default(), CollisionLayers::from_bits(2, 1));
         let ball = app.world_mut().spawn((ball, Velocity(v), Transform::from_translation(at))).id();
         if hangs {
             adopt(&mut app, above, ball);

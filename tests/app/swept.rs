@@ -397,7 +397,7 @@ fn queries_find_it_where_it_has_come_to() {
         for (bullet, transform) in &bullets {
             let only = |entity| entity == bullet;
             let near = transform.translation + Vec3::X;
-            found.0.extend(spatial.nearest(near, 1.1, &SpatialQueryFilter::ALL.only(&only)));
+            found.0.extend(spatial.nearest(near, 1.1, &SpatialQueryFilter::DEFAULT.only(&only)));
         }
     }
 }

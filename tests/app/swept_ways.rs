@@ -155,7 +155,7 @@ fn what_hangs_on_a_swept_entity_bounces_with_it() {
 
     fn look(spatial: SpatialQuery, mut at: ResMut<At>) {
         let only = |entity| entity == at.1;
-        let filter = SpatialQueryFilter::ALL.only(&only);
+        let filter = SpatialQueryFilter::DEFAULT.only(&only);
         let far = Vec3::new(0.0, 100.0, 0.0);
         if let Some(hit) = spatial.nearest(far, 1e3, &filter) {
             at.0 = hit.point - (far - hit.point).normalize() * 0.05;

@@ -346,7 +346,7 @@ fn an_update_takes_up_a_new_tolerance() {
     let find = move |spatial: SpatialQuery| {
         let mut found = Vec::new();
         let at = Vec3::new(4.1, 0.0, 0.0);
-        spatial.point_intersections(at, &SpatialQueryFilter::default(), |entity| found.push(entity));
+        spatial.for_each_point_intersection(at, &SpatialQueryFilter::default(), |entity| found.push(entity));
         found
     };
     assert_eq!(app.world_mut().run_system_cached(find).unwrap(), [ball]);

@@ -9,7 +9,7 @@ use bevy_octree::prelude::*;
 use common::*;
 use fastrand::Rng;
 
-const RED: CollisionLayers = CollisionLayers { memberships: 0b10, filters: 0b101 };
+const RED: CollisionLayers = CollisionLayers::from_bits(0b10, 0b101);
 
 fn worlds<const N: usize>(app: &mut App) -> [Entity; N] {
     std::array::from_fn(|_| app.world_mut().spawn_empty().id())
@@ -121,7 +121,8 @@ fn queries_see_one_world() {
                 let ray = spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &filter).map(|hit| hit.entity);
                 let nearest = spatial.nearest(Vec3::ZERO, 100.0, &filter).map(|hit| hit.entity);
                 let mut inside = vec![];
-                spatial.box_intersections(&Aabb3d::new(Vec3::ZERO, Vec3::splat(9.0)), &filter, |e| inside.push(e));
+                spatial
+                    .for_each_box_intersection(&Aabb3d::new(Vec3::ZERO, Vec3::splat(9.0)), &filter, |e| inside.push(e));
                 inside.sort_by_key(|entity| entity.index_u32());
                 assert_eq!((ray, inside.contains(&ray.unwrap_or(Entity::PLACEHOLDER))), (nearest, ray.is_some()));
                 assert_eq!(ray.is_none(), inside.is_empty());
@@ -129,26 +130,26 @@ fn queries_see_one_world() {
             })
             .unwrap()
     };
-    let all = SpatialQueryFilter::ALL;
+    let all = SpatialQueryFilter::DEFAULT;
     assert_eq!(found(&mut app, SpatialQueryFilter::default()), [plain]);
     assert_eq!(found(&mut app, all.in_world(first)), [a, b]);
     assert_eq!(found(&mut app, all.in_world(second)), [c]);
     assert_eq!(found(&mut app, all.in_world(empty)), []);
     assert_eq!(found(&mut app, all.in_any_world()), [plain, a, b, c]);
-    assert_eq!(found(&mut app, all.in_any_world().on_mask(RED.memberships)), [b]);
+    assert_eq!(found(&mut app, all.in_any_world().on(RED.memberships)), [b]);
     assert_eq!(found(&mut app, all.in_any_world().in_world(second)), [c]);
-    assert_eq!(found(&mut app, all.in_world(first).on_mask(RED.memberships)), [b]);
-    assert_eq!(found(&mut app, all.in_world(second).on_mask(RED.memberships)), []);
-    assert_eq!(found(&mut app, SpatialQueryFilter::except(b).in_world(first)), [a]);
+    assert_eq!(found(&mut app, all.in_world(first).on(RED.memberships)), [b]);
+    assert_eq!(found(&mut app, all.in_world(second).on(RED.memberships)), []);
+    assert_eq!(found(&mut app, SpatialQueryFilter::DEFAULT.except(b).in_world(first)), [a]);
     // Without a tick, or a flush.
     app.world_mut().entity_mut(c).insert(InCollisionWorld(first));
     assert_eq!(found(&mut app, all.in_world(first)), [a, b, c]);
     app.world_mut().entity_mut(a).remove::<InCollisionWorld>();
     assert_eq!(found(&mut app, all), pair(plain, a));
     // Layers change under a mutable reference: seen after a flush.
-    app.world_mut().get_mut::<CollisionLayers>(b).unwrap().memberships = 0b100;
+    app.world_mut().get_mut::<CollisionLayers>(b).unwrap().memberships = LayerMask(0b100);
     update_spatial_index(app.world_mut());
-    assert_eq!(found(&mut app, all.in_world(first).on_mask(0b100)), [b]);
+    assert_eq!(found(&mut app, all.in_world(first).on(0b100)), [b]);
 }
 
 /// An object of a random history, by its number: where it is in each app.
