@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use super::tree::{NodeId, Octree};
+use super::node::NodeId;
+use super::tree::Octree;
 
 /// A subtree to be printed. Made by [`Octree::display_with`].
 struct DisplaySubtree<'a, T, F> {

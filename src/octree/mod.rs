@@ -89,6 +89,7 @@ mod direction;
 mod display;
 mod iter;
 mod neighbor;
+mod node;
 mod quantize;
 mod tables;
 #[cfg(test)]
@@ -97,6 +98,7 @@ mod tree;
 mod validate;
 
 pub use direction::{Direction, Edge, Face, ParseDirectionError, Vertex};
-pub use iter::{Children, Leaves, Subtree};
+pub use iter::{Leaves, Subtree};
+pub use node::{Children, NodeId};
 pub use quantize::directions_toward;
-pub use tree::{NodeId, Octree};
+pub use tree::Octree;

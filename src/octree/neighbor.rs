@@ -14,7 +14,8 @@
 use smallvec::SmallVec;
 
 use super::direction::{Direction, Edge, Face, Vertex};
-use super::tree::{NodeId, Octree};
+use super::node::NodeId;
+use super::tree::Octree;
 
 impl<T> Octree<T> {
     /// The neighbour of greater or equal size in any direction, or [`None`] beyond the root.

@@ -1,65 +1,9 @@
 //! The tree itself: an arena of nodes, and the operations of the data type.
 
 use std::mem;
-use std::num::NonZeroU32;
 
 use super::direction::Vertex;
-use super::iter::Children;
-
-/// A handle of a node of an [`Octree`].
-///
-/// It stays valid until the node is removed ([`join`](Octree::join) of an ancestor,
-/// [`reset`](Octree::reset)). Handles are small and cheap, and know nothing of the tree: a removed
-/// node's handle names whichever node is given its place later. [`Octree::contains`] tells whether
-/// some node has it now.
-///
-/// `Option<NodeId>` is no larger than `NodeId`.
-// Siblings stand in blocks of eight: the lower three bits are the child type, the others the block.
-// Block 0 is the root's, which takes slot 1 of it, so that no handle is zero.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct NodeId(NonZeroU32);
-
-impl NodeId {
-    /// The root of every octree.
-    pub const ROOT: Self = Self(NonZeroU32::MIN);
-
-    /// A small number that no other live node has, to find the node's entry in a table of one's
-    /// own: always less than [`Octree::index_bound`].
-    #[inline]
-    #[must_use]
-    pub const fn index(self) -> usize {
-        self.0.get() as usize
-    }
-
-    #[inline]
-    const fn block(self) -> usize {
-        self.index() >> 3
-    }
-
-    #[inline]
-    const fn octant(self) -> Vertex {
-        Vertex::from_bits(self.0.get())
-    }
-
-    /// The sibling in `slot`, seen from the first one.
-    #[inline]
-    pub(super) fn sibling(self, slot: u32) -> Self {
-        debug_assert!(self.0.get() & 7 == 0 && slot < 8);
-        Self(self.0 | slot)
-    }
-
-    #[inline]
-    pub(super) fn next_sibling(self) -> Option<Self> {
-        let is_last = self.0.get() & 7 == 7;
-        if is_last { None } else { self.0.checked_add(1).map(Self) }
-    }
-
-    /// The first node of `block`, unless it is block 0 or past the last handle.
-    #[inline]
-    fn first_of(block: usize) -> Option<Self> {
-        u32::try_from(block).ok()?.checked_mul(8).and_then(NonZeroU32::new).map(Self)
-    }
-}
+use super::node::{Children, NodeId};
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Node<T> {
@@ -235,6 +179,21 @@ impl<T> Octree<T> {
     #[must_use]
     pub const fn memory_bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<Node<T>>() + self.parents.capacity() * size_of::<Option<NodeId>>()
+    }
+
+    /// The node after `node` in a depth-first walk of the subtree at `top`.
+    #[inline]
+    pub(super) fn next_in_subtree(&self, mut node: NodeId, top: NodeId) -> Option<NodeId> {
+        if let Some(child) = self.child(node, Vertex::LDF) {
+            return Some(child);
+        }
+        while node != top {
+            if let Some(sibling) = node.next_sibling() {
+                return Some(sibling);
+            }
+            node = self.parent(node)?;
+        }
+        None
     }
 
     #[inline]

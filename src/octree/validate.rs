@@ -1,6 +1,7 @@
 //! The check that an octree's links are consistent.
 
-use super::tree::{NodeId, Octree};
+use super::node::NodeId;
+use super::tree::Octree;
 
 impl<T> Octree<T> {
     /// Checks every link of the tree, in time linear in its largest size so far. For tests.
