@@ -4,8 +4,12 @@ use bevy::math::Vec3A;
 use fearless_simd::{Level, prelude::*, u32x8};
 
 use super::{
-    Pair, PairFilter, PairKinds, Proxies, ProxyId,
-    linear_octree::{Block, Crowd, WIDTH},
+    block::{Block, WIDTH},
+    boxes::ProxyId,
+    filter::{PairFilter, PairKinds},
+    linear_octree::Crowd,
+    pairs::Pair,
+    proxy::Proxies,
 };
 
 /// So many objects that moved in one leaf are a crowd, which is put in order before its boxes are compared.

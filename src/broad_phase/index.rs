@@ -5,7 +5,12 @@ use std::{any::Any, fmt};
 use bevy::math::{bounding::Aabb3d, primitives::HalfSpace};
 
 use super::{
-    BoxError, BroadPhase, BroadPhaseStats, Leaf, Method, PairFilter, PairKinds, PairSet, Proxies, ProxyId, Visitor,
+    boxes::{BoxError, ProxyId},
+    engine::{BroadPhase, BroadPhaseStats, Leaf, Visitor},
+    filter::{PairFilter, PairKinds},
+    method::Method,
+    pairs::{Pair, PairSet},
+    proxy::Proxies,
 };
 
 /// An index over the boxes of objects: boxes in, overlapping pairs out, queries on the side.
@@ -215,6 +220,32 @@ impl SpatialIndex {
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         self.proxies.memory_bytes() + self.stats().bytes + self.pairs.memory_bytes()
+    }
+}
+
+impl Proxies {
+    /// Appends every pair of an endless object and a box that may meet, of which at least one moved, and which admit each
+    /// other; each once. Returns the number of pairs compared. For each endless object, linear in those that moved, or
+    /// in all if it moved itself.
+    fn find_endless_pairs(&self, pairs: &mut Vec<Pair>) -> u64 {
+        let mut compared = 0;
+        for endless in &self.endless {
+            let mut compare = |id, aabb| {
+                compared += 1;
+                if endless.may_meet(aabb) && self.admits(endless.id, id) {
+                    pairs.push(Pair::new(endless.id, id));
+                }
+            };
+            if self.is_moved(endless.id) {
+                self.iter().for_each(|(id, aabb)| compare(id, aabb));
+            } else {
+                self.moved()
+                    .iter()
+                    .filter_map(|id| Some((*id, self.get(*id)?)))
+                    .for_each(|(id, aabb)| compare(id, aabb));
+            }
+        }
+        compared
     }
 }
 

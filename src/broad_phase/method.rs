@@ -5,7 +5,13 @@ use std::{fmt, str::FromStr};
 use bevy::prelude::*;
 use thiserror::Error;
 
-use super::{Auto, BroadPhase, Exhaustive, LinearOctree, ObjectOctree, ObjectOctreeSettings, SettingsError};
+use super::{
+    auto::Auto,
+    engine::BroadPhase,
+    exhaustive::Exhaustive,
+    linear_octree::LinearOctree,
+    object_octree::{ObjectOctree, ObjectOctreeSettings, SettingsError},
+};
 
 /// How overlapping boxes are searched for.
 #[derive(Clone, Debug, Default, PartialEq, Reflect)]

@@ -2,7 +2,7 @@
 
 use bevy::prelude::Reflect;
 
-use super::{Proxies, ProxyId};
+use super::{boxes::ProxyId, proxy::Proxies};
 
 /// Two objects whose boxes overlap; the lower handle first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]

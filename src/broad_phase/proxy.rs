@@ -1,91 +1,12 @@
 //! Proxies: the boxes of the objects, behind stable handles.
 
-use bevy::{
-    math::{Vec3A, bounding::Aabb3d, primitives::HalfSpace},
-    prelude::Reflect,
+use bevy::math::{bounding::Aabb3d, primitives::HalfSpace};
+
+use super::{
+    boxes::{BoxError, EVERYWHERE, ProxyId, check_box, is_box},
+    endless::Endless,
+    filter::{PairFilter, PairKinds},
 };
-use thiserror::Error;
-
-use super::{EVERYWHERE, PairFilter, PairKinds, endless::Endless};
-
-/// The handle of one object's box in a [`SpatialIndex`](super::SpatialIndex).
-///
-/// Handles are dense, from 0 up. A handle stays the same until its object is removed; after that it is not handed
-/// out again before two more updates have passed, so that whoever compares one tick with the next never takes one
-/// object for another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
-pub struct ProxyId(u32);
-
-impl ProxyId {
-    /// The handle with this index.
-    #[inline]
-    #[must_use]
-    pub const fn new(index: u32) -> Self {
-        Self(index)
-    }
-
-    /// The position in arrays that run parallel to the proxies.
-    #[inline]
-    #[must_use]
-    pub const fn index(self) -> usize {
-        self.0 as usize
-    }
-
-    /// The index as the 32-bit number that it is stored as.
-    #[inline]
-    #[must_use]
-    pub const fn get(self) -> u32 {
-        self.0
-    }
-}
-
-/// Why a box cannot be indexed.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum BoxError {
-    /// A corner is NaN or infinite.
-    #[error("the box has a corner that is not finite: min {:?}, max {:?}", .0.min, .0.max)]
-    NotFinite(Aabb3d),
-    /// A minimum lies above its maximum.
-    #[error("the box is inverted: min {:?}, max {:?}", .0.min, .0.max)]
-    Inverted(Aabb3d),
-    /// There is no such object, or no longer.
-    #[error("no object has the handle {0:?}")]
-    UnknownProxy(ProxyId),
-    /// All of the 2³² − 1 handles are in use.
-    #[error("the index is full: it holds {} objects", u32::MAX)]
-    Full,
-}
-
-/// Refuses boxes that are not finite, or inverted. A box without extent (a point) is fine.
-///
-/// # Errors
-/// [`BoxError::NotFinite`] and [`BoxError::Inverted`].
-#[inline]
-pub fn check_box(aabb: &Aabb3d) -> Result<(), BoxError> {
-    if is_box(aabb) {
-        return Ok(());
-    }
-    if aabb.min.is_finite() && aabb.max.is_finite() {
-        Err(BoxError::Inverted(*aabb))
-    } else {
-        Err(BoxError::NotFinite(*aabb))
-    }
-}
-
-/// Is a box finite and not inverted? A NaN fails every comparison.
-#[inline]
-fn is_box(aabb: &Aabb3d) -> bool {
-    let least = Vec3A::splat(f32::MIN);
-    let most = Vec3A::splat(f32::MAX);
-    (aabb.min.cmple(aabb.max) & aabb.min.cmpge(least) & aabb.max.cmple(most)).all()
-}
-
-/// Do two boxes overlap? Touching counts, as in [`Aabb3d`]'s own `intersects`.
-#[inline]
-#[must_use]
-pub fn overlap(a: &Aabb3d, b: &Aabb3d) -> bool {
-    (a.min.cmple(b.max) & a.max.cmpge(b.min)).all()
-}
 
 const ALIVE: u8 = 1;
 /// Changed since the last update.
@@ -249,6 +170,11 @@ impl Proxies {
         self.alive_moved == self.alive
     }
 
+    /// Returns `true` if more than half of the objects moved between the last two updates.
+    pub(super) const fn most_moved(&self) -> bool {
+        self.moved.len() * 2 > self.alive
+    }
+
     /// Was an object inserted or removed between the last two updates?
     #[inline]
     #[must_use]
@@ -281,7 +207,7 @@ impl Proxies {
     /// All objects that have a box, by ascending handle. O(capacity).
     pub fn iter(&self) -> impl Iterator<Item = (ProxyId, &Aabb3d)> + Clone {
         let has_box = |flags: &u8| flags & (ALIVE | ENDLESS) == ALIVE;
-        (0..).map(ProxyId).zip(&self.boxes).zip(&self.flags).filter(move |(_, f)| has_box(f)).map(|(item, _)| item)
+        (0..).map(ProxyId::new).zip(&self.boxes).zip(&self.flags).filter(move |(_, f)| has_box(f)).map(|(item, _)| item)
     }
 
     /// The memory taken, in bytes.
@@ -321,7 +247,7 @@ impl Proxies {
                 let index = u32::try_from(self.boxes.len()).ok().filter(|i| *i != u32::MAX).ok_or(BoxError::Full)?;
                 self.boxes.push(aabb);
                 self.flags.push(0);
-                ProxyId(index)
+                ProxyId::new(index)
             }
         };
         self.flags[id.index()] = flags;
@@ -413,7 +339,7 @@ impl Proxies {
     pub(super) fn touch_all(&mut self) {
         for index in 0..self.boxes.len() {
             if self.flags[index] & ALIVE != 0 {
-                self.mark(ProxyId(index as u32));
+                self.mark(ProxyId::new(index as u32));
             }
         }
     }
@@ -503,77 +429,4 @@ impl Proxies {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use bevy::math::Vec3;
-
-    fn unit(x: f32) -> Aabb3d {
-        Aabb3d::new(Vec3::new(x, 0.0, 0.0), Vec3::splat(0.5))
-    }
-
-    #[test]
-    fn bad_boxes_are_refused_by_name() {
-        let mut proxies = Proxies::default();
-        let nan = Aabb3d { min: Vec3::NAN.into(), max: Vec3::ONE.into() };
-        assert!(matches!(proxies.insert(nan), Err(BoxError::NotFinite(_))));
-        let endless = Aabb3d { min: Vec3::ZERO.into(), max: Vec3::INFINITY.into() };
-        assert!(matches!(proxies.insert(endless), Err(BoxError::NotFinite(_))));
-        let inverted = Aabb3d { min: Vec3::ONE.into(), max: Vec3::ZERO.into() };
-        assert!(matches!(proxies.insert(inverted), Err(BoxError::Inverted(_))));
-        assert!(proxies.is_empty());
-        let point = Aabb3d { min: Vec3::ONE.into(), max: Vec3::ONE.into() };
-        let id = proxies.insert(point).unwrap();
-        assert!(matches!(proxies.set(id, &nan), Err(BoxError::NotFinite(_))));
-        assert_eq!(proxies.get(id), Some(&point));
-        assert_eq!(proxies.set(ProxyId(7), &point), Err(BoxError::UnknownProxy(ProxyId(7))));
-    }
-
-    #[test]
-    fn a_foreign_handle_is_that_of_no_object() {
-        let mut proxies = Proxies::default();
-        let own = proxies.insert(unit(0.0)).unwrap();
-        proxies.begin_update();
-        for foreign in [ProxyId(1), ProxyId(u32::MAX)] {
-            assert!(!proxies.contains(foreign) && !proxies.is_moved(foreign) && !proxies.is_resting(foreign));
-            assert_eq!((proxies.get(foreign), proxies.filter(foreign)), (None, PairFilter::default()));
-            assert!(proxies.admits(own, foreign));
-            assert!(!proxies.touch(foreign) && !proxies.remove(foreign));
-            let unknown = Err(BoxError::UnknownProxy(foreign));
-            assert_eq!(proxies.set(foreign, &unit(1.0)), unknown);
-            assert_eq!(proxies.set_endless(foreign, None), unknown);
-            assert_eq!(proxies.set_filter(foreign, PairFilter::default()), unknown);
-        }
-        assert!(proxies.is_moved(own));
-    }
-
-    #[test]
-    fn a_handle_is_reused_only_after_two_updates() {
-        let mut proxies = Proxies::default();
-        let first = proxies.insert(unit(0.0)).unwrap();
-        proxies.begin_update();
-        assert!(proxies.remove(first));
-        assert!(!proxies.remove(first));
-        for _ in 0..2 {
-            assert_ne!(proxies.insert(unit(1.0)).unwrap(), first);
-            proxies.begin_update();
-        }
-        assert_eq!(proxies.insert(unit(2.0)).unwrap(), first);
-    }
-
-    #[test]
-    fn moved_lists_each_change_once_and_unchanged_boxes_never() {
-        let mut proxies = Proxies::default();
-        let [a, b, c] = [0.0, 1.0, 2.0].map(|x| proxies.insert(unit(x)).unwrap());
-        proxies.begin_update();
-        assert_eq!(proxies.moved(), [a, b, c]);
-        proxies.set(b, &unit(5.0)).unwrap();
-        proxies.set(b, &unit(6.0)).unwrap();
-        proxies.set(a, &unit(0.0)).unwrap();
-        proxies.touch(c);
-        proxies.begin_update();
-        assert_eq!(proxies.moved(), [b, c]);
-        assert!(proxies.is_resting(a) && proxies.is_moved(b) && proxies.is_moved(c));
-        proxies.begin_update();
-        assert!(proxies.moved().is_empty() && proxies.is_resting(b));
-    }
-}
+mod tests;

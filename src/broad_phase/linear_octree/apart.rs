@@ -1,8 +1,11 @@
 //! Objects too fast for skins, which are kept apart from the others: each would make a block of these large, in which all
 //! searches end.
 
-use super::{EMPTY, LinearOctree, NONE, list::unpack};
-use crate::broad_phase::Proxies;
+use super::{
+    list::unpack,
+    octree::{LinearOctree, NONE},
+};
+use crate::broad_phase::{boxes::NOWHERE, proxy::Proxies};
 
 impl LinearOctree {
     /// Moves those of the escaped that are fast to the end, and puts the escaped that are there in order. What comes after
@@ -32,10 +35,10 @@ impl LinearOctree {
         self.owners.push(id);
         self.anchors.push(self.anchors[from]);
         if self.boxes_are_gathered {
-            let aabb = std::mem::replace(&mut self.boxes[from], EMPTY);
+            let aabb = std::mem::replace(&mut self.boxes[from], NOWHERE);
             self.boxes.push(aabb);
         }
-        self.tree.set(from, &EMPTY);
+        self.tree.set(from, &NOWHERE);
         self.tree.push(to);
         self.near.renew(slot);
         self.near.push_slot();

@@ -6,13 +6,17 @@ use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::{Simd, dispatch};
 
 use super::{
-    EMPTY, JOB, LinearOctree, NONE, REFRESH_SHARE,
-    levels::{ALL, Block, WIDTH},
+    levels::JOB,
     list::List,
-    moves_most, skin,
+    octree::{LinearOctree, NONE},
+    skin::{self, REFRESH_SHARE},
 };
 use crate::{
-    broad_phase::{Proxies, ProxyId},
+    broad_phase::{
+        block::{ALL, Block, WIDTH},
+        boxes::{NOWHERE, ProxyId},
+        proxy::Proxies,
+    },
     parallel,
 };
 
@@ -47,9 +51,9 @@ impl LinearOctree {
             let place = slot as usize;
             self.owners[place] = NONE;
             self.owned -= 1;
-            self.tree.set(place, &EMPTY);
+            self.tree.set(place, &NOWHERE);
             if let Some(aabb) = self.boxes.get_mut(place) {
-                *aabb = EMPTY;
+                *aabb = NOWHERE;
             }
             self.near.renew(slot);
             self.order.note_change();
@@ -65,7 +69,7 @@ impl LinearOctree {
         self.owned += 1;
         self.anchors.push(skin::Anchor::default());
         if self.boxes_are_gathered {
-            self.boxes.push(EMPTY);
+            self.boxes.push(NOWHERE);
         }
         self.tree.push(place);
         self.near.push_slot();
@@ -74,7 +78,7 @@ impl LinearOctree {
 
     /// Gathers the boxes of this tick, and lists the slots of objects that left their skins.
     pub(super) fn follow(&mut self, proxies: &Proxies) {
-        let all = moves_most(proxies);
+        let all = proxies.most_moved();
         if all || !self.boxes_are_gathered {
             self.follow_all(proxies);
         } else {
@@ -91,7 +95,7 @@ impl LinearOctree {
     }
 
     fn follow_all(&mut self, proxies: &Proxies) {
-        self.boxes.resize(self.owners.len(), EMPTY);
+        self.boxes.resize(self.owners.len(), NOWHERE);
         self.boxes_are_gathered = true;
         let jobs = self.owners.len().div_ceil(JOB);
         self.escaped_by_job.resize_with(jobs, List::default);
@@ -155,7 +159,7 @@ impl LinearOctree {
         let (tick, gathered) = (self.tick, self.boxes_are_gathered);
         let keep_boxes = gathered || horizon > 0.0;
         self.boxes_are_gathered = keep_boxes;
-        self.boxes.resize(if keep_boxes { self.owners.len() } else { 0 }, EMPTY);
+        self.boxes.resize(if keep_boxes { self.owners.len() } else { 0 }, NOWHERE);
         let mut all_boxes = self.boxes.chunks_mut(JOB);
         let chunks = self.owners.chunks(JOB).zip(self.anchors.chunks_mut(JOB));
         let chunks = chunks.zip(self.tree.boxes_mut().chunks_mut(JOB / WIDTH));
@@ -163,7 +167,7 @@ impl LinearOctree {
         // Without skins, the boxes are not kept beside the tree.
         let chunks = chunks.map(|chunk| (chunk, all_boxes.next()));
         parallel::for_each(chunks, |(((owners, anchors), blocks), kept)| {
-            let mut passing = [EMPTY; GATHERED];
+            let mut passing = [NOWHERE; GATHERED];
             let mut has_skin = false;
             let mut kept = kept.unwrap_or_default();
             let parts = owners.chunks(GATHERED).zip(anchors.chunks_mut(GATHERED));
@@ -199,7 +203,7 @@ impl LinearOctree {
 /// many boxes at once.
 fn gather(boxes: &[Aabb3d], owners: &[u32], gathered: &mut [Aabb3d]) {
     for (owner, aabb) in owners.iter().zip(gathered) {
-        *aabb = *boxes.get(*owner as usize).unwrap_or(&EMPTY);
+        *aabb = *boxes.get(*owner as usize).unwrap_or(&NOWHERE);
     }
 }
 

@@ -3,10 +3,13 @@
 use fearless_simd::{Level, Simd, dispatch};
 
 use super::{
-    levels::{ALL, Levels, WIDTH},
+    levels::Levels,
     list::{List, Packed, pack, unpack},
 };
-use crate::parallel;
+use crate::{
+    broad_phase::block::{ALL, WIDTH},
+    parallel,
+};
 
 /// How many pairs of blocks are worked on at once: few enough that what they lead to stays in the cache.
 const BATCH: usize = 128;

@@ -1,6 +1,6 @@
 //! Lists of pairs of numbers, written eight at a time.
 
-use super::levels::WIDTH;
+use crate::broad_phase::block::WIDTH;
 
 /// Two 32-bit numbers in one: they are compared, copied and written together.
 pub(super) type Packed = u64;

@@ -3,12 +3,12 @@
 use fearless_simd::Level;
 
 use super::{
-    REFRESH_SHARE,
     join::Workspace,
     levels::Levels,
     list::{List, Packed},
+    skin::REFRESH_SHARE,
 };
-use crate::broad_phase::Proxies;
+use crate::broad_phase::proxy::Proxies;
 
 /// The near pairs of a slot are not known any more.
 const FRESH: u8 = 1;

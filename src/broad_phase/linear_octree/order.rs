@@ -6,11 +6,10 @@ use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::{Level, dispatch, prelude::*};
 
 use super::{
-    levels::WIDTH,
     list::{Packed, pack},
     skin::Anchor,
 };
-use crate::broad_phase::Proxies;
+use crate::broad_phase::{block::WIDTH, proxy::Proxies};
 
 /// The order, what it was like when it was made, and the lists that it is made with.
 #[derive(Clone, Debug, Default)]

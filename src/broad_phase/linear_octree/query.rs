@@ -5,8 +5,13 @@ use std::ops::ControlFlow;
 use bevy::math::bounding::Aabb3d;
 use fearless_simd::{dispatch, f32x8, prelude::*};
 
-use super::{Block, LinearOctree, levels::WIDTH};
-use crate::broad_phase::{Proxies, ProxyId, query::Measure};
+use super::octree::LinearOctree;
+use crate::broad_phase::{
+    block::{Block, WIDTH},
+    boxes::ProxyId,
+    measure::Measure,
+    proxy::Proxies,
+};
 
 /// A block to look at.
 #[derive(Clone, Copy, Debug, Default)]

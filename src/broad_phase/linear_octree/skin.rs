@@ -2,6 +2,9 @@
 
 use bevy::math::{Vec3, Vec3A, bounding::Aabb3d};
 
+/// All objects get new skins when more than one in so many has left its skin since the last time.
+pub(super) const REFRESH_SHARE: usize = 6;
+
 /// How much larger than boxes skins may be, by volume. More makes skins last longer, and more of them overlap.
 const GROWTH: f32 = 1.6;
 

@@ -1,7 +1,7 @@
 //! Checks of everything that is said to hold.
 
-use super::{LinearOctree, NONE, levels::WIDTH};
-use crate::broad_phase::{Proxies, ProxyId};
+use super::octree::{LinearOctree, NONE};
+use crate::broad_phase::{block::WIDTH, boxes::ProxyId, proxy::Proxies};
 
 impl LinearOctree {
     /// Checks the tree against the objects: that each object has a slot, and each slot at most one object; that boxes lie

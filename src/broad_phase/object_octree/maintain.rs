@@ -7,8 +7,12 @@
 use bevy::math::bounding::Aabb3d;
 use smallvec::SmallVec;
 
-use super::{Cell, Entry, ObjectOctree, StayRegion};
-use crate::{broad_phase::Proxies, octree::NodeId};
+use super::{
+    cell::Cell,
+    octree::{Entry, ObjectOctree},
+    stay::StayRegion,
+};
+use crate::{broad_phase::proxy::Proxies, octree::NodeId};
 
 impl ObjectOctree {
     /// Brings lists and nodes up to date with all changes.

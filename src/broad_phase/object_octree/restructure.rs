@@ -2,7 +2,7 @@
 
 use bevy::math::bounding::Aabb3d;
 
-use super::{ObjectOctree, StayRegion, maintain::must_split};
+use super::{maintain::must_split, octree::ObjectOctree, stay::StayRegion};
 use crate::octree::{NodeId, Vertex};
 
 impl ObjectOctree {

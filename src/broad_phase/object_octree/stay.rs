@@ -2,7 +2,7 @@
 
 use bevy::math::{Vec3A, bounding::Aabb3d};
 
-use super::Cell;
+use super::cell::Cell;
 
 /// Where a box may go while the leaves that it overlaps stay the same.
 ///

@@ -6,8 +6,7 @@ use bevy::math::{
 };
 use fearless_simd::{f32x8, prelude::*};
 
-use super::measure::Measure;
-use crate::broad_phase::linear_octree::Block;
+use crate::broad_phase::{block::Block, measure::Measure};
 
 /// What [`SpatialIndex::cast`](crate::broad_phase::SpatialIndex::cast) and its kin send through space: a
 /// [`RayCast3d`], or an [`AabbCast3d`], which is a box that moves without turning. Distances are along the ray, so that

@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 
 use bevy::math::bounding::Aabb3d;
 
-use super::{Flow, SpatialIndex, proximity};
-use crate::broad_phase::ProxyId;
+use super::{flow::Flow, proximity};
+use crate::broad_phase::{boxes::ProxyId, index::SpatialIndex};
 
 /// # Pairs of two groups
 impl SpatialIndex {

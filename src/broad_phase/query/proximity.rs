@@ -3,8 +3,7 @@
 use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::{f32x8, prelude::*};
 
-use super::measure::Measure;
-use crate::broad_phase::linear_octree::Block;
+use crate::broad_phase::{block::Block, measure::Measure};
 
 /// How far two boxes are from each other, in a straight line. In double precision, in which no square overflows.
 #[inline(always)]

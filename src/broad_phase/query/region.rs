@@ -7,8 +7,8 @@ use bevy::math::{
 };
 use fearless_simd::{f32x8, mask32x8, prelude::*};
 
-use super::{measure::Measure, proximity::Proximity};
-use crate::broad_phase::{linear_octree::Block, overlap};
+use super::proximity::Proximity;
+use crate::broad_phase::{block::Block, boxes::overlap, measure::Measure};
 
 /// A part of space that [`SpatialIndex::overlapping`](crate::broad_phase::SpatialIndex::overlapping) looks into.
 /// Touching counts as overlapping.

@@ -10,7 +10,7 @@ use bevy::math::{
 use proptest::prelude::*;
 
 use super::*;
-use crate::broad_phase::{Method, overlap};
+use crate::broad_phase::{Method, ProxyId, SpatialIndex, overlap};
 
 /// Places are in units of a quarter, so that sides are met exactly, and often.
 fn place() -> impl Strategy<Value = Vec3> {

@@ -3,7 +3,7 @@
 use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::{f32x8, prelude::*};
 
-use crate::broad_phase::linear_octree::Block;
+use super::block::Block;
 
 /// How far away boxes are, in the sense of a query, and whether they are of interest at all.
 ///
