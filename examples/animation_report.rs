@@ -39,9 +39,9 @@ struct Arguments {
     /// The folder to write to.
     #[arg(long, default_value = "target/animation_report")]
     out: PathBuf,
-    /// How overlapping boxes are searched for: `octree` or `exhaustive`.
-    #[arg(long, default_value_t = Method::default())]
-    method: Method,
+    /// How overlapping boxes are searched for: `auto`, `linear`, `object` or `exhaustive`.
+    #[arg(long, default_value_t = BroadPhaseMethod::default())]
+    method: BroadPhaseMethod,
 }
 
 fn main() -> ExitCode {
@@ -88,7 +88,7 @@ fn last_keyframe(scene: &SceneDescription) -> u64 {
 }
 
 /// Plays the clip in a headless app, and notes the contacts of each tick.
-fn play(scene: &SceneDescription, ticks: u64, method: Method) -> Outcome<CollisionReport> {
+fn play(scene: &SceneDescription, ticks: u64, method: BroadPhaseMethod) -> Outcome<CollisionReport> {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
         .insert_resource(BroadPhaseSettings { method, ..default() })

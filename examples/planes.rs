@@ -34,9 +34,10 @@ struct Arguments {
     /// How many ticks to run.
     #[arg(long, default_value_t = 200, allow_negative_numbers = true)]
     steps: u32,
-    /// How overlapping boxes are searched for: `octree` or `exhaustive`. Both, one after the other, if not given.
+    /// How overlapping boxes are searched for: `auto`, `linear`, `object` or `exhaustive`. The last two, one after the
+    /// other, if not given.
     #[arg(long)]
-    method: Option<Method>,
+    method: Option<BroadPhaseMethod>,
     /// A scene file to run instead of a test set, such as assets/scenes/mixed_shapes.scene.ron.
     #[arg(long, conflicts_with = "rings")]
     scene: Option<PathBuf>,
@@ -54,9 +55,9 @@ fn run(arguments: &Arguments) -> Outcome {
     let octree = ObjectOctreeSettings::with_max_objects(arguments.max_objects);
     octree.check()?;
     let methods = match &arguments.method {
-        Some(Method::Octree(_)) => vec![Method::Octree(octree)],
+        Some(BroadPhaseMethod::ObjectOctree(_)) => vec![BroadPhaseMethod::ObjectOctree(octree)],
         Some(method) => vec![method.clone()],
-        None => vec![Method::Octree(octree), Method::Exhaustive],
+        None => vec![BroadPhaseMethod::ObjectOctree(octree), BroadPhaseMethod::Exhaustive],
     };
     let mut totals = Vec::new();
     for method in &methods {
@@ -71,7 +72,7 @@ fn run(arguments: &Arguments) -> Outcome {
 }
 
 /// Runs a scene by one method, and prints its line.
-fn measure(scene: &SceneDescription, method: &Method, steps: u32, max_objects: u32) -> Outcome<TickCounters> {
+fn measure(scene: &SceneDescription, method: &BroadPhaseMethod, steps: u32, max_objects: u32) -> Outcome<TickCounters> {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
         .insert_resource(BroadPhaseSettings { method: method.clone(), ..default() })

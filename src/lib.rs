@@ -104,7 +104,7 @@ pub mod prelude {
     #[cfg(feature = "rapier")]
     pub use crate::rapier::{RapierInteropPlugin, ShapeFromRapier};
     pub use crate::{
-        broad_phase::{Method, ObjectOctreeSettings, PairKinds},
+        broad_phase::{BroadPhaseMethod, ObjectOctreeSettings, PairKinds},
         collision_index::{BroadPhaseSettings, CandidatePairs, CollisionIndex},
         components::{CollisionShape, Cube, WorldAabb},
         contacts::{

@@ -8,7 +8,7 @@ use super::{
     boxes::{BoxError, ProxyId},
     engine::{BroadPhase, BroadPhaseStats, Leaf, Visitor},
     filter::{PairFilter, PairKinds},
-    method::Method,
+    method::BroadPhaseMethod,
     pairs::{Pair, PairSet},
     proxy::Proxies,
 };
@@ -30,7 +30,7 @@ pub struct SpatialIndex {
 impl SpatialIndex {
     /// An empty index that searches by `method`.
     #[must_use]
-    pub fn new(method: &Method) -> Self {
+    pub fn new(method: &BroadPhaseMethod) -> Self {
         Self::with_engine(method.engine())
     }
 
@@ -49,7 +49,7 @@ impl SpatialIndex {
 
     /// Searches by another method from now on. All objects stay, and take part in the next update as if they had
     /// just been inserted.
-    pub fn set_method(&mut self, method: &Method) {
+    pub fn set_method(&mut self, method: &BroadPhaseMethod) {
         self.set_engine(method.engine());
     }
 
@@ -96,24 +96,24 @@ impl SpatialIndex {
         self.proxies.set(id, aabb)
     }
 
-    /// Adds an object without an end, which has no box: a ground plane, with the half-space that it fills; or `None` for
+    /// Adds an unbounded object, one without an end and so without a box: a ground plane, with the half-space that it fills; or `None` for
     /// one that may be anywhere. It makes a pair with every box that has a part in the half-space, and with no other
-    /// endless object; queries find it at a distance of 0, wherever they look, and leave the rest to the caller.
+    /// unbounded object; queries find it at a distance of 0, wherever they look, and leave the rest to the caller.
     ///
     /// Meant for a handful: each costs its look at every object that moves, and at all when it moves itself.
     ///
     /// # Errors
     /// [`BoxError::Full`].
-    pub fn insert_endless(&mut self, side: Option<HalfSpace>) -> Result<ProxyId, BoxError> {
-        self.proxies.insert_endless(side)
+    pub fn insert_unbounded(&mut self, side: Option<HalfSpace>) -> Result<ProxyId, BoxError> {
+        self.proxies.insert_unbounded(side)
     }
 
-    /// Says where an endless object is in this tick. O(endless objects).
+    /// Says where an unbounded object is in this tick. O(unbounded objects).
     ///
     /// # Errors
-    /// A handle that is not that of an endless object is refused, and nothing changes.
-    pub fn set_endless(&mut self, id: ProxyId, side: Option<HalfSpace>) -> Result<(), BoxError> {
-        self.proxies.set_endless(id, side)
+    /// A handle that is not that of an unbounded object is refused, and nothing changes.
+    pub fn set_unbounded(&mut self, id: ProxyId, side: Option<HalfSpace>) -> Result<(), BoxError> {
+        self.proxies.set_unbounded(id, side)
     }
 
     /// Counts an object as moved though its box stays: it may have turned inside it. False if there is none.
@@ -178,7 +178,7 @@ impl SpatialIndex {
         if !self.searched {
             let found = self.pairs.begin(&self.proxies);
             self.pairs_tested = self.engine.find_pairs(&self.proxies, found);
-            self.pairs_tested += self.proxies.find_endless_pairs(found);
+            self.pairs_tested += self.proxies.find_unbounded_pairs(found);
             if self.proxies.are_filtered() && !self.engine.asks_filters() {
                 self.pairs.filter(&self.proxies);
             }
@@ -224,19 +224,19 @@ impl SpatialIndex {
 }
 
 impl Proxies {
-    /// Appends every pair of an endless object and a box that may meet, of which at least one moved, and which admit each
-    /// other; each once. Returns the number of pairs compared. For each endless object, linear in those that moved, or
+    /// Appends every pair of an unbounded object and a box that may meet, of which at least one moved, and which admit each
+    /// other; each once. Returns the number of pairs compared. For each unbounded object, linear in those that moved, or
     /// in all if it moved itself.
-    fn find_endless_pairs(&self, pairs: &mut Vec<Pair>) -> u64 {
+    fn find_unbounded_pairs(&self, pairs: &mut Vec<Pair>) -> u64 {
         let mut compared = 0;
-        for endless in &self.endless {
+        for unbounded in &self.unbounded {
             let mut compare = |id, aabb| {
                 compared += 1;
-                if endless.may_meet(aabb) && self.admits(endless.id, id) {
-                    pairs.push(Pair::new(endless.id, id));
+                if unbounded.may_meet(aabb) && self.admits(unbounded.id, id) {
+                    pairs.push(Pair::new(unbounded.id, id));
                 }
             };
-            if self.is_moved(endless.id) {
+            if self.is_moved(unbounded.id) {
                 self.iter().for_each(|(id, aabb)| compare(id, aabb));
             } else {
                 self.moved()
@@ -251,7 +251,7 @@ impl Proxies {
 
 impl Default for SpatialIndex {
     fn default() -> Self {
-        Self::new(&Method::default())
+        Self::new(&BroadPhaseMethod::default())
     }
 }
 

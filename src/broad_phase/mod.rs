@@ -7,9 +7,9 @@
 //!
 //! ```
 //! use bevy::math::{Vec3, bounding::Aabb3d};
-//! use bevy_octree::broad_phase::{Method, SpatialIndex};
+//! use bevy_octree::broad_phase::{BroadPhaseMethod, SpatialIndex};
 //!
-//! let mut index = SpatialIndex::new(&Method::default());
+//! let mut index = SpatialIndex::new(&BroadPhaseMethod::default());
 //! let cube = |x: f32| Aabb3d::new(Vec3::new(x, 0.0, 0.0), Vec3::splat(0.5));
 //! let a = index.insert(cube(0.0))?;
 //! let b = index.insert(cube(0.75))?;
@@ -26,7 +26,7 @@
 //! # Three ways to look
 //!
 //! The report compares an octree with exhaustive search, and mentions pointerless octrees; here each is an
-//! implementation of [`BroadPhase`], chosen by a [`Method`] and exchanged at any time ([`SpatialIndex::set_method`]):
+//! implementation of [`BroadPhase`], chosen by a [`BroadPhaseMethod`] and exchanged at any time ([`SpatialIndex::set_method`]):
 //!
 //! - [`Auto`], the default: exhaustive search for a handful of objects, the linear octree beyond.
 //! - [`LinearOctree`]: the pointerless octree, by far the fastest for more than a handful.
@@ -36,8 +36,8 @@
 //!
 //! All of them give the same pairs: exactly those whose boxes overlap, touching included.
 //!
-//! Objects without an end, such as a ground plane, have no box: the index keeps them apart from the broad phase
-//! ([`SpatialIndex::insert_endless`]).
+//! Unbounded objects, such as a ground plane, have no box: the index keeps them apart from the broad phase
+//! ([`SpatialIndex::insert_unbounded`]).
 //!
 //! # A way of your own
 //!
@@ -99,7 +99,6 @@ mod block;
 mod boxes;
 #[cfg(test)]
 mod checked;
-mod endless;
 mod engine;
 mod exhaustive;
 mod filter;
@@ -112,6 +111,7 @@ pub mod object_octree;
 mod pairs;
 mod proxy;
 mod query;
+mod unbounded;
 
 pub use auto::Auto;
 pub use boxes::{BoxError, EVERYWHERE, ProxyId, check_box, overlap};
@@ -120,7 +120,7 @@ pub use exhaustive::Exhaustive;
 pub use filter::{PairFilter, PairKinds};
 pub use index::SpatialIndex;
 pub use linear_octree::LinearOctree;
-pub use method::{Method, UnknownMethod};
+pub use method::{BroadPhaseMethod, UnknownMethod};
 pub use object_octree::{ObjectOctree, ObjectOctreeSettings, RootPolicy, SettingsError};
 pub use pairs::{Pair, PairSet};
 pub use proxy::Proxies;

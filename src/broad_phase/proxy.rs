@@ -4,8 +4,8 @@ use bevy::math::{bounding::Aabb3d, primitives::HalfSpace};
 
 use super::{
     boxes::{BoxError, EVERYWHERE, ProxyId, check_box, is_box},
-    endless::Endless,
     filter::{PairFilter, PairKinds},
+    unbounded::Unbounded,
 };
 
 const ALIVE: u8 = 1;
@@ -13,14 +13,14 @@ const ALIVE: u8 = 1;
 const PENDING: u8 = 2;
 /// Changed between the last two updates: what the current pairs are about.
 const MOVED: u8 = 4;
-/// Without an end, and so without a box.
-const ENDLESS: u8 = 8;
+/// Unbounded: without an end, and so without a box.
+const UNBOUNDED: u8 = 8;
 /// The filter changed since the last update.
 const REFILTERED: u8 = 16;
 
 /// The boxes of all objects, and which of them changed.
 ///
-/// Objects without an end have a handle too, but no box: they are in none of the lists, and no concern of a broad phase.
+/// Unbounded objects have a handle too, but no box: they are in none of the lists, and no concern of a broad phase.
 ///
 /// An implementation of [`BroadPhase`](super::BroadPhase) reads this and never writes it.
 #[derive(Clone, Debug, Default)]
@@ -49,9 +49,9 @@ pub struct Proxies {
     /// Did an object move, or go, that had not moved in the update before? And the other way round?
     some_woke: bool,
     some_slept: bool,
-    /// Those without an end, and those of them that were removed since the last update.
-    pub(super) endless: Vec<Endless>,
-    endless_pending: bool,
+    /// The unbounded ones, and those of them that were removed since the last update.
+    pub(super) unbounded: Vec<Unbounded>,
+    unbounded_pending: bool,
 }
 
 impl Proxies {
@@ -83,17 +83,17 @@ impl Proxies {
         self.flags.get(id.index()).is_some_and(|f| f & ALIVE != 0)
     }
 
-    /// The box of an object, or `None` if there is no such object, or it is without an end.
+    /// The box of an object, or `None` if there is no such object, or it is unbounded.
     #[inline]
     #[must_use]
     pub fn get(&self, id: ProxyId) -> Option<&Aabb3d> {
-        let has_box = self.flags.get(id.index()).is_some_and(|f| f & (ALIVE | ENDLESS) == ALIVE);
+        let has_box = self.flags.get(id.index()).is_some_and(|f| f & (ALIVE | UNBOUNDED) == ALIVE);
         has_box.then(|| &self.boxes[id.index()])
     }
 
-    /// The objects without an end.
-    pub fn endless(&self) -> impl Iterator<Item = ProxyId> {
-        self.endless.iter().map(|endless| endless.id).filter(|id| self.contains(*id))
+    /// The unbounded objects.
+    pub fn unbounded(&self) -> impl Iterator<Item = ProxyId> {
+        self.unbounded.iter().map(|unbounded| unbounded.id).filter(|id| self.contains(*id))
     }
 
     /// All boxes by index, those of removed objects included: for the inner loops of a broad phase.
@@ -201,12 +201,12 @@ impl Proxies {
     #[inline]
     #[must_use]
     pub const fn has_pending(&self) -> bool {
-        !self.pending.is_empty() || self.endless_pending
+        !self.pending.is_empty() || self.unbounded_pending
     }
 
     /// All objects that have a box, by ascending handle. O(capacity).
     pub fn iter(&self) -> impl Iterator<Item = (ProxyId, &Aabb3d)> + Clone {
-        let has_box = |flags: &u8| flags & (ALIVE | ENDLESS) == ALIVE;
+        let has_box = |flags: &u8| flags & (ALIVE | UNBOUNDED) == ALIVE;
         (0..).map(ProxyId::new).zip(&self.boxes).zip(&self.flags).filter(move |(_, f)| has_box(f)).map(|(item, _)| item)
     }
 
@@ -218,7 +218,7 @@ impl Proxies {
         self.boxes.capacity() * size_of::<Aabb3d>()
             + self.flags.capacity()
             + self.filters.capacity() * size_of::<PairFilter>()
-            + self.endless.capacity() * size_of::<Endless>()
+            + self.unbounded.capacity() * size_of::<Unbounded>()
             + lists.map(|list| list.capacity() * size_of::<ProxyId>()).sum::<usize>()
     }
 
@@ -230,9 +230,9 @@ impl Proxies {
         Ok(id)
     }
 
-    pub(super) fn insert_endless(&mut self, side: Option<HalfSpace>) -> Result<ProxyId, BoxError> {
-        let id = self.allocate(EVERYWHERE, ALIVE | ENDLESS)?;
-        self.endless.push(Endless { id, side });
+    pub(super) fn insert_unbounded(&mut self, side: Option<HalfSpace>) -> Result<ProxyId, BoxError> {
+        let id = self.allocate(EVERYWHERE, ALIVE | UNBOUNDED)?;
+        self.unbounded.push(Unbounded { id, side });
         Ok(id)
     }
 
@@ -265,7 +265,7 @@ impl Proxies {
         };
         // Most common first: the same box again, which is known to be a good one.
         let is_same = old.min.cmpeq(aabb.min) & old.max.cmpeq(aabb.max);
-        let has_box = *flags & (ALIVE | ENDLESS) == ALIVE;
+        let has_box = *flags & (ALIVE | UNBOUNDED) == ALIVE;
         if is_same.all() && has_box {
             return Ok(());
         }
@@ -286,14 +286,14 @@ impl Proxies {
         check_box(aabb).err().unwrap_or(BoxError::UnknownProxy(id))
     }
 
-    /// Says where an endless object is.
-    pub(super) fn set_endless(&mut self, id: ProxyId, side: Option<HalfSpace>) -> Result<(), BoxError> {
-        let place = self.endless.iter_mut().find(|endless| endless.id == id);
-        let Some(endless) = place.filter(|endless| self.flags[endless.id.index()] & ALIVE != 0) else {
+    /// Says where an unbounded object is.
+    pub(super) fn set_unbounded(&mut self, id: ProxyId, side: Option<HalfSpace>) -> Result<(), BoxError> {
+        let place = self.unbounded.iter_mut().find(|unbounded| unbounded.id == id);
+        let Some(unbounded) = place.filter(|unbounded| self.flags[unbounded.id.index()] & ALIVE != 0) else {
             return Err(BoxError::UnknownProxy(id));
         };
-        if endless.side != side {
-            endless.side = side;
+        if unbounded.side != side {
+            unbounded.side = side;
             self.mark(id);
         }
         Ok(())
@@ -310,7 +310,7 @@ impl Proxies {
             }
             self.filters[id.index()] = filter;
             let flags = &mut self.flags[id.index()];
-            if *flags & (ENDLESS | REFILTERED) == 0 {
+            if *flags & (UNBOUNDED | REFILTERED) == 0 {
                 *flags |= REFILTERED;
                 self.pending_filters.push(id);
             }
@@ -349,8 +349,8 @@ impl Proxies {
         for place in 0..self.moved.len() {
             self.touch(self.moved[place]);
         }
-        for place in 0..self.endless.len() {
-            let id = self.endless[place].id;
+        for place in 0..self.unbounded.len() {
+            let id = self.unbounded[place].id;
             if self.is_moved(id) {
                 self.touch(id);
             }
@@ -363,7 +363,7 @@ impl Proxies {
         }
         let flags = &mut self.flags[id.index()];
         *flags &= !ALIVE;
-        if *flags & ENDLESS == 0 {
+        if *flags & UNBOUNDED == 0 {
             self.alive -= 1;
             self.population_is_changing = true;
         }
@@ -392,7 +392,7 @@ impl Proxies {
             self.alive_moved += usize::from(*flags & ALIVE);
         }
         self.some_woke = moved_before == 0;
-        self.update_endless();
+        self.update_unbounded();
         self.changed_filters.clear();
         std::mem::swap(&mut self.changed_filters, &mut self.pending_filters);
         self.population_changed = std::mem::take(&mut self.population_is_changing);
@@ -400,16 +400,16 @@ impl Proxies {
         std::mem::swap(&mut self.dead, &mut self.dying);
     }
 
-    fn update_endless(&mut self) {
-        self.endless_pending = false;
-        self.endless.retain(|endless| {
-            let flags = &mut self.flags[endless.id.index()];
+    fn update_unbounded(&mut self) {
+        self.unbounded_pending = false;
+        self.unbounded.retain(|unbounded| {
+            let flags = &mut self.flags[unbounded.id.index()];
             let (moved_before, moves) = (*flags & MOVED != 0, *flags & PENDING != 0);
             let is_alive = *flags & ALIVE != 0;
             // Of a removed one, no pair rests any longer.
             self.some_woke |= !is_alive || moves && !moved_before;
             self.some_slept |= moved_before && !moves;
-            *flags = *flags & (ALIVE | ENDLESS) | if moves { MOVED } else { 0 };
+            *flags = *flags & (ALIVE | UNBOUNDED) | if moves { MOVED } else { 0 };
             is_alive
         });
     }
@@ -419,10 +419,10 @@ impl Proxies {
         let flags = &mut self.flags[id.index()];
         if *flags & PENDING == 0 {
             *flags |= PENDING;
-            if *flags & ENDLESS == 0 {
+            if *flags & UNBOUNDED == 0 {
                 self.pending.push(id);
             } else {
-                self.endless_pending = true;
+                self.unbounded_pending = true;
             }
         }
     }

@@ -4,7 +4,7 @@ use bevy::math::bounding::Aabb3d;
 use fearless_simd::Level;
 
 use super::{
-    join::Workspace,
+    join::JoinBuffers,
     levels::Levels,
     list::{List, Packed, unpack},
     order,
@@ -18,7 +18,7 @@ pub struct Crowd {
     order: Vec<Packed>,
     scratch: Vec<Packed>,
     tree: Levels,
-    work: Workspace,
+    work: JoinBuffers,
     found: List,
 }
 

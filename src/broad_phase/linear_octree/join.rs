@@ -23,7 +23,7 @@ const ROWS: usize = 8 * BATCH;
 
 /// Lists that are worked with, kept for the next time.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Workspace {
+pub(super) struct JoinBuffers {
     /// Pairs of blocks from which the jobs begin.
     pairs: List,
     next: List,
@@ -60,12 +60,12 @@ impl Levels {
     pub(super) fn self_join(
         &self,
         level: Level,
-        work: &mut Workspace,
+        work: &mut JoinBuffers,
         found: &mut List,
         keep: Option<&(impl Fn(u32, u32) -> bool + Sync)>,
     ) {
         let mut height = self.as_slice().len() - 1;
-        let Workspace { pairs, next, jobs } = work;
+        let JoinBuffers { pairs, next, jobs } = work;
         jobs.resize_with(jobs.len().max(1), Job::default);
         pairs.clear();
         pairs.reserve(1);
@@ -161,7 +161,7 @@ impl Levels {
         &self,
         level: Level,
         slots: &[u32],
-        work: &mut Workspace,
+        work: &mut JoinBuffers,
         found: &mut List,
         keep: &(impl Fn(u32, u32) -> bool + Sync),
     ) -> usize {
@@ -238,7 +238,7 @@ impl Levels {
     }
 }
 
-impl Workspace {
+impl JoinBuffers {
     pub(super) fn memory_bytes(&self) -> usize {
         let of_job = |job: &Job| {
             let lists = job.pairs.iter().chain([&job.rows, &job.found]);

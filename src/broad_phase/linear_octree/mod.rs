@@ -8,9 +8,9 @@
 //!
 //! ```
 //! use bevy::math::{Vec3, bounding::Aabb3d};
-//! use bevy_octree::broad_phase::{Method, SpatialIndex};
+//! use bevy_octree::broad_phase::{BroadPhaseMethod, SpatialIndex};
 //!
-//! let mut index = SpatialIndex::new(&Method::Linear);
+//! let mut index = SpatialIndex::new(&BroadPhaseMethod::LinearOctree);
 //! for x in 0..1000 {
 //!     index.insert(Aabb3d::new(Vec3::X * x as f32, Vec3::splat(0.5)))?;
 //! }

@@ -3,7 +3,7 @@
 use fearless_simd::Level;
 
 use super::{
-    join::Workspace,
+    join::JoinBuffers,
     levels::Levels,
     list::{List, Packed},
     skin::REFRESH_SHARE,
@@ -32,7 +32,7 @@ pub(super) struct NearPairs {
     all_are_watched: bool,
     /// How many blocks were looked at in searches for single slots.
     blocks_searched: usize,
-    work: Workspace,
+    work: JoinBuffers,
 }
 
 impl NearPairs {

@@ -36,7 +36,7 @@ impl Cell {
     }
 
     /// Makes this the cell of a child, with an empty list.
-    pub(super) fn set_child_of(&mut self, parent: &Frame, octant: Vertex, objects: Vec<u32>) {
+    pub(super) fn set_child_of(&mut self, parent: &CellFrame, octant: Vertex, objects: Vec<u32>) {
         debug_assert!(objects.is_empty());
         let bits = octant.bits();
         let upper = bevy::math::BVec3A::new(bits & 1 != 0, bits & 2 != 0, bits & 4 != 0);
@@ -53,8 +53,8 @@ impl Cell {
     }
 
     /// What children are made from.
-    pub(super) const fn frame(&self) -> Frame {
-        Frame { lo: self.lo, hi: self.hi, mid: self.mid, half_size: self.half_size, generation: self.generation }
+    pub(super) const fn frame(&self) -> CellFrame {
+        CellFrame { lo: self.lo, hi: self.hi, mid: self.mid, half_size: self.half_size, generation: self.generation }
     }
 
     /// The cell as a box. The corners of outermost cells are infinite; the upper borders are not part of the cell.
@@ -165,7 +165,7 @@ impl Cell {
 }
 
 /// The geometry of a cell that its children inherit.
-pub(super) struct Frame {
+pub(super) struct CellFrame {
     lo: Vec3A,
     hi: Vec3A,
     mid: Vec3A,

@@ -7,9 +7,9 @@
 //!
 //! ```
 //! use bevy::math::{Vec3, bounding::Aabb3d};
-//! use bevy_octree::broad_phase::{Method, ObjectOctreeSettings, SpatialIndex};
+//! use bevy_octree::broad_phase::{BroadPhaseMethod, ObjectOctreeSettings, SpatialIndex};
 //!
-//! let mut index = SpatialIndex::new(&Method::Octree(ObjectOctreeSettings::with_max_objects(2)));
+//! let mut index = SpatialIndex::new(&BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(2)));
 //! for x in [-4.0, -2.0, 3.0] {
 //!     index.insert(Aabb3d::new(Vec3::new(x, 1.0, 1.0), Vec3::splat(0.5)))?;
 //! }

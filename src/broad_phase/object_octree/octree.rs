@@ -155,7 +155,7 @@ impl Default for ObjectOctree {
 
 impl BroadPhase for ObjectOctree {
     fn name(&self) -> &'static str {
-        "octree"
+        "object"
     }
 
     fn maintain(&mut self, proxies: &Proxies) {

@@ -10,8 +10,8 @@ fn bad_boxes_are_refused_by_name() {
     let mut proxies = Proxies::default();
     let nan = Aabb3d { min: Vec3::NAN.into(), max: Vec3::ONE.into() };
     assert!(matches!(proxies.insert(nan), Err(BoxError::NotFinite(_))));
-    let endless = Aabb3d { min: Vec3::ZERO.into(), max: Vec3::INFINITY.into() };
-    assert!(matches!(proxies.insert(endless), Err(BoxError::NotFinite(_))));
+    let unbounded = Aabb3d { min: Vec3::ZERO.into(), max: Vec3::INFINITY.into() };
+    assert!(matches!(proxies.insert(unbounded), Err(BoxError::NotFinite(_))));
     let inverted = Aabb3d { min: Vec3::ONE.into(), max: Vec3::ZERO.into() };
     assert!(matches!(proxies.insert(inverted), Err(BoxError::Inverted(_))));
     assert!(proxies.is_empty());
@@ -34,7 +34,7 @@ fn a_foreign_handle_is_that_of_no_object() {
         assert!(!proxies.touch(foreign) && !proxies.remove(foreign));
         let unknown = Err(BoxError::UnknownProxy(foreign));
         assert_eq!(proxies.set(foreign, &unit(1.0)), unknown);
-        assert_eq!(proxies.set_endless(foreign, None), unknown);
+        assert_eq!(proxies.set_unbounded(foreign, None), unknown);
         assert_eq!(proxies.set_filter(foreign, PairFilter::default()), unknown);
     }
     assert!(proxies.is_moved(own));

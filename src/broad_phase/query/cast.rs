@@ -14,23 +14,23 @@ use crate::broad_phase::{block::Block, measure::Measure};
 ///
 /// Touching counts: a ray within the side of a box meets it. A cast that is not finite, but for `max`, meets nothing,
 /// and so does one with a `max` that is negative or NaN, or a moving box that is inverted.
-pub trait Cast: Swept {}
+pub trait Cast: Sweeping {}
 
 /// The measure behind a cast.
-pub trait Swept {
+pub trait Sweeping {
     /// The measure, and how far the cast goes.
     fn sweep(&self) -> (Sweep, f32);
 }
 
 impl Cast for RayCast3d {}
-impl Swept for RayCast3d {
+impl Sweeping for RayCast3d {
     fn sweep(&self) -> (Sweep, f32) {
         Sweep::new(self, Vec3A::ZERO, Vec3A::ZERO)
     }
 }
 
 impl Cast for AabbCast3d {}
-impl Swept for AabbCast3d {
+impl Sweeping for AabbCast3d {
     fn sweep(&self) -> (Sweep, f32) {
         Sweep::new(&self.ray, self.aabb.min, self.aabb.max)
     }

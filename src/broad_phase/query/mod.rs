@@ -4,7 +4,7 @@ mod cast;
 mod flow;
 mod hit;
 mod pairs;
-mod proximity;
+mod point_distance;
 mod region;
 mod search;
 #[cfg(test)]

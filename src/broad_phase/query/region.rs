@@ -7,10 +7,10 @@ use bevy::math::{
 };
 use fearless_simd::{f32x8, mask32x8, prelude::*};
 
-use super::proximity::Proximity;
+use super::point_distance::PointDistance;
 use crate::broad_phase::{block::Block, boxes::overlap, measure::Measure};
 
-/// A part of space that [`SpatialIndex::overlapping`](crate::broad_phase::SpatialIndex::overlapping) looks into.
+/// A part of space that [`for_each_overlapping`](crate::broad_phase::SpatialIndex::for_each_overlapping) looks into.
 /// Touching counts as overlapping.
 ///
 /// - [`Aabb3d`]: a box. One that is inverted along an axis, or NaN, overlaps nothing.
@@ -65,10 +65,10 @@ impl Measured for Vec3 {
 
 impl Region for BoundingSphere {}
 impl Measured for BoundingSphere {
-    type Measure<'a> = Proximity<false>;
+    type Measure<'a> = PointDistance<false>;
 
-    fn measure(&self) -> (Proximity<false>, f32) {
-        Proximity::new(self.center, self.radius())
+    fn measure(&self) -> (PointDistance<false>, f32) {
+        PointDistance::new(self.center, self.radius())
     }
 }
 

@@ -4,7 +4,7 @@ use std::{any::Any, ops::ControlFlow};
 
 use bevy::math::{Vec3A, bounding::Aabb3d};
 
-use super::{cast::Cast, flow::Flow, hit::Hit, proximity::Proximity, region::Region};
+use super::{cast::Cast, flow::Flow, hit::Hit, point_distance::PointDistance, region::Region};
 use crate::broad_phase::{
     boxes::ProxyId, engine::Visitor, index::SpatialIndex, linear_octree::LinearOctree, measure::Measure,
 };
@@ -15,7 +15,7 @@ use crate::broad_phase::{
 /// nothing. They are fastest with a [`LinearOctree`](super::LinearOctree), whose blocks they search eight boxes at a
 /// time.
 ///
-/// Objects without an end are found by each, at a distance of 0, wherever they are: what lies where is for `distance`, or
+/// Unbounded objects are found by each, at a distance of 0, wherever they are: what lies where is for `distance`, or
 /// `found`, to say.
 ///
 /// They see the boxes as of the last [`update`](Self::update). Of an object that changed since, a query may see the old
@@ -32,7 +32,7 @@ use crate::broad_phase::{
 ///
 /// // What is in a ball? A box, a point or a view frustum would do as well.
 /// let mut found = vec![];
-/// index.overlapping(&BoundingSphere::new(Vec3::X * 3.0, 1.0), |id| found.push(id));
+/// index.for_each_overlapping(&BoundingSphere::new(Vec3::X * 3.0, 1.0), |id| found.push(id));
 /// found.sort();
 /// assert_eq!(found, [a, b]);
 ///
@@ -55,7 +55,7 @@ use crate::broad_phase::{
 /// ```
 impl SpatialIndex {
     /// Calls `found` with every object whose box overlaps a region, each once, in no particular order.
-    pub fn overlapping<F: Flow>(&self, region: &(impl Region + ?Sized), mut found: impl FnMut(ProxyId) -> F) {
+    pub fn for_each_overlapping<F: Flow>(&self, region: &(impl Region + ?Sized), mut found: impl FnMut(ProxyId) -> F) {
         let (measure, limit) = region.measure();
         self.search(&measure, limit, |id, _| {
             if found(id).goes_on() { ControlFlow::Continue(limit) } else { ControlFlow::Break(()) }
@@ -80,7 +80,7 @@ impl SpatialIndex {
     }
 
     /// Calls `found` with every box that a cast meets, each once, in no particular order.
-    pub fn cast_all<F: Flow>(&self, cast: &impl Cast, mut found: impl FnMut(Hit) -> F) {
+    pub fn for_each_hit<F: Flow>(&self, cast: &impl Cast, mut found: impl FnMut(Hit) -> F) {
         let (sweep, limit) = cast.sweep();
         self.search(&sweep, limit, |proxy, distance| {
             if found(Hit { proxy, distance }).goes_on() { ControlFlow::Continue(limit) } else { ControlFlow::Break(()) }
@@ -103,8 +103,8 @@ impl SpatialIndex {
         max_distance: f32,
         distance: impl FnMut(ProxyId, f32) -> Option<f32>,
     ) -> Option<Hit> {
-        let (proximity, limit) = Proximity::<true>::new(point.into(), max_distance);
-        self.first(&proximity, limit, distance)
+        let (measure, limit) = PointDistance::<true>::new(point.into(), max_distance);
+        self.first(&measure, limit, distance)
     }
 
     /// The `k` boxes nearest to a point, no farther than `max_distance`, nearest first, those as near by ascending
@@ -126,8 +126,8 @@ impl SpatialIndex {
         if k == 0 {
             return;
         }
-        let (proximity, mut limit) = Proximity::<true>::new(point.into(), max_distance);
-        self.search(&proximity, limit, |proxy, bound| {
+        let (measure, mut limit) = PointDistance::<true>::new(point.into(), max_distance);
+        self.search(&measure, limit, |proxy, bound| {
             if let Some(distance) = distance(proxy, bound)
                 && distance <= limit
             {
@@ -179,7 +179,7 @@ impl SpatialIndex {
         if limit.is_nan() || limit < 0.0 {
             return;
         }
-        for id in self.proxies().endless() {
+        for id in self.proxies().unbounded() {
             match visit(id, 0.0) {
                 ControlFlow::Continue(new) => limit = new,
                 ControlFlow::Break(()) => return,

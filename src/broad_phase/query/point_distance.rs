@@ -14,16 +14,16 @@ pub fn distance(a: &Aabb3d, b: &Aabb3d) -> f32 {
 
 /// How far boxes are from a point: 0 for those that hold it.
 #[derive(Clone, Copy)]
-pub struct Proximity<const ORDERED: bool>(Vec3A);
+pub struct PointDistance<const ORDERED: bool>(Vec3A);
 
-impl<const ORDERED: bool> Proximity<ORDERED> {
+impl<const ORDERED: bool> PointDistance<ORDERED> {
     /// The measure, and the limit if it makes sense; NaN otherwise.
     pub fn new(point: Vec3A, limit: f32) -> (Self, f32) {
         (Self(point), if point.is_finite() && limit >= 0.0 { limit } else { f32::NAN })
     }
 }
 
-impl<const ORDERED: bool> Measure for Proximity<ORDERED> {
+impl<const ORDERED: bool> Measure for PointDistance<ORDERED> {
     const ORDERED: bool = ORDERED;
     const EXACT: bool = false;
 

@@ -1,4 +1,4 @@
-//! Objects without an end, such as the ground below a plane: kept apart from the broad phase, whose cells are for boxes.
+//! Unbounded objects, such as the ground below a plane: kept apart from the broad phase, whose cells are for boxes.
 
 use bevy::math::{Vec3A, bounding::Aabb3d, primitives::HalfSpace};
 
@@ -7,15 +7,15 @@ use super::boxes::ProxyId;
 /// Rounding, as a share of the numbers at hand.
 const ROUNDING: f32 = 16.0 * f32::EPSILON;
 
-/// An object without an end.
+/// An unbounded object.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Endless {
+pub(super) struct Unbounded {
     pub(super) id: ProxyId,
     /// Where all of it is, if not everywhere.
     pub(super) side: Option<HalfSpace>,
 }
 
-impl Endless {
+impl Unbounded {
     /// Has a box a part on the side of the object? Rounding leaves none out.
     #[inline]
     pub(super) fn may_meet(&self, aabb: &Aabb3d) -> bool {
