@@ -102,6 +102,7 @@ mod checked;
 mod engine;
 mod exhaustive;
 mod filter;
+mod flags;
 mod group;
 mod index;
 pub mod linear_octree;

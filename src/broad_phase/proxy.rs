@@ -5,18 +5,9 @@ use bevy::math::{bounding::Aabb3d, primitives::HalfSpace};
 use super::{
     boxes::{BoxError, EVERYWHERE, ProxyId, check_box, is_box},
     filter::{PairFilter, PairKinds},
+    flags::Flags,
     unbounded::Unbounded,
 };
-
-const ALIVE: u8 = 1;
-/// Changed since the last update.
-const PENDING: u8 = 2;
-/// Changed between the last two updates: what the current pairs are about.
-const MOVED: u8 = 4;
-/// Unbounded: without an end, and so without a box.
-const UNBOUNDED: u8 = 8;
-/// The filter changed since the last update.
-const REFILTERED: u8 = 16;
 
 /// The boxes of all objects, and which of them changed.
 ///
@@ -26,32 +17,60 @@ const REFILTERED: u8 = 16;
 #[derive(Clone, Debug, Default)]
 pub struct Proxies {
     boxes: Vec<Aabb3d>,
-    flags: Vec<u8>,
+    flags: Vec<Flags>,
     /// Empty as long as no filter was set.
     filters: Vec<PairFilter>,
     kinds: PairKinds,
-    /// Whose filter changed since the last update, and between the last two.
-    pending_filters: Vec<ProxyId>,
-    changed_filters: Vec<ProxyId>,
-    pending: Vec<ProxyId>,
-    moved: Vec<ProxyId>,
-    /// Removed since the last update, removed before it, and free.
-    dying: Vec<ProxyId>,
-    dead: Vec<ProxyId>,
-    free: Vec<ProxyId>,
+    /// Objects with a box that were inserted, moved, touched or removed.
+    moved: Changes,
+    /// Objects with a box whose filter changed.
+    refiltered: Changes,
+    handles: Handles,
+    /// How many objects there are that have a box, and how many of these have moved.
     alive: usize,
-    /// How many of `moved` are still there.
     alive_moved: usize,
-    /// Did an object come or go between the last two updates?
-    population_changed: bool,
-    /// And since the last update?
+    /// Did an object come or go since the last update, and between the last two?
     population_is_changing: bool,
+    population_changed: bool,
     /// Did an object move, or go, that had not moved in the update before? And the other way round?
     some_woke: bool,
     some_slept: bool,
-    /// The unbounded ones, and those of them that were removed since the last update.
+    /// The unbounded objects, and those of them that were removed since the last update.
     pub(super) unbounded: Vec<Unbounded>,
     unbounded_pending: bool,
+}
+
+/// A list of what changed since the last update, and one of what changed between the last two.
+#[derive(Clone, Debug, Default)]
+struct Changes {
+    pending: Vec<ProxyId>,
+    current: Vec<ProxyId>,
+}
+
+impl Changes {
+    /// Makes the pending changes the current ones.
+    fn advance(&mut self) {
+        self.current.clear();
+        std::mem::swap(&mut self.current, &mut self.pending);
+    }
+}
+
+/// Handles that no object has.
+#[derive(Clone, Debug, Default)]
+struct Handles {
+    /// Those whose objects were removed since the last update.
+    dying: Vec<ProxyId>,
+    /// Those whose objects were removed between the last two updates.
+    dead: Vec<ProxyId>,
+    /// Those that may be handed out again.
+    free: Vec<ProxyId>,
+}
+
+impl Handles {
+    fn advance(&mut self) {
+        self.free.append(&mut self.dead);
+        std::mem::swap(&mut self.dead, &mut self.dying);
+    }
 }
 
 impl Proxies {
@@ -80,14 +99,14 @@ impl Proxies {
     #[inline]
     #[must_use]
     pub fn contains(&self, id: ProxyId) -> bool {
-        self.flags.get(id.index()).is_some_and(|f| f & ALIVE != 0)
+        self.flags.get(id.index()).is_some_and(|flags| flags.has(Flags::ALIVE))
     }
 
     /// The box of an object, or `None` if there is no such object, or it is unbounded.
     #[inline]
     #[must_use]
     pub fn get(&self, id: ProxyId) -> Option<&Aabb3d> {
-        let has_box = self.flags.get(id.index()).is_some_and(|f| f & (ALIVE | UNBOUNDED) == ALIVE);
+        let has_box = self.flags.get(id.index()).is_some_and(|flags| flags.has_box());
         has_box.then(|| &self.boxes[id.index()])
     }
 
@@ -130,7 +149,7 @@ impl Proxies {
     #[inline]
     #[must_use]
     pub fn changed_filters(&self) -> &[ProxyId] {
-        &self.changed_filters
+        &self.refiltered.current
     }
 
     /// Need pairs be asked whether they [admit](Self::admits) each other? Not as long as no filter was set, for then all
@@ -145,14 +164,14 @@ impl Proxies {
     #[inline]
     #[must_use]
     pub fn is_moved(&self, id: ProxyId) -> bool {
-        self.flags.get(id.index()).is_some_and(|f| f & (ALIVE | MOVED) == ALIVE | MOVED)
+        self.flags.get(id.index()).is_some_and(|flags| flags.is_moved())
     }
 
     /// Has the object a part in the pairs of this tick without having moved?
     #[inline]
     #[must_use]
     pub fn is_resting(&self, id: ProxyId) -> bool {
-        self.flags.get(id.index()).is_some_and(|f| f & (ALIVE | MOVED) == ALIVE)
+        self.flags.get(id.index()).is_some_and(|flags| flags.is_resting())
     }
 
     /// The objects that were inserted, moved, touched or removed between the last two updates, each once, in the
@@ -160,7 +179,7 @@ impl Proxies {
     #[inline]
     #[must_use]
     pub fn moved(&self) -> &[ProxyId] {
-        &self.moved
+        &self.moved.current
     }
 
     /// Did every object move between the last two updates?
@@ -172,7 +191,7 @@ impl Proxies {
 
     /// Returns `true` if more than half of the objects moved between the last two updates.
     pub(super) const fn most_moved(&self) -> bool {
-        self.moved.len() * 2 > self.alive
+        self.moved.current.len() * 2 > self.alive
     }
 
     /// Was an object inserted or removed between the last two updates?
@@ -201,22 +220,26 @@ impl Proxies {
     #[inline]
     #[must_use]
     pub const fn has_pending(&self) -> bool {
-        !self.pending.is_empty() || self.unbounded_pending
+        !self.moved.pending.is_empty() || self.unbounded_pending
     }
 
     /// All objects that have a box, by ascending handle. O(capacity).
     pub fn iter(&self) -> impl Iterator<Item = (ProxyId, &Aabb3d)> + Clone {
-        let has_box = |flags: &u8| flags & (ALIVE | UNBOUNDED) == ALIVE;
-        (0..).map(ProxyId::new).zip(&self.boxes).zip(&self.flags).filter(move |(_, f)| has_box(f)).map(|(item, _)| item)
+        (0..)
+            .map(ProxyId::new)
+            .zip(&self.boxes)
+            .zip(&self.flags)
+            .filter(|(_, flags)| flags.has_box())
+            .map(|(item, _)| item)
     }
 
     /// The memory taken, in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
-        let filters = [&self.pending_filters, &self.changed_filters];
-        let lists = [&self.pending, &self.moved, &self.dying, &self.dead, &self.free].into_iter().chain(filters);
+        let changes = [&self.moved, &self.refiltered].into_iter().flat_map(|list| [&list.pending, &list.current]);
+        let lists = changes.chain([&self.handles.dying, &self.handles.dead, &self.handles.free]);
         self.boxes.capacity() * size_of::<Aabb3d>()
-            + self.flags.capacity()
+            + self.flags.capacity() * size_of::<Flags>()
             + self.filters.capacity() * size_of::<PairFilter>()
             + self.unbounded.capacity() * size_of::<Unbounded>()
             + lists.map(|list| list.capacity() * size_of::<ProxyId>()).sum::<usize>()
@@ -224,21 +247,21 @@ impl Proxies {
 
     pub(super) fn insert(&mut self, aabb: Aabb3d) -> Result<ProxyId, BoxError> {
         check_box(&aabb)?;
-        let id = self.allocate(aabb, ALIVE)?;
+        let id = self.allocate(aabb, Flags::ALIVE)?;
         self.alive += 1;
         self.population_is_changing = true;
         Ok(id)
     }
 
     pub(super) fn insert_unbounded(&mut self, side: Option<HalfSpace>) -> Result<ProxyId, BoxError> {
-        let id = self.allocate(EVERYWHERE, ALIVE | UNBOUNDED)?;
+        let id = self.allocate(EVERYWHERE, Flags::ALIVE.with(Flags::UNBOUNDED))?;
         self.unbounded.push(Unbounded { id, side });
         Ok(id)
     }
 
     /// A handle for a new object.
-    fn allocate(&mut self, aabb: Aabb3d, flags: u8) -> Result<ProxyId, BoxError> {
-        let id = match self.free.pop() {
+    fn allocate(&mut self, aabb: Aabb3d, flags: Flags) -> Result<ProxyId, BoxError> {
+        let id = match self.handles.free.pop() {
             Some(id) => {
                 self.boxes[id.index()] = aabb;
                 id
@@ -246,7 +269,7 @@ impl Proxies {
             None => {
                 let index = u32::try_from(self.boxes.len()).ok().filter(|i| *i != u32::MAX).ok_or(BoxError::Full)?;
                 self.boxes.push(aabb);
-                self.flags.push(0);
+                self.flags.push(Flags::default());
                 ProxyId::new(index)
             }
         };
@@ -265,7 +288,7 @@ impl Proxies {
         };
         // Most common first: the same box again, which is known to be a good one.
         let is_same = old.min.cmpeq(aabb.min) & old.max.cmpeq(aabb.max);
-        let has_box = *flags & (ALIVE | UNBOUNDED) == ALIVE;
+        let has_box = flags.has_box();
         if is_same.all() && has_box {
             return Ok(());
         }
@@ -273,9 +296,9 @@ impl Proxies {
             return Err(self.refusal(id, aabb));
         }
         *old = *aabb;
-        if *flags & PENDING == 0 {
-            *flags |= PENDING;
-            self.pending.push(id);
+        if !flags.has(Flags::PENDING) {
+            flags.set(Flags::PENDING);
+            self.moved.pending.push(id);
         }
         Ok(())
     }
@@ -288,8 +311,8 @@ impl Proxies {
 
     /// Says where an unbounded object is.
     pub(super) fn set_unbounded(&mut self, id: ProxyId, side: Option<HalfSpace>) -> Result<(), BoxError> {
-        let place = self.unbounded.iter_mut().find(|unbounded| unbounded.id == id);
-        let Some(unbounded) = place.filter(|unbounded| self.flags[unbounded.id.index()] & ALIVE != 0) else {
+        let found = self.unbounded.iter_mut().find(|unbounded| unbounded.id == id);
+        let Some(unbounded) = found.filter(|_| self.flags[id.index()].has(Flags::ALIVE)) else {
             return Err(BoxError::UnknownProxy(id));
         };
         if unbounded.side != side {
@@ -310,9 +333,9 @@ impl Proxies {
             }
             self.filters[id.index()] = filter;
             let flags = &mut self.flags[id.index()];
-            if *flags & (UNBOUNDED | REFILTERED) == 0 {
-                *flags |= REFILTERED;
-                self.pending_filters.push(id);
+            if !flags.has(Flags::UNBOUNDED.with(Flags::REFILTERED)) {
+                flags.set(Flags::REFILTERED);
+                self.refiltered.pending.push(id);
             }
             self.mark(id);
         }
@@ -324,7 +347,7 @@ impl Proxies {
         if kinds != self.kinds {
             self.kinds = kinds;
             self.touch_all();
-            self.pending_filters.clone_from(&self.pending);
+            self.refiltered.pending.clone_from(&self.moved.pending);
         }
     }
 
@@ -338,7 +361,7 @@ impl Proxies {
 
     pub(super) fn touch_all(&mut self) {
         for index in 0..self.boxes.len() {
-            if self.flags[index] & ALIVE != 0 {
+            if self.flags[index].has(Flags::ALIVE) {
                 self.mark(ProxyId::new(index as u32));
             }
         }
@@ -346,11 +369,11 @@ impl Proxies {
 
     /// Has what moved in the last update count as moved in the next one too.
     pub(super) fn touch_moved(&mut self) {
-        for place in 0..self.moved.len() {
-            self.touch(self.moved[place]);
+        for index in 0..self.moved.current.len() {
+            self.touch(self.moved.current[index]);
         }
-        for place in 0..self.unbounded.len() {
-            let id = self.unbounded[place].id;
+        for index in 0..self.unbounded.len() {
+            let id = self.unbounded[index].id;
             if self.is_moved(id) {
                 self.touch(id);
             }
@@ -362,54 +385,66 @@ impl Proxies {
             return false;
         }
         let flags = &mut self.flags[id.index()];
-        *flags &= !ALIVE;
-        if *flags & UNBOUNDED == 0 {
+        flags.clear_unless(false, Flags::ALIVE);
+        if !flags.has(Flags::UNBOUNDED) {
             self.alive -= 1;
             self.population_is_changing = true;
         }
         self.mark(id);
-        self.dying.push(id);
+        self.handles.dying.push(id);
         true
     }
 
     /// Makes the pending changes the current ones.
     pub(super) fn begin_update(&mut self) {
-        let mut slept = 0;
-        for id in self.moved.drain(..) {
-            let flags = &mut self.flags[id.index()];
-            let goes_on = *flags & PENDING != 0;
-            slept |= *flags & ALIVE & !u8::from(goes_on);
-            *flags &= if goes_on { !0 } else { !MOVED };
-        }
-        self.some_slept = slept != 0;
-        std::mem::swap(&mut self.moved, &mut self.pending);
-        self.alive_moved = 0;
-        let mut moved_before = MOVED;
-        for id in &self.moved {
-            let flags = &mut self.flags[id.index()];
-            moved_before &= *flags;
-            *flags = *flags & ALIVE | MOVED;
-            self.alive_moved += usize::from(*flags & ALIVE);
-        }
-        self.some_woke = moved_before == 0;
+        self.some_slept = self.end_moves();
+        self.moved.advance();
+        self.some_woke = self.begin_moves();
         self.update_unbounded();
-        self.changed_filters.clear();
-        std::mem::swap(&mut self.changed_filters, &mut self.pending_filters);
+        self.refiltered.advance();
         self.population_changed = std::mem::take(&mut self.population_is_changing);
-        self.free.append(&mut self.dead);
-        std::mem::swap(&mut self.dead, &mut self.dying);
+        self.handles.advance();
+    }
+
+    /// Sees who moved until now, and rests from now on. Returns `true` if somebody does. Without a branch.
+    fn end_moves(&mut self) -> bool {
+        let mut some_slept = false;
+        for id in &self.moved.current {
+            let flags = &mut self.flags[id.index()];
+            debug_assert!(flags.has(Flags::MOVED) && !flags.has(Flags::UNBOUNDED));
+            let goes_on = flags.has(Flags::PENDING);
+            some_slept |= flags.has(Flags::ALIVE) & !goes_on;
+            flags.clear_unless(goes_on, Flags::MOVED);
+        }
+        some_slept
+    }
+
+    /// Sees who moves from now on, and counts them. Returns `true` if somebody did not before. Without a branch.
+    fn begin_moves(&mut self) -> bool {
+        let (mut some_woke, mut alive_moved) = (false, 0);
+        for id in &self.moved.current {
+            let flags = &mut self.flags[id.index()];
+            debug_assert!(flags.has(Flags::PENDING) && !flags.has(Flags::UNBOUNDED));
+            some_woke |= !flags.has(Flags::MOVED);
+            *flags = flags.among(Flags::ALIVE).with(Flags::MOVED);
+            alive_moved += usize::from(flags.has(Flags::ALIVE));
+        }
+        debug_assert!(alive_moved <= self.alive);
+        self.alive_moved = alive_moved;
+        some_woke
     }
 
     fn update_unbounded(&mut self) {
         self.unbounded_pending = false;
         self.unbounded.retain(|unbounded| {
             let flags = &mut self.flags[unbounded.id.index()];
-            let (moved_before, moves) = (*flags & MOVED != 0, *flags & PENDING != 0);
-            let is_alive = *flags & ALIVE != 0;
+            let (moved_before, moves) = (flags.has(Flags::MOVED), flags.has(Flags::PENDING));
+            let is_alive = flags.has(Flags::ALIVE);
             // Of a removed one, no pair rests any longer.
-            self.some_woke |= !is_alive || moves && !moved_before;
+            self.some_woke |= !is_alive || (moves && !moved_before);
             self.some_slept |= moved_before && !moves;
-            *flags = *flags & (ALIVE | UNBOUNDED) | if moves { MOVED } else { 0 };
+            let stays = flags.among(Flags::ALIVE.with(Flags::UNBOUNDED));
+            *flags = if moves { stays.with(Flags::MOVED) } else { stays };
             is_alive
         });
     }
@@ -417,10 +452,10 @@ impl Proxies {
     #[inline]
     fn mark(&mut self, id: ProxyId) {
         let flags = &mut self.flags[id.index()];
-        if *flags & PENDING == 0 {
-            *flags |= PENDING;
-            if *flags & UNBOUNDED == 0 {
-                self.pending.push(id);
+        if !flags.has(Flags::PENDING) {
+            flags.set(Flags::PENDING);
+            if !flags.has(Flags::UNBOUNDED) {
+                self.moved.pending.push(id);
             } else {
                 self.unbounded_pending = true;
             }

@@ -61,12 +61,13 @@ impl Levels {
         }
     }
 
-    /// Makes room for one more box at the end, where the last block is full. `end` is the new box's place.
+    /// Makes room for one more box at the end, where the last block is full. `end` is the new box's slot.
     pub(super) fn push(&mut self, end: usize) {
-        let mut place = end;
+        debug_assert!(end / WIDTH <= self.levels[0].len(), "the slots before it are there");
+        let mut block = end;
         for height in 0..self.levels.len() {
-            place /= WIDTH;
-            if place == self.levels[height].len() {
+            block /= WIDTH;
+            if block == self.levels[height].len() {
                 self.levels[height].push(Block::EMPTY);
             }
         }
@@ -77,13 +78,13 @@ impl Levels {
         }
     }
 
-    /// Puts a box in its place. The levels above know of it only after a refit.
+    /// Puts a box in its slot. The levels above know of it only after a refit.
     #[inline]
     pub(super) fn set(&mut self, slot: usize, aabb: &Aabb3d) {
         self.levels[0][slot / WIDTH].set(slot % WIDTH, aabb);
     }
 
-    /// The box in a place.
+    /// The box in a slot.
     #[inline]
     pub(super) fn get(&self, slot: usize) -> Aabb3d {
         self.levels[0].get(slot / WIDTH).map_or(NOWHERE, |block| block.get(slot % WIDTH))
@@ -109,15 +110,15 @@ impl Levels {
 
     /// Brings the blocks above one box up to date.
     pub(super) fn refit_above(&mut self, slot: usize) {
-        let mut place = slot / WIDTH;
+        let mut block = slot / WIDTH;
         for height in 1..self.levels.len() {
-            let bounds = self.levels[height - 1][place].bounds();
-            let above = &mut self.levels[height][place / WIDTH];
+            let bounds = self.levels[height - 1][block].bounds();
+            let above = &mut self.levels[height][block / WIDTH];
             if height == 1 {
-                self.looseness.change(place, &above.get(place % WIDTH), &bounds);
+                self.looseness.change(block, &above.get(block % WIDTH), &bounds);
             }
-            above.set(place % WIDTH, &bounds);
-            place /= WIDTH;
+            above.set(block % WIDTH, &bounds);
+            block /= WIDTH;
         }
     }
 
@@ -130,14 +131,14 @@ impl Levels {
     /// Lets a visitor walk through the tree; `object` is called with the slots of the boxes that it reaches.
     pub(super) fn traverse(&self, visitor: &mut dyn Visitor, mut object: impl FnMut(usize, &mut dyn Visitor)) {
         let mut stack = vec![(self.levels.len() - 1, 0)];
-        while let Some((height, place)) = stack.pop() {
-            let block = &self.levels[height][place];
+        while let Some((height, index)) = stack.pop() {
+            let block = &self.levels[height][index];
             for lane in (0..WIDTH).rev() {
                 let bounds = block.get(lane);
                 if bounds.min.x > bounds.max.x || !visitor.enter(&bounds) {
                     continue;
                 }
-                let child = place * WIDTH + lane;
+                let child = index * WIDTH + lane;
                 match height {
                     0 => object(child, visitor),
                     _ => stack.push((height - 1, child)),
@@ -179,10 +180,10 @@ impl Levels {
         assert_eq!(self.levels.last().map(Vec::len), Some(1), "a single block on top");
         for (below, above) in self.levels.iter().zip(self.levels.iter().skip(1)) {
             assert_eq!(below.len().div_ceil(WIDTH), above.len());
-            for (place, block) in below.iter().enumerate() {
-                let (inner, outer) = (block.bounds(), above[place / WIDTH].get(place % WIDTH));
+            for (index, block) in below.iter().enumerate() {
+                let (inner, outer) = (block.bounds(), above[index / WIDTH].get(index % WIDTH));
                 let held = outer.min.cmple(inner.min).all() && outer.max.cmpge(inner.max).all();
-                assert!(held, "block {place} is within its bounds");
+                assert!(held, "block {index} is within its bounds");
             }
         }
         for slot in boxes..self.levels[0].len() * WIDTH {

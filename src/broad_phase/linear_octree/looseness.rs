@@ -70,9 +70,9 @@ impl Looseness {
 
     /// Measures a block that has changed.
     #[inline]
-    pub(super) fn change(&mut self, place: usize, old: &Aabb3d, new: &Aabb3d) {
-        if let Some(at_first) = self.at_first.get(place / WIDTH) {
-            let count = |bounds| f64::from(self.count(sides_of(bounds), at_first[place % WIDTH]));
+    pub(super) fn change(&mut self, block: usize, old: &Aabb3d, new: &Aabb3d) {
+        if let Some(at_first) = self.at_first.get(block / WIDTH) {
+            let count = |bounds| f64::from(self.count(sides_of(bounds), at_first[block % WIDTH]));
             self.sum += count(new) - count(old);
         }
     }

@@ -43,6 +43,7 @@
 //!   `ComputeTaskPool`. The pairs come in the same order at any number of threads.
 
 mod apart;
+mod compare;
 mod crowd;
 mod follow;
 mod join;
@@ -54,6 +55,7 @@ mod octree;
 mod order;
 mod query;
 mod skin;
+mod upkeep;
 mod validate;
 
 #[cfg(test)]

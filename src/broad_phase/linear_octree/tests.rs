@@ -1,7 +1,7 @@
 use bevy::math::{Vec3, bounding::Aabb3d};
 use proptest::prelude::*;
 
-use super::{LinearOctree, octree::TOO_LOOSE};
+use super::{LinearOctree, upkeep::TOO_LOOSE};
 use crate::broad_phase::{
     block::WIDTH,
     checked::{Checked, a_step, replay},

@@ -12,10 +12,10 @@ impl LinearOctree {
     pub fn assert_well_formed(&self, proxies: &Proxies) {
         for (id, aabb) in proxies.iter() {
             let slot = self.slot_of[id.index()];
-            let place = slot as usize;
-            assert_eq!(self.owners[place], id.get(), "{id:?} owns its slot");
-            assert!(self.tree.as_slice()[0][place / WIDTH].holds(place % WIDTH, aabb), "{id:?} is in its skin");
-            assert!(!self.boxes_are_gathered || self.boxes[place] == *aabb, "the box of {id:?} is gathered");
+            let index = slot as usize;
+            assert_eq!(self.owners[index], id.get(), "{id:?} owns its slot");
+            assert!(self.tree.as_slice()[0][index / WIDTH].holds(index % WIDTH, aabb), "{id:?} is in its skin");
+            assert!(!self.boxes_are_gathered || self.boxes[index] == *aabb, "the box of {id:?} is gathered");
         }
         let owned = self.owners.iter().filter(|owner| **owner != NONE);
         assert_eq!(owned.clone().count(), proxies.len(), "each slot that is owned has an object");

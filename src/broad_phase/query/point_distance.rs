@@ -3,7 +3,10 @@
 use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::{f32x8, prelude::*};
 
-use crate::broad_phase::{block::Block, measure::Measure};
+use crate::broad_phase::{
+    block::Block,
+    measure::{Bound, Measure},
+};
 
 /// How far two boxes are from each other, in a straight line. In double precision, in which no square overflows.
 #[inline(always)]
@@ -29,12 +32,12 @@ impl<const ORDERED: bool> Measure for PointDistance<ORDERED> {
 
     /// Squared, and so much larger that neither rounding nor underflow leaves a box out.
     #[inline(always)]
-    fn bound(&self, distance: f32) -> f32 {
-        if distance >= 0.0 { distance * distance * (1.0 + 8.0 * f32::EPSILON) + f32::MIN_POSITIVE } else { f32::NAN }
+    fn bound(&self, limit: f32) -> Bound {
+        Bound(if limit >= 0.0 { limit * limit * (1.0 + 8.0 * f32::EPSILON) + f32::MIN_POSITIVE } else { f32::NAN })
     }
 
     #[inline(always)]
-    fn eight<S: Simd>(&self, simd: S, block: &Block, bound: f32) -> (u32, f32x8<S>) {
+    fn test_block<S: Simd>(&self, simd: S, block: &Block, bound: Bound) -> (u32, f32x8<S>) {
         let point = self.0.to_array();
         let square = |axis: usize| {
             let at = f32x8::splat(simd, point[axis]);
@@ -44,14 +47,14 @@ impl<const ORDERED: bool> Measure for PointDistance<ORDERED> {
             gap * gap
         };
         let squared = square(0) + square(1) + square(2);
-        let within = squared.simd_le(f32x8::splat(simd, bound));
-        // Places without a box are infinitely far away, which an infinite bound does not leave out.
+        let within = squared.simd_le(bound.splat(simd));
+        // Lanes without a box are infinitely far away, which an infinite bound does not leave out.
         let is_box = block.side(simd, false, 0).simd_le(block.side(simd, true, 0));
         ((within & is_box).to_bitmask() as u32, squared)
     }
 
     #[inline(always)]
-    fn one(&self, aabb: &Aabb3d, limit: f32) -> Option<f32> {
+    fn test_box(&self, aabb: &Aabb3d, limit: f32) -> Option<f32> {
         let distance = distance(aabb, &Aabb3d { min: self.0, max: self.0 });
         (distance <= limit).then_some(distance)
     }

@@ -132,10 +132,10 @@ impl SpatialIndex {
                 && distance <= limit
             {
                 let hit = Hit { proxy, distance };
-                let place = hits.partition_point(|other| other.is_before(&hit));
-                if place < k {
+                let rank = hits.partition_point(|other| other.is_before(&hit));
+                if rank < k {
                     hits.truncate(k - 1);
-                    hits.insert(place, hit);
+                    hits.insert(rank, hit);
                 }
                 if hits.len() == k {
                     limit = hits[k - 1].distance;
@@ -205,14 +205,14 @@ struct Walk<'a, M, V> {
 
 impl<M: Measure, V: FnMut(ProxyId, f32) -> ControlFlow<(), f32>> Visitor for Walk<'_, M, V> {
     fn enter(&mut self, bounds: &Aabb3d) -> bool {
-        !self.is_over && self.measure.cell(bounds, self.limit)
+        !self.is_over && self.measure.test_cell(bounds, self.limit)
     }
 
     fn object(&mut self, id: ProxyId, aabb: &Aabb3d, cell: &Aabb3d) {
         if self.is_over {
             return;
         }
-        let Some(distance) = self.measure.one(aabb, self.limit) else { return };
+        let Some(distance) = self.measure.test_box(aabb, self.limit) else { return };
         // Of the cells that list an object, one has its anchor.
         let anchor = self.measure.anchor(aabb, distance);
         if !(anchor.cmpge(cell.min) & anchor.cmplt(cell.max)).all() {
