@@ -34,9 +34,10 @@ impl LinearOctree {
         limit: f32,
         visit: impl FnMut(ProxyId, f32) -> ControlFlow<(), f32>,
     ) {
-        let (bound, tasks) = (measure.bound(limit), [Task::default(); MOST_TASKS]);
-        let descent = Descent { octree: self, proxies, measure, visit, limit, bound, tasks, waiting: 0 };
-        dispatch!(self.level, simd => descent.run(simd));
+        dispatch!(self.level, simd => {
+            let (bound, mut tasks) = (measure.bound(limit), [Task::default(); MOST_TASKS]);
+            Descent { octree: self, proxies, measure, visit, limit, bound, tasks: &mut tasks, waiting: 0 }.run(simd);
+        });
     }
 
     /// The box of the object in a slot, of which the skin is in the tree.
@@ -62,14 +63,14 @@ struct Descent<'a, M, V> {
     /// Objects farther away than this are of no interest, nor blocks beyond the bound that goes with it.
     limit: f32,
     bound: Bound,
-    /// The blocks that wait, the next one last.
-    tasks: [Task; MOST_TASKS],
+    /// The blocks that wait, the next one last. Lent, so that all else here can be kept in registers.
+    tasks: &'a mut [Task; MOST_TASKS],
     waiting: usize,
 }
 
 impl<M: Measure, V: FnMut(ProxyId, f32) -> ControlFlow<(), f32>> Descent<'_, M, V> {
     #[inline(always)]
-    fn run<S: Simd>(mut self, simd: S) {
+    fn run<S: Simd>(&mut self, simd: S) {
         let levels = self.octree.tree.as_slice();
         let mut task = Task { height: levels.len() as u32 - 1, ..Task::default() };
         loop {
