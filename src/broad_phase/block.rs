@@ -36,7 +36,7 @@ impl Block {
         Aabb3d { min: corner(&self.min), max: corner(&self.max) }
     }
 
-    /// Is a box within the one in a lane?
+    /// Returns `true` if a box is within the one in a lane.
     #[inline(always)]
     pub(super) fn holds(&self, lane: usize, aabb: &Aabb3d) -> bool {
         let outer = self.get(lane);

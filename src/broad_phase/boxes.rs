@@ -12,24 +12,25 @@ use thiserror::Error;
 /// out again before two more updates have passed, so that whoever compares one tick with the next never takes one
 /// object for another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
+#[type_path = "bevy_octree::broad_phase"]
 pub struct ProxyId(u32);
 
 impl ProxyId {
-    /// The handle with this index.
+    /// Returns the handle with this index.
     #[inline]
     #[must_use]
     pub const fn new(index: u32) -> Self {
         Self(index)
     }
 
-    /// The position in arrays that run parallel to the proxies.
+    /// Returns the index in arrays that run parallel to the proxies.
     #[inline]
     #[must_use]
     pub const fn index(self) -> usize {
         self.0 as usize
     }
 
-    /// The index as the 32-bit number that it is stored as.
+    /// Returns the index as the 32-bit number that it is stored as.
     #[inline]
     #[must_use]
     pub const fn get(self) -> u32 {
@@ -70,7 +71,7 @@ pub fn check_box(aabb: &Aabb3d) -> Result<(), BoxError> {
     }
 }
 
-/// Is a box finite and not inverted? A NaN fails every comparison.
+/// Returns `true` if a box is finite and not inverted. A NaN fails every comparison.
 #[inline]
 pub(super) fn is_box(aabb: &Aabb3d) -> bool {
     let least = Vec3A::splat(f32::MIN);
@@ -78,9 +79,10 @@ pub(super) fn is_box(aabb: &Aabb3d) -> bool {
     (aabb.min.cmple(aabb.max) & aabb.min.cmpge(least) & aabb.max.cmple(most)).all()
 }
 
-/// Do two boxes overlap? Touching counts, as in [`Aabb3d`]'s own `intersects`.
+/// Returns `true` if two boxes overlap. Touching counts, as in [`Aabb3d`]'s own `intersects`.
 #[inline]
 #[must_use]
+#[doc(alias = "intersects")]
 pub fn overlap(a: &Aabb3d, b: &Aabb3d) -> bool {
     (a.min.cmple(b.max) & a.max.cmpge(b.min)).all()
 }

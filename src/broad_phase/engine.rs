@@ -15,7 +15,7 @@ use super::{boxes::ProxyId, pairs::Pair, proxy::Proxies};
 /// What every implementation owes: the pairs are exact (each once, none missing, touching counts), their order
 /// depends on the history of calls alone, memory is linear in the objects, and no input makes it panic.
 pub trait BroadPhase: Any + Send + Sync {
-    /// The name by which users know this way of searching.
+    /// Returns the name by which users know this way of searching.
     fn name(&self) -> &'static str;
 
     /// Takes up the changes listed in [`Proxies::moved`]: objects inserted, moved and removed.
@@ -26,8 +26,8 @@ pub trait BroadPhase: Any + Send + Sync {
     /// compared.
     fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64;
 
-    /// Does [`find_pairs`](Self::find_pairs) leave out pairs that do not [admit](Proxies::admits) each other? If not, as
-    /// by default, the caller takes them out.
+    /// Returns `true` if [`find_pairs`](Self::find_pairs) leaves out pairs that do not [admit](Proxies::admits) each
+    /// other. If not, as by default, the caller takes them out.
     fn asks_filters(&self) -> bool {
         false
     }
@@ -42,19 +42,20 @@ pub trait BroadPhase: Any + Send + Sync {
         let _ = found;
     }
 
-    /// The broad phase that does the work, where this one hands it on to another: queries search the blocks of a
-    /// [`LinearOctree`](super::LinearOctree) directly, which is faster. By default, this one works itself.
+    /// Returns the broad phase that does the work, where this one hands it on to another: queries search the blocks of
+    /// a [`LinearOctree`](super::LinearOctree) directly, which is faster. By default, this one works itself.
     fn inner(&self) -> Option<&dyn BroadPhase> {
         None
     }
 
-    /// What the structure looks like now.
+    /// Returns what the structure looks like now.
     fn stats(&self) -> BroadPhaseStats;
 }
 
 /// What walks through a [`BroadPhase`]: see [`BroadPhase::traverse`].
 pub trait Visitor {
-    /// Is anything inside `bounds` of interest? Objects may stick out of it; the parts that do are in other groups.
+    /// Returns `true` if anything inside `bounds` may be of interest. Objects may stick out of it; the parts that do
+    /// are in other groups.
     fn enter(&mut self, bounds: &Aabb3d) -> bool;
 
     /// An object of an entered group, with its box. An object may come up once in each of several groups; `cell` is
@@ -62,8 +63,8 @@ pub trait Visitor {
     /// a point of the object's box lies in the cell of exactly one of its visits.
     fn object(&mut self, id: ProxyId, aabb: &Aabb3d, cell: &Aabb3d);
 
-    /// The place from which to look, maybe infinitely far away: the walk goes from near groups to far ones where it
-    /// can. A hint that no result depends on.
+    /// Returns the point from which to look, maybe infinitely far away: the walk goes from near groups to far ones
+    /// where it can. A hint that no result depends on.
     fn viewpoint(&self) -> Vec3A {
         Vec3A::NEG_INFINITY
     }
@@ -97,7 +98,7 @@ pub struct BroadPhaseStats {
 }
 
 impl BroadPhaseStats {
-    /// How full the leaves are: the mean number of entries per leaf; 0 where there are no leaves.
+    /// Returns how full the leaves are: the mean number of entries per leaf; 0 where there are no leaves.
     #[must_use]
     pub fn fill(&self) -> f64 {
         self.entries as f64 / self.leaves.max(1) as f64

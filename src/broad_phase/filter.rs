@@ -19,6 +19,9 @@ use bevy::prelude::Reflect;
 /// # Ok::<(), bevy_octree::broad_phase::BoxError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
+#[type_path = "bevy_octree::broad_phase"]
+#[doc(alias = "layer mask")]
+#[doc(alias = "collision groups")]
 pub struct PairFilter {
     /// The layers that the object is on: a bit for each.
     pub memberships: u32,
@@ -41,7 +44,8 @@ impl PairFilter {
     /// The world of all objects that were given no other.
     pub const DEFAULT_WORLD: u32 = u32::MAX;
 
-    /// Do two objects admit each other? They must be in the same world, and each on a layer that the other may meet.
+    /// Returns `true` if two objects admit each other. They must be in the same world, and each on a layer that the
+    /// other may meet.
     #[inline]
     #[must_use]
     pub const fn admits(&self, other: &Self) -> bool {
@@ -66,6 +70,7 @@ impl PairFilter {
 /// # Ok::<(), bevy_octree::broad_phase::BoxError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
+#[type_path = "bevy_octree::broad_phase"]
 pub struct PairKinds {
     /// Pairs of which neither is [static](PairFilter::is_static).
     pub moving_moving: bool,
@@ -82,7 +87,7 @@ impl Default for PairKinds {
 }
 
 impl PairKinds {
-    /// Are pairs of two such objects sought?
+    /// Returns `true` if pairs of two such objects are sought.
     #[inline]
     #[must_use]
     pub const fn include(self, a: &PairFilter, b: &PairFilter) -> bool {

@@ -16,6 +16,8 @@ use super::{
 /// An index over the boxes of objects: boxes in, overlapping pairs out, queries on the side.
 ///
 /// See the [module's documentation](super) for an example.
+#[doc(alias = "aabb tree")]
+#[doc(alias = "bvh")]
 pub struct SpatialIndex {
     proxies: Proxies,
     engine: Box<dyn BroadPhase>,
@@ -28,13 +30,13 @@ pub struct SpatialIndex {
 }
 
 impl SpatialIndex {
-    /// An empty index that searches by `method`.
+    /// Creates an empty index that searches by `method`.
     #[must_use]
     pub fn new(method: &BroadPhaseMethod) -> Self {
         Self::with_engine(method.engine())
     }
 
-    /// An empty index around an implementation of [`BroadPhase`], which must be empty too.
+    /// Creates an empty index around an implementation of [`BroadPhase`], which must be empty too.
     #[must_use]
     pub fn with_engine(engine: Box<dyn BroadPhase>) -> Self {
         Self {
@@ -59,21 +61,21 @@ impl SpatialIndex {
         self.proxies.touch_all();
     }
 
-    /// The broad phase at work.
+    /// Returns the broad phase at work.
     #[must_use]
     pub fn engine(&self) -> &dyn BroadPhase {
         &*self.engine
     }
 
-    /// The broad phase at work, if it is of this type: to look into an
-    /// [`ObjectOctree`](super::ObjectOctree), say.
+    /// Returns the broad phase at work, if it is of this type: to look into an [`ObjectOctree`](super::ObjectOctree),
+    /// say.
     #[must_use]
     pub fn engine_as<E: BroadPhase>(&self) -> Option<&E> {
         let engine: &dyn Any = &*self.engine;
         engine.downcast_ref()
     }
 
-    /// The boxes, as of now: changes that await an update included.
+    /// Returns the boxes, as of now: changes that await an update included.
     #[must_use]
     pub const fn proxies(&self) -> &Proxies {
         &self.proxies
@@ -161,7 +163,7 @@ impl SpatialIndex {
         self.engine.maintain(&self.proxies);
     }
 
-    /// Every pair of boxes that overlapped at the last [`update`](Self::update), touching included, each once.
+    /// Returns every pair of boxes that overlapped at the last [`update`](Self::update), touching included, each once.
     /// Searched for at the first call after an update; further calls cost nothing. If boxes changed since, an update
     /// comes first.
     pub fn find_pairs(&mut self) -> &PairSet {
@@ -187,13 +189,13 @@ impl SpatialIndex {
         &self.pairs
     }
 
-    /// The pairs that the last [`find_pairs`](Self::find_pairs) gave.
+    /// Returns the pairs that the last [`find_pairs`](Self::find_pairs) gave.
     #[must_use]
     pub const fn pairs(&self) -> &PairSet {
         &self.pairs
     }
 
-    /// How many pairs of boxes the last search compared.
+    /// Returns how many pairs of boxes the last search compared.
     #[must_use]
     pub const fn pairs_tested(&self) -> u64 {
         self.pairs_tested
@@ -210,13 +212,13 @@ impl SpatialIndex {
         self.engine.for_each_leaf(&mut found);
     }
 
-    /// Figures about the broad phase. Takes time linear in its size.
+    /// Returns figures about the broad phase. Takes time linear in its size.
     #[must_use]
     pub fn stats(&self) -> BroadPhaseStats {
         self.engine.stats()
     }
 
-    /// The memory taken by boxes, broad phase and pairs, in bytes.
+    /// Returns the memory taken by boxes, broad phase and pairs, in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         self.proxies.memory_bytes() + self.stats().bytes + self.pairs.memory_bytes()

@@ -26,28 +26,29 @@ pub trait Measure {
     /// distance?
     const EXACT: bool;
 
-    /// The bound that leaves out no box within a distance, whatever rounding does.
+    /// Returns the bound that leaves out no box within a distance, whatever rounding does.
     #[inline(always)]
     fn bound(&self, limit: f32) -> Bound {
         Bound(limit)
     }
 
-    /// Which of eight boxes are within the bound, a bit for each, and how near they are. None of that is NaN.
+    /// Returns which of eight boxes are within the bound, a bit for each, and how near they are. None of that is NaN.
     fn test_block<S: Simd>(&self, simd: S, block: &Block, bound: Bound) -> (u32, f32x8<S>);
 
-    /// The distance of a box, if it is no farther than `limit`.
+    /// Returns the distance of a box, if it is no farther than `limit`.
     fn test_box(&self, aabb: &Aabb3d, limit: f32) -> Option<f32>;
 
-    /// A point of a box that is within `limit`, by which the box is known among the cells that list it. The cell in
-    /// which it lies passes [`test_cell`](Self::test_cell).
+    /// Returns a point of a box that is within `limit`, by which the box is known among the cells that list it. The
+    /// cell in which it lies passes [`test_cell`](Self::test_cell).
     fn anchor(&self, aabb: &Aabb3d, distance: f32) -> Vec3A;
 
-    /// May the anchor of a box that is no farther than `limit` lie in this cell? Its corners may be infinite.
+    /// Returns `true` if the anchor of a box that is no farther than `limit` may lie in this cell. Its corners may be
+    /// infinite.
     fn test_cell(&self, cell: &Aabb3d, limit: f32) -> bool {
         self.test_box(cell, limit).is_some()
     }
 
-    /// The point from which to look: see [`Visitor::viewpoint`](crate::broad_phase::Visitor::viewpoint).
+    /// Returns the point from which to look: see [`Visitor::viewpoint`](crate::broad_phase::Visitor::viewpoint).
     fn viewpoint(&self) -> Vec3A {
         Vec3A::NEG_INFINITY
     }
@@ -64,7 +65,7 @@ impl Bound {
         nearness > self.0
     }
 
-    /// The bound of eight boxes.
+    /// Returns the bound of eight boxes.
     #[inline(always)]
     pub fn splat<S: Simd>(self, simd: S) -> f32x8<S> {
         f32x8::splat(simd, self.0)

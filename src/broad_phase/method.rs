@@ -34,6 +34,7 @@ use super::{
 /// # Ok::<(), bevy_octree::broad_phase::UnknownMethod>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Reflect)]
+#[type_path = "bevy_octree::broad_phase"]
 pub enum BroadPhaseMethod {
     /// Exhaustive search for a handful of objects, the pointerless octree beyond: see [`Auto`]. The name that the broad
     /// phase tells is that of the method at work.
@@ -61,8 +62,8 @@ impl BroadPhaseMethod {
         }
     }
 
-    /// A new, empty broad phase of this kind. Settings out of range are taken as the nearest that is in range, with a
-    /// warning in the log; [`check`](Self::check) first for an error instead.
+    /// Creates a new, empty broad phase of this kind. Settings out of range are taken as the nearest that is in range,
+    /// with a warning in the log; [`check`](Self::check) first for an error instead.
     #[must_use]
     pub fn engine(&self) -> Box<dyn BroadPhase> {
         match self {
@@ -106,7 +107,28 @@ impl FromStr for BroadPhaseMethod {
 
 #[cfg(test)]
 mod tests {
+    use bevy::reflect::TypePath;
+
     use super::*;
+    use crate::broad_phase::{Pair, PairFilter, PairKinds, ProxyId, RootPolicy};
+
+    /// What is saved by reflection is found again wherever the types' files are.
+    #[test]
+    fn reflected_paths_are_those_that_users_write() {
+        let paths = [
+            BroadPhaseMethod::type_path(),
+            ObjectOctreeSettings::type_path(),
+            RootPolicy::type_path(),
+            Pair::type_path(),
+            PairFilter::type_path(),
+            PairKinds::type_path(),
+            ProxyId::type_path(),
+        ];
+        for path in paths {
+            let name = path.strip_prefix("bevy_octree::broad_phase::").unwrap();
+            assert!(!name.contains("::"), "{path}");
+        }
+    }
 
     #[test]
     fn names_go_in_and_out() {

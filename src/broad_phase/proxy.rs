@@ -74,14 +74,14 @@ impl Handles {
 }
 
 impl Proxies {
-    /// The number of objects that have a box.
+    /// Returns the number of objects that have a box.
     #[inline]
     #[must_use]
     pub const fn len(&self) -> usize {
         self.alive
     }
 
-    /// Is there no object that has a box?
+    /// Returns `true` if there is no object that has a box.
     #[inline]
     #[must_use]
     pub const fn is_empty(&self) -> bool {
@@ -95,14 +95,14 @@ impl Proxies {
         self.boxes.len()
     }
 
-    /// Is there an object with this handle?
+    /// Returns `true` if there is an object with this handle.
     #[inline]
     #[must_use]
     pub fn contains(&self, id: ProxyId) -> bool {
         self.flags.get(id.index()).is_some_and(|flags| flags.has(Flags::ALIVE))
     }
 
-    /// The box of an object, or `None` if there is no such object, or it is unbounded.
+    /// Returns the box of an object, or `None` if there is no such object, or it is unbounded.
     #[inline]
     #[must_use]
     pub fn get(&self, id: ProxyId) -> Option<&Aabb3d> {
@@ -110,33 +110,34 @@ impl Proxies {
         has_box.then(|| &self.boxes[id.index()])
     }
 
-    /// The unbounded objects.
+    /// Returns the unbounded objects.
     pub fn unbounded(&self) -> impl Iterator<Item = ProxyId> {
         self.unbounded.iter().map(|unbounded| unbounded.id).filter(|id| self.contains(*id))
     }
 
-    /// All boxes by index, those of removed objects included: for the inner loops of a broad phase.
+    /// Returns all boxes by index, those of removed objects included: for the inner loops of a broad phase.
     #[inline]
     #[must_use]
     pub fn boxes(&self) -> &[Aabb3d] {
         &self.boxes
     }
 
-    /// What the object is, and what it may meet.
+    /// Returns what the object is, and what it may meet.
     #[inline]
     #[must_use]
     pub fn filter(&self, id: ProxyId) -> PairFilter {
         self.filters.get(id.index()).copied().unwrap_or_default()
     }
 
-    /// The kinds of pairs that are sought.
+    /// Returns the kinds of pairs that are sought.
     #[inline]
     #[must_use]
     pub const fn pair_kinds(&self) -> PairKinds {
         self.kinds
     }
 
-    /// Do two objects make a pair, if their boxes overlap? They admit each other, and are of a kind that is sought.
+    /// Returns `true` if two objects make a pair, should their boxes overlap. They admit each other, and are of a kind
+    /// that is sought.
     #[inline]
     #[must_use]
     pub fn admits(&self, a: ProxyId, b: ProxyId) -> bool {
@@ -144,45 +145,45 @@ impl Proxies {
         a.admits(&b) & self.kinds.include(&a, &b)
     }
 
-    /// The objects whose filter changed between the last two updates; some may be gone, or listed more than once. All
-    /// objects, if the [kinds of pairs](Self::pair_kinds) changed.
+    /// Returns the objects whose filter changed between the last two updates; some may be gone, or listed more than
+    /// once. All objects, if the [kinds of pairs](Self::pair_kinds) changed.
     #[inline]
     #[must_use]
     pub fn changed_filters(&self) -> &[ProxyId] {
         &self.refiltered.current
     }
 
-    /// Need pairs be asked whether they [admit](Self::admits) each other? Not as long as no filter was set, for then all
-    /// objects are alike.
+    /// Returns `true` if pairs must be asked whether they [admit](Self::admits) each other. Not as long as no filter
+    /// was set, for then all objects are alike.
     #[inline]
     #[must_use]
     pub const fn are_filtered(&self) -> bool {
         !self.filters.is_empty() || !self.kinds.moving_moving
     }
 
-    /// Was the object inserted, moved or touched between the last two updates?
+    /// Returns `true` if the object was inserted, moved or touched between the last two updates.
     #[inline]
     #[must_use]
     pub fn is_moved(&self, id: ProxyId) -> bool {
         self.flags.get(id.index()).is_some_and(|flags| flags.is_moved())
     }
 
-    /// Has the object a part in the pairs of this tick without having moved?
+    /// Returns `true` if the object has a part in the pairs of this tick without having moved.
     #[inline]
     #[must_use]
     pub fn is_resting(&self, id: ProxyId) -> bool {
         self.flags.get(id.index()).is_some_and(|flags| flags.is_resting())
     }
 
-    /// The objects that were inserted, moved, touched or removed between the last two updates, each once, in the
-    /// order of their first change. Those for which [`contains`](Self::contains) is false were removed.
+    /// Returns the objects that were inserted, moved, touched or removed between the last two updates, each once, in
+    /// the order of their first change. Those for which [`contains`](Self::contains) is false were removed.
     #[inline]
     #[must_use]
     pub fn moved(&self) -> &[ProxyId] {
         &self.moved.current
     }
 
-    /// Did every object move between the last two updates?
+    /// Returns `true` if every object moved between the last two updates.
     #[inline]
     #[must_use]
     pub const fn all_moved(&self) -> bool {
@@ -194,36 +195,36 @@ impl Proxies {
         self.moved.current.len() * 2 > self.alive
     }
 
-    /// Was an object inserted or removed between the last two updates?
+    /// Returns `true` if an object was inserted or removed between the last two updates.
     #[inline]
     #[must_use]
     pub const fn population_changed(&self) -> bool {
         self.population_changed
     }
 
-    /// Did an object move between the last two updates that had not moved between the two before? Objects that came
-    /// or went count.
+    /// Returns `true` if an object moved between the last two updates that had not moved between the two before.
+    /// Objects that came or went count.
     #[inline]
     #[must_use]
     pub const fn some_woke(&self) -> bool {
         self.some_woke
     }
 
-    /// Did an object rest between the last two updates that had moved between the two before?
+    /// Returns `true` if an object rested between the last two updates that had moved between the two before.
     #[inline]
     #[must_use]
     pub const fn some_slept(&self) -> bool {
         self.some_slept
     }
 
-    /// Are there changes that no update has taken up yet?
+    /// Returns `true` if there are changes that no update has seen yet.
     #[inline]
     #[must_use]
     pub const fn has_pending(&self) -> bool {
         !self.moved.pending.is_empty() || self.unbounded_pending
     }
 
-    /// All objects that have a box, by ascending handle. O(capacity).
+    /// Returns all objects that have a box, by ascending handle. O(capacity).
     pub fn iter(&self) -> impl Iterator<Item = (ProxyId, &Aabb3d)> + Clone {
         (0..)
             .map(ProxyId::new)
@@ -233,7 +234,7 @@ impl Proxies {
             .map(|(item, _)| item)
     }
 
-    /// The memory taken, in bytes.
+    /// Returns the memory taken, in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         let changes = [&self.moved, &self.refiltered].into_iter().flat_map(|list| [&list.pending, &list.current]);

@@ -16,7 +16,7 @@ pub(super) struct Unbounded {
 }
 
 impl Unbounded {
-    /// Has a box a part on the side of the object? Rounding leaves none out.
+    /// Returns `true` if a box has a part on the side of the object. Rounding leaves none out.
     #[inline]
     pub(super) fn may_meet(&self, aabb: &Aabb3d) -> bool {
         self.side.is_none_or(|side| {

@@ -94,29 +94,29 @@ macro_rules! direction_kind {
                 opposites
             };
 
-            #[doc = concat!("The place of this ", $kind, " in [`ALL`](Self::ALL).")]
+            #[doc = concat!("Returns the index of this ", $kind, " in [`ALL`](Self::ALL).")]
             #[inline]
             #[must_use]
             pub const fn index(self) -> usize {
                 self as usize
             }
 
-            /// The upper-case name.
+            /// Returns the upper-case name.
             #[inline]
             #[must_use]
             pub const fn name(self) -> &'static str {
                 Self::NAMES[self as usize]
             }
 
-            /// The signs along x, y and z: −1, 0 or 1 each.
+            /// Returns the signs along x, y and z: −1, 0 or 1 each.
             #[inline]
             #[must_use]
             pub const fn signs(self) -> [i8; 3] {
                 Self::SIGNS[self as usize]
             }
 
-            /// The step to the neighbouring cell of a unit lattice: [`signs`](Self::signs) as a
-            /// vector.
+            /// Returns the step to the neighbouring cell of a unit lattice: [`signs`](Self::signs)
+            /// as a vector.
             #[inline]
             #[must_use]
             pub const fn offset(self) -> IVec3 {
@@ -124,7 +124,7 @@ macro_rules! direction_kind {
                 IVec3::new(x as i32, y as i32, z as i32)
             }
 
-            #[doc = concat!("The ", $kind, " on the far side of the cube.")]
+            #[doc = concat!("Returns the ", $kind, " on the far side of the cube.")]
             #[inline]
             #[must_use]
             pub const fn opposite(self) -> Self {
@@ -237,15 +237,15 @@ direction_kind! {
 }
 
 impl Vertex {
-    /// The octant on the positive side of each axis whose bit (0 for x, 1 for y, 2 for z) is set in
-    /// `bits`. Higher bits are ignored.
+    /// Returns the octant on the positive side of each axis whose bit (0 for x, 1 for y, 2 for z)
+    /// is set in `bits`. Higher bits are ignored.
     #[inline]
     #[must_use]
     pub const fn from_bits(bits: u32) -> Self {
         Self::ALL[(bits & 7) as usize]
     }
 
-    /// The octant on the positive side of the axes that are true.
+    /// Returns the octant on the positive side of the axes that are true.
     #[inline]
     #[must_use]
     pub const fn from_sides(x: bool, y: bool, z: bool) -> Self {
@@ -304,13 +304,13 @@ impl Direction {
         let mut i = 0;
         while i < 26 {
             let [x, y, z] = Self::ALL[i].signs();
-            table[Self::place(x, y, z)] = Some(Self::ALL[i]);
+            table[Self::index_by_signs(x, y, z)] = Some(Self::ALL[i]);
             i += 1;
         }
         table
     };
 
-    /// The place of this direction in [`ALL`](Self::ALL).
+    /// Returns the index of this direction in [`ALL`](Self::ALL).
     #[inline]
     #[must_use]
     pub const fn index(self) -> usize {
@@ -321,7 +321,7 @@ impl Direction {
         }
     }
 
-    /// The upper-case name.
+    /// Returns the upper-case name.
     #[inline]
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -332,7 +332,7 @@ impl Direction {
         }
     }
 
-    /// The signs along x, y and z: −1, 0 or 1 each.
+    /// Returns the signs along x, y and z: −1, 0 or 1 each.
     #[inline]
     #[must_use]
     pub const fn signs(self) -> [i8; 3] {
@@ -343,7 +343,8 @@ impl Direction {
         }
     }
 
-    /// The step to the neighbouring cell of a unit lattice: [`signs`](Self::signs) as a vector.
+    /// Returns the step to the neighbouring cell of a unit lattice: [`signs`](Self::signs) as a
+    /// vector.
     #[inline]
     #[must_use]
     pub const fn offset(self) -> IVec3 {
@@ -354,8 +355,8 @@ impl Direction {
         }
     }
 
-    /// The direction whose [`offset`](Self::offset) this is: [`None`] for zero, and if a component
-    /// is not −1, 0 or 1.
+    /// Returns the direction whose [`offset`](Self::offset) this is: [`None`] for zero, and if a
+    /// component is not −1, 0 or 1.
     #[inline]
     #[must_use]
     pub fn from_offset(offset: IVec3) -> Option<Self> {
@@ -367,16 +368,16 @@ impl Direction {
     /// 0.
     #[inline]
     pub(super) const fn from_signs([x, y, z]: [i8; 3]) -> Option<Self> {
-        Self::BY_SIGNS[Self::place(x, y, z)]
+        Self::BY_SIGNS[Self::index_by_signs(x, y, z)]
     }
 
-    /// The place of these signs in [`BY_SIGNS`](Self::BY_SIGNS).
+    /// The index of these signs in [`BY_SIGNS`](Self::BY_SIGNS).
     #[inline]
-    const fn place(x: i8, y: i8, z: i8) -> usize {
+    const fn index_by_signs(x: i8, y: i8, z: i8) -> usize {
         ((x + 1) + (y + 1) * 3 + (z + 1) * 9) as usize
     }
 
-    /// The direction that points the other way.
+    /// Returns the direction that points the other way.
     #[inline]
     #[must_use]
     pub const fn opposite(self) -> Self {

@@ -58,14 +58,15 @@ impl<T> Iterator for Leaves<'_, T> {
 impl<T> FusedIterator for Leaves<'_, T> {}
 
 impl<T> Octree<T> {
-    /// The nodes of the subtree at `node`, itself first, in depth-first order.
+    /// Returns the nodes of the subtree at `node`, itself first, in depth-first order.
     #[inline]
     #[must_use]
     pub fn subtree(&self, node: NodeId) -> Subtree<'_, T> {
         Subtree::new(self, node)
     }
 
-    /// The leaves of the subtree at `node` in depth-first order; `node` itself if it is a leaf.
+    /// Returns the leaves of the subtree at `node` in depth-first order; `node` itself if it is a
+    /// leaf.
     #[inline]
     #[must_use]
     pub fn leaves(&self, node: NodeId) -> Leaves<'_, T> {

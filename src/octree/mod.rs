@@ -46,7 +46,7 @@
 //! vector to directions.
 //!
 //! [`Octree`] is an arena. Siblings stand side by side in blocks of eight, and a [`NodeId`] is a
-//! block's number and a place in it, so that a node's octant is a part of its handle and its parent
+//! block's number and a slot in it, so that a node's octant is a part of its handle and its parent
 //! is kept once for all eight. Removed blocks wait in a list to be used again, which makes
 //! splitting and joining cheap, and free of allocation in a tree that has been as large before.
 //! Nothing recurses: trees may be as deep as memory allows.

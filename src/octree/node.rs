@@ -10,7 +10,7 @@ use super::direction::Vertex;
 ///
 /// It stays valid until the node is removed ([`join`](super::Octree::join) of an
 /// ancestor, [`reset`](super::Octree::reset)). Handles are small and cheap, and know nothing of the tree: a removed
-/// node's handle names whichever node is given its place later. [`contains`](super::Octree::contains) tells whether
+/// node's handle names whichever node is given its slot later. [`contains`](super::Octree::contains) tells whether
 /// some node has it now.
 ///
 /// `Option<NodeId>` is no larger than `NodeId`.
@@ -23,8 +23,8 @@ impl NodeId {
     /// The root of every octree.
     pub const ROOT: Self = Self(NonZeroU32::MIN);
 
-    /// A small number that no other live node has, to find the node's entry in a table of one's
-    /// own: always less than [`index_bound`](super::Octree::index_bound).
+    /// Returns a small number that no other live node has, to find the node's entry in a table of
+    /// one's own: always less than [`index_bound`](super::Octree::index_bound).
     #[inline]
     #[must_use]
     pub const fn index(self) -> usize {

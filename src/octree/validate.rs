@@ -15,7 +15,7 @@ impl<T> Octree<T> {
         assert_eq!(self.parents[0], None, "the root has no parent");
         for (i, node) in self.nodes[..8].iter().enumerate() {
             let is_root = i == NodeId::ROOT.index();
-            assert!(is_root || node.first_child.is_none(), "unused place {i} has children");
+            assert!(is_root || node.first_child.is_none(), "unused slot {i} has children");
         }
 
         let mut reached = vec![false; self.parents.len()];

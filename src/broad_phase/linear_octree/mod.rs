@@ -2,7 +2,7 @@
 //!
 //! The boxes are put in order along a space-filling curve, which visits an octant of space before it goes on to the
 //! next, at every scale. Eight boxes that follow each other make a *block*; the bounds of eight blocks make a block one
-//! level up, and so on. Where a block's parent and children are follows from its place: there are no pointers, and one
+//! level up, and so on. Where a block's parent and children are follows from its position: there are no pointers, and one
 //! box is compared with the eight of a block by a few vector instructions. (The report mentions pointerless octrees,
 //! Swan 1994, section 2, after Samet 1990.)
 //!

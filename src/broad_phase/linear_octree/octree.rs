@@ -16,6 +16,8 @@ pub(super) const NONE: u32 = u32::MAX;
 
 /// The pointerless octree. See the [module's documentation](super).
 #[derive(Debug)]
+#[doc(alias = "bvh")]
+#[doc(alias = "fat aabb")]
 pub struct LinearOctree {
     /// The vector instructions that this machine has.
     pub(super) level: Level,

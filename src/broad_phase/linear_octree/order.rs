@@ -35,7 +35,7 @@ impl Order {
     /// One in so many may come or go.
     const CHANGED_SHARE: usize = 8;
 
-    /// Is it time for a new order?
+    /// Returns `true` if it is time for a new order.
     pub(super) fn is_stale(&self, slots: usize, for_skins: bool) -> bool {
         !self.is_known
             || self.for_skins != for_skins

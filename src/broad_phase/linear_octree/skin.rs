@@ -49,7 +49,7 @@ impl Anchor {
         if (skin.max - skin.min).cmple(short).all() { Some(skin) } else { shorter(aabb, step, horizon) }
     }
 
-    /// Is an object too fast for a skin?
+    /// Returns `true` if an object is too fast for a skin.
     pub(super) fn is_fast(&self, tick: u32, aabb: &Aabb3d) -> bool {
         is_fast(share(self.step(tick, aabb), aabb))
     }
@@ -77,7 +77,7 @@ fn share(step: Vec3A, aabb: &Aabb3d) -> Vec3A {
     step / (aabb.max - aabb.min).max(step).max(Vec3A::splat(f32::MIN_POSITIVE))
 }
 
-/// Are steps of such a share of the size too fast for a skin?
+/// Returns `true` if steps of such a share of the size are too fast for a skin.
 #[inline(always)]
 fn is_fast(share: Vec3A) -> bool {
     let is_slow = (share * SHORTEST).cmple(Vec3A::splat(SHORT)).all();

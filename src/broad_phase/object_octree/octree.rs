@@ -69,7 +69,7 @@ impl Entry {
         unsettled: false,
     };
 
-    /// Does the object count against N in a cell of this generation?
+    /// Returns `true` if the object counts against N in a cell of this generation.
     #[inline]
     pub(super) const fn counts_in(&self, generation: u32) -> bool {
         generation < self.levels
@@ -77,7 +77,7 @@ impl Entry {
 }
 
 impl ObjectOctree {
-    /// An empty octree.
+    /// Creates an empty octree.
     ///
     /// # Panics
     /// In builds with debug assertions, if the settings do not pass their [check](ObjectOctreeSettings::check).
@@ -101,25 +101,25 @@ impl ObjectOctree {
         }
     }
 
-    /// The settings.
+    /// Returns the settings.
     #[must_use]
     pub const fn settings(&self) -> &ObjectOctreeSettings {
         &self.settings
     }
 
-    /// The octree itself, to be looked at or printed.
+    /// Returns the octree itself, to be looked at or printed.
     #[must_use]
     pub const fn tree(&self) -> &Octree<Cell> {
         &self.tree
     }
 
-    /// The root cell as laid, without the reach to infinity; `None` while there are no objects.
+    /// Returns the root cell as laid, without the reach to infinity; `None` while there are no objects.
     #[must_use]
     pub fn root_cell(&self) -> Option<Aabb3d> {
         self.root.map(|root| root.bounds())
     }
 
-    /// The leaves that list an object, in no particular order; none if there is no such object.
+    /// Returns the leaves that list an object, in no particular order; none if there is no such object.
     #[must_use]
     pub fn leaves_of(&self, id: ProxyId) -> &[NodeId] {
         self.entries.get(id.index()).map_or(&[], |entry| &entry.leaves)
@@ -159,7 +159,7 @@ impl BroadPhase for ObjectOctree {
     }
 
     fn maintain(&mut self, proxies: &Proxies) {
-        self.take_up(proxies);
+        self.keep_up(proxies);
     }
 
     fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {

@@ -58,7 +58,7 @@ impl RootCell {
         }
     }
 
-    /// In how many generations, from the root down, is a cell at least as large as the box's longest side?
+    /// Returns in how many generations, from the root down, a cell is at least as large as the box's longest side.
     #[inline]
     pub(super) fn levels(&self, aabb: &Aabb3d, settings: &ObjectOctreeSettings) -> u32 {
         let half_extent = (aabb.max * 0.5 - aabb.min * 0.5).max_element();

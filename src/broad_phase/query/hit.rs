@@ -12,7 +12,7 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// Is it nearer than another, or as near and has the lower handle?
+    /// Returns `true` if it is nearer than another, or as near and has the lower handle.
     pub(super) fn is_before(&self, other: &Self) -> bool {
         (self.distance, self.proxy) < (other.distance, other.proxy)
     }

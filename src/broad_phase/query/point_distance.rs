@@ -8,7 +8,8 @@ use crate::broad_phase::{
     measure::{Bound, Measure},
 };
 
-/// How far two boxes are from each other, in a straight line. In double precision, in which no square overflows.
+/// Returns how far two boxes are from each other, in a straight line. In double precision, in which no square
+/// overflows.
 #[inline(always)]
 pub fn distance(a: &Aabb3d, b: &Aabb3d) -> f32 {
     let gap = (a.min - b.max).max(b.min - a.max).max(Vec3A::ZERO);
@@ -20,7 +21,7 @@ pub fn distance(a: &Aabb3d, b: &Aabb3d) -> f32 {
 pub struct PointDistance<const ORDERED: bool>(Vec3A);
 
 impl<const ORDERED: bool> PointDistance<ORDERED> {
-    /// The measure, and the limit if it makes sense; NaN otherwise.
+    /// Returns the measure, and the limit if it makes sense; NaN otherwise.
     pub fn new(point: Vec3A, limit: f32) -> (Self, f32) {
         (Self(point), if point.is_finite() && limit >= 0.0 { limit } else { f32::NAN })
     }

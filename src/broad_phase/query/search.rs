@@ -55,6 +55,8 @@ use crate::broad_phase::{
 /// ```
 impl SpatialIndex {
     /// Calls `found` with every object whose box overlaps a region, each once, in no particular order.
+    #[doc(alias = "aabb")]
+    #[doc(alias = "intersections")]
     pub fn for_each_overlapping<F: Flow>(&self, region: &(impl Region + ?Sized), mut found: impl FnMut(ProxyId) -> F) {
         let (measure, limit) = region.measure();
         self.search(&measure, limit, |id, _| {
@@ -62,17 +64,21 @@ impl SpatialIndex {
         });
     }
 
-    /// The first box that a cast meets; of several at the same distance, that of the lowest handle.
+    /// Returns the first box that a cast meets; of several at the same distance, that of the lowest handle.
+    #[doc(alias = "raycast")]
+    #[doc(alias = "shapecast")]
     #[must_use]
     pub fn cast(&self, cast: &impl Cast) -> Option<Hit> {
         self.cast_with(cast, |_, distance| Some(distance))
     }
 
-    /// The first object that a cast meets, by a distance of your own.
+    /// Returns the first object that a cast meets, by a distance of your own.
     ///
     /// `distance` gets an object and the distance of its box, and returns that of the object itself, which is no
     /// smaller; `None` if the cast passes it by, or is not to see it: this is both a filter and the way to cast against
     /// exact shapes. It is called only for objects whose boxes are not beyond the best hit so far.
+    #[doc(alias = "raycast")]
+    #[doc(alias = "shapecast")]
     #[must_use]
     pub fn cast_with(&self, cast: &impl Cast, distance: impl FnMut(ProxyId, f32) -> Option<f32>) -> Option<Hit> {
         let (sweep, limit) = cast.sweep();
@@ -80,6 +86,8 @@ impl SpatialIndex {
     }
 
     /// Calls `found` with every box that a cast meets, each once, in no particular order.
+    #[doc(alias = "raycast")]
+    #[doc(alias = "shapecast")]
     pub fn for_each_hit<F: Flow>(&self, cast: &impl Cast, mut found: impl FnMut(Hit) -> F) {
         let (sweep, limit) = cast.sweep();
         self.search(&sweep, limit, |proxy, distance| {
@@ -87,15 +95,16 @@ impl SpatialIndex {
         });
     }
 
-    /// The box nearest to a point, no farther than `max_distance`; of several as near, that of the lowest handle. `None`
-    /// too if the point is not finite, or `max_distance` negative or NaN.
+    /// Returns the box nearest to a point, no farther than `max_distance`; of several as near, that of the lowest
+    /// handle. `None` too if the point is not finite, or `max_distance` negative or NaN.
     #[must_use]
     pub fn nearest(&self, point: impl Into<Vec3A>, max_distance: f32) -> Option<Hit> {
         self.nearest_with(point, max_distance, |_, distance| Some(distance))
     }
 
-    /// The object nearest to a point, by a distance of your own: as with [`cast_with`](Self::cast_with), `distance`
-    /// gets an object and the distance of its box, and returns that of the object, which is no smaller, or `None`.
+    /// Returns the object nearest to a point, by a distance of your own: as with [`cast_with`](Self::cast_with),
+    /// `distance` gets an object and the distance of its box, and returns that of the object, which is no smaller, or
+    /// `None`.
     #[must_use]
     pub fn nearest_with(
         &self,
@@ -107,13 +116,16 @@ impl SpatialIndex {
         self.first(&measure, limit, distance)
     }
 
-    /// The `k` boxes nearest to a point, no farther than `max_distance`, nearest first, those as near by ascending
-    /// handle. They replace what is in `hits`, which grows to at most `k` and is yours to use again. Meant for a few: O(k) for each candidate.
+    /// Finds the `k` boxes nearest to a point, no farther than `max_distance`, nearest first, those as near by
+    /// ascending handle. They replace what is in `hits`, which grows to at most `k` and is yours to use again. Meant
+    /// for a few: O(k) for each candidate.
+    #[doc(alias = "knn")]
     pub fn k_nearest(&self, point: impl Into<Vec3A>, k: usize, max_distance: f32, hits: &mut Vec<Hit>) {
         self.k_nearest_with(point, k, max_distance, hits, |_, distance| Some(distance));
     }
 
-    /// The `k` objects nearest to a point, by a distance of your own: see [`nearest_with`](Self::nearest_with).
+    /// Finds the `k` objects nearest to a point, by a distance of your own: see [`nearest_with`](Self::nearest_with).
+    #[doc(alias = "knn")]
     pub fn k_nearest_with(
         &self,
         point: impl Into<Vec3A>,
