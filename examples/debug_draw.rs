@@ -63,7 +63,7 @@ fn run(mut arguments: Arguments) -> Outcome {
     // What `DefaultPlugins` have; to see gizmos in a window, the app needs no more than these, and a camera.
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), MeshPlugin, GizmoPlugin))
         .add_plugins((OctreePlugins::new(Update), CollisionDebugPlugin))
-        .insert_resource(BroadPhaseSettings { method: Method::Octree(settings), ..default() })
+        .insert_resource(BroadPhaseSettings { method: BroadPhaseMethod::ObjectOctree(settings), ..default() })
         .insert_resource(MotionSettings { step: Step::Seconds(1.0 / 64.0) })
         // Contacts are drawn with their normals where these are known: here, everywhere.
         .insert_resource(CollisionEventSettings { geometry: EventScope::All, ..default() })

@@ -108,7 +108,7 @@ pub mod prelude {
     #[cfg(feature = "rapier")]
     pub use crate::rapier::{RapierInteropPlugin, ShapeFromRapier};
     pub use crate::{
-        broad_phase::{Method, ObjectOctreeSettings, PairKinds},
+        broad_phase::{BroadPhaseMethod, ObjectOctreeSettings, PairKinds},
         collision_index::{CandidatePairs, CollisionIndex},
         collision_layers,
         components::{CollisionShape, Cube, WorldAabb},

@@ -34,7 +34,7 @@ impl DebugDraw {
 
 type Boxes<'a, M> = (&'a WorldAabb, &'a BroadPhaseProxy, M);
 
-/// Draws the boxes of all entities that are in the index, but endless ones.
+/// Draws the boxes of all entities that are in the index, but unbounded ones.
 pub(super) fn draw_boxes(
     mut gizmos: Gizmos<CollisionGizmos>,
     index: Res<CollisionIndex>,
@@ -46,7 +46,7 @@ pub(super) fn draw_boxes(
     let mut draw = |aabb: &WorldAabb, proxy: &BroadPhaseProxy, own: Option<&DebugDraw>| {
         let Some(id) = proxy.id() else { return };
         let others = if proxies.is_resting(id) { resting } else { moving };
-        if let Some(color) = DebugDraw::color(own, others).filter(|_| *aabb != WorldAabb::ENDLESS) {
+        if let Some(color) = DebugDraw::color(own, others).filter(|_| *aabb != WorldAabb::UNBOUNDED) {
             gizmos.aabb_3d(aabb.0, Transform::IDENTITY, color);
         }
     };

@@ -116,7 +116,7 @@ impl SpatialQuery<'_> {
             Err(BoundsError::Unbounded) => EVERYWHERE,
             Err(BoundsError::NonFinite) => return,
         };
-        self.index.index().overlapping(&aabb, |id| {
+        self.index.index().for_each_overlapping(&aabb, |id| {
             let met = self.candidate(id, filter).filter(|body| {
                 scratch::with(|scratch| self.tests().intersects(placed, body.placed(), &mut scratch.workspace))
             });
@@ -183,7 +183,7 @@ impl SpatialQuery<'_> {
         filter: &SpatialQueryFilter,
         mut found: impl FnMut(Entity) -> F,
     ) {
-        self.index.index().overlapping(region, |id| {
+        self.index.index().for_each_overlapping(region, |id| {
             let body = self.candidate(id, filter);
             flow(body.is_none_or(|body| found(body.entity).goes_on()))
         });

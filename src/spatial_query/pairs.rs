@@ -64,7 +64,7 @@ impl SpatialQuery<'_> {
         mut found: impl FnMut(PairHit) -> F,
     ) {
         let passes = |filter| move |id: ProxyId| self.candidate(id, filter).is_some();
-        self.index.index().pairs_within(distance, passes(first), passes(second), |a, b, _| {
+        self.index.index().for_each_pair_within(distance, passes(first), passes(second), |a, b, _| {
             let near = self.near(a, b).filter(|near| near.distance <= distance);
             flow(near.is_none_or(|near| found(near).goes_on()))
         });

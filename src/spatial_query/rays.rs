@@ -65,7 +65,7 @@ impl SpatialQuery<'_> {
         filter: &SpatialQueryFilter,
         mut found: impl FnMut(RayHit) -> F,
     ) {
-        self.index.index().cast_all(&RayCast3d::from_ray(ray, max_distance), |hit| {
+        self.index.index().for_each_hit(&RayCast3d::from_ray(ray, max_distance), |hit| {
             let body = self.candidate(hit.proxy, filter);
             let hit = body.and_then(|body| self.ray_hit(body, ray, max_distance));
             flow(hit.is_none_or(|hit| found(hit).goes_on()))

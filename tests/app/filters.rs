@@ -134,9 +134,12 @@ fn with_kinds(app: &mut App, pair_kinds: PairKinds) -> usize {
 
 #[test]
 fn kinds_of_pairs_come_and_go_though_nothing_moves() {
-    for (method, count) in
-        [(Method::Linear, 2), (Method::Octree(default()), 2), (Method::Exhaustive, 2), (default(), 60)]
-    {
+    for (method, count) in [
+        (BroadPhaseMethod::LinearOctree, 2),
+        (BroadPhaseMethod::ObjectOctree(default()), 2),
+        (BroadPhaseMethod::Exhaustive, 2),
+        (default(), 60),
+    ] {
         let mut app = app();
         app.insert_resource(BroadPhaseSettings { method, ..default() });
         cubes(&mut app, count, StaticCollider);

@@ -39,7 +39,7 @@ const AFTER_BROAD_PHASE: usize = 5;
 
 /// An app in which something can be done between any two sets.
 fn planned_app() -> App {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.init_resource::<Plan>();
     for gap in GAPS {
         let act = move |world: &mut World| Plan::act(world, gap);

@@ -20,7 +20,7 @@ use common::*;
 
 /// An app that picks, and a camera whose pointer looks along x from the origin.
 fn picking() -> (App, Entity) {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.add_plugins(CollisionPickingPlugin);
     let camera = point(&mut app, Camera { order: 3, ..default() }, Dir3::X);
     (app, camera)

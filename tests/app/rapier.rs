@@ -332,7 +332,7 @@ fn what_rapier_moves_is_swept_too() {
 /// A bullet and a floor without an end.
 #[test]
 fn what_is_swept_bounces_off_half_spaces() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let floor = app.world_mut().spawn(half_space()).id();
     let bounce = Bounce::Reflect { restitution: 1.0 };
     let velocity = Velocity(Vec3::new(30.0, -100.0, 0.0) * TICKS_PER_SECOND);
@@ -354,7 +354,7 @@ fn ball(app: &mut App, at: Vec3, more: impl Bundle) -> Entity {
 
 #[test]
 fn half_spaces_meet_what_brute_force_says_by_every_method() {
-    for method in ["auto", "linear", "octree", "exhaustive"] {
+    for method in ["auto", "linear", "object", "exhaustive"] {
         let mut app = app(method.parse().unwrap());
         let mut random = fastrand::Rng::with_seed(3);
         for i in 0..90 {
@@ -393,7 +393,7 @@ fn half_spaces_meet_what_brute_force_says_by_every_method() {
 fn what_touches_a_half_space_meets_it_far_from_anywhere() {
     let mut random = fastrand::Rng::with_seed(5);
     for far in [1.0, 100.0, 10_000.0] {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         let mut unit = || Vec3::from_array(std::array::from_fn(|_| random.f32() * 2.0 - 1.0));
         let turned = Quat::from_scaled_axis(unit() * 3.0);
         let slope = Transform::from_translation(unit() * far).with_rotation(turned);
@@ -415,7 +415,7 @@ fn what_touches_a_half_space_meets_it_far_from_anywhere() {
 
 #[test]
 fn contacts_with_a_half_space_rest_and_end_like_others() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let ground = app.world_mut().spawn((half_space(), Transform::default())).id();
     let entity = ball(&mut app, Vec3::new(1e4, 0.25, 0.0), ());
     let other = ball(&mut app, Vec3::Y * 9.0, ());
@@ -454,7 +454,7 @@ fn contacts_with_a_half_space_rest_and_end_like_others() {
     // A place that is none.
     get_mut::<Transform>(&mut app, ground).translation.y = f32::NAN;
     tick(&mut app, 1);
-    assert!(contacts(&app).is_empty() && index(&app).proxies().endless().next().is_none());
+    assert!(contacts(&app).is_empty() && index(&app).proxies().unbounded().next().is_none());
     get_mut::<Transform>(&mut app, ground).translation.y = 0.0;
     tick(&mut app, 1);
     assert_eq!(messages_about(&app, pair(ground, entity)), (5, 4));
@@ -466,7 +466,7 @@ fn contacts_with_a_half_space_rest_and_end_like_others() {
 
 #[test]
 fn queries_see_half_spaces() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let ground = app.world_mut().spawn((half_space(), Transform::from_xyz(0.0, -1.0, 0.0))).id();
     let entity = ball(&mut app, Vec3::new(0.0, -5.0, 0.0), ());
     tick(&mut app, 1);

@@ -167,7 +167,7 @@ impl shape::Shape for Unheard {
 fn a_pair_that_nothing_is_known_of_is_told_once_with_both_entities() {
     let mut entities = None;
     let told = told(|| {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         // Who listens hears this thread alone.
         app.edit_schedule(FixedPostUpdate, |schedule| {
             schedule.set_executor(SingleThreadedExecutor::new());

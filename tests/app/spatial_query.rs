@@ -71,7 +71,7 @@ fn random_shape(rng: &mut Rng) -> CollisionShape {
 }
 
 /// An app with `count` random shapes within ten units of the origin, after a tick.
-fn random_app(rng: &mut Rng, method: Method, count: usize) -> App {
+fn random_app(rng: &mut Rng, method: BroadPhaseMethod, count: usize) -> App {
     let mut app = app(method);
     for _ in 0..count {
         let place = Transform::from_translation(vector(rng, 10.0)).with_rotation(rotation(rng));
@@ -88,8 +88,8 @@ fn everything(app: &mut App) -> Vec<(Entity, Shape, Transform)> {
     shapes.iter(app.world()).map(|(entity, shape, at)| (entity, shape.0.clone(), *at)).collect()
 }
 
-fn methods() -> [Method; 3] {
-    ["linear", "octree", "exhaustive"].map(|name| name.parse().expect("a method"))
+fn methods() -> [BroadPhaseMethod; 3] {
+    ["linear", "object", "exhaustive"].map(|name| name.parse().expect("a method"))
 }
 
 #[test]
@@ -186,7 +186,7 @@ fn turned_cube(app: &mut App) -> Entity {
 
 #[test]
 fn what_is_in_the_box_but_not_in_the_shape_is_not_met() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let cube = turned_cube(&mut app);
     tick(&mut app, 1);
     ask(&mut app, move |spatial| {
@@ -236,7 +236,7 @@ fn what_is_in_the_box_but_not_in_the_shape_is_not_met() {
 
 #[test]
 fn filters_and_callbacks() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let cubes: Vec<_> =
         (1..=5).map(|x| app.world_mut().spawn((Cube, Transform::from_xyz(x as f32 * 2.0, 0.0, 0.0))).id()).collect();
     tick(&mut app, 1);
@@ -390,7 +390,7 @@ fn queries_by_layer() {
 
 #[test]
 fn predicates_are_not_asked_about_other_layers() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let plain = app.world_mut().spawn(CollisionShape::default()).id();
     app.world_mut().spawn((CollisionShape::default(), CollisionLayers::from_bits(1 << 7, 0)));
     tick(&mut app, 1);
@@ -417,7 +417,7 @@ fn a_spawn_is_seen_in_its_frame_even_if_time_is_paused() {
         let parent = commands.spawn(Transform::from_xyz(3.0, 0.0, 0.0)).id();
         commands.spawn((Cube, Transform::from_xyz(2.0, 0.0, 0.0), ChildOf(parent)));
     };
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.init_resource::<Seen>();
     app.world_mut().resource_mut::<Time<Virtual>>().pause();
     app.add_systems(Startup, (spawn, look, update_spatial_index, look).chain());
@@ -443,7 +443,7 @@ fn a_spawn_is_seen_in_its_frame_even_if_time_is_paused() {
 #[test]
 fn contacts_do_not_depend_on_flushes() {
     let mut rng = Rng::with_seed(5);
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let spawn = |app: &mut App, rng: &mut Rng| {
         let place = Transform::from_translation(vector(rng, 3.0));
         app.world_mut().spawn((random_shape(rng), place)).id()
@@ -469,7 +469,7 @@ fn contacts_do_not_depend_on_flushes() {
 
 #[test]
 fn a_handle_that_is_used_again_between_two_ticks_brings_no_contact_with_it() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let spawn = |app: &mut App| app.world_mut().spawn(CollisionShape::default()).id();
     let (stays, goes) = (spawn(&mut app), spawn(&mut app));
     tick(&mut app, 1);
@@ -487,7 +487,7 @@ fn a_handle_that_is_used_again_between_two_ticks_brings_no_contact_with_it() {
 
 #[test]
 fn bad_input_finds_nothing() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.world_mut().spawn((Cube, Transform::IDENTITY));
     app.world_mut().spawn((Cube, Transform::from_xyz(f32::NAN, 0.0, 0.0)));
     tick(&mut app, 1);

@@ -28,7 +28,7 @@ fn ticked(app: &mut App) -> Vec<EntityPair> {
 
 #[test]
 fn entities_of_different_worlds_never_meet() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let [first, second] = worlds(&mut app);
     let [a, b] = [first; 2].map(|world| cube(&mut app, InCollisionWorld(world)));
     let [c, d] = [second; 2].map(|world| cube(&mut app, InCollisionWorld(world)));
@@ -47,7 +47,7 @@ fn entities_of_different_worlds_never_meet() {
 
 #[test]
 fn a_world_that_goes_leaves_no_ghost() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let [first, second] = worlds(&mut app);
     for world in [first, first, second, second] {
         cube(&mut app, InCollisionWorld(world));
@@ -71,7 +71,7 @@ fn a_world_that_goes_leaves_no_ghost() {
 
 #[test]
 fn a_world_that_never_was_is_the_default_one() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let [gone] = worlds(&mut app);
     app.world_mut().despawn(gone);
     let a = cube(&mut app, InCollisionWorld(gone));
@@ -83,7 +83,7 @@ fn a_world_that_never_was_is_the_default_one() {
 
 #[test]
 fn layers_and_static_entities_are_of_a_world_too() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let [first, second] = worlds(&mut app);
     let mut red = |world| cube(&mut app, (InCollisionWorld(world), RED));
     let reds = [red(first), red(first), red(second)];
@@ -103,7 +103,7 @@ fn layers_and_static_entities_are_of_a_world_too() {
 
 #[test]
 fn queries_see_one_world() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let [first, second, empty] = worlds(&mut app);
     let mut at = |x: f32, parts: &dyn Fn(EntityWorldMut)| {
         let entity = cube(&mut app, Transform::from_xyz(x, 0.0, 0.0));
@@ -164,8 +164,8 @@ struct Object {
 #[test]
 fn worlds_are_as_apps_of_their_own() {
     const WORLDS: usize = 4;
-    for (seed, method) in ["auto", "linear", "octree", "exhaustive"].into_iter().enumerate() {
-        let (mut rng, method) = (Rng::with_seed(seed as u64), method.parse::<Method>().unwrap());
+    for (seed, method) in ["auto", "linear", "object", "exhaustive"].into_iter().enumerate() {
+        let (mut rng, method) = (Rng::with_seed(seed as u64), method.parse::<BroadPhaseMethod>().unwrap());
         let mut shared = app(method.clone());
         let mut alone: Vec<App> = (0..WORLDS).map(|_| app(method.clone())).collect();
         // The last is the default world.
@@ -241,7 +241,7 @@ fn numbered(pair: EntityPair, numbers: &HashMap<Entity, usize>) -> [usize; 2] {
 /// What `bsn!` builds entities from.
 #[test]
 fn worlds_can_be_named_in_templates() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let [world] = worlds(&mut app);
     let template = <InCollisionWorld as FromTemplate>::Template::default();
     let entity = &mut app.world_mut().spawn_empty();
@@ -253,7 +253,7 @@ fn worlds_can_be_named_in_templates() {
 
 #[test]
 fn worlds_are_known_to_reflection() {
-    let app = app(Method::default());
+    let app = app(BroadPhaseMethod::default());
     let registry = app.world().resource::<AppTypeRegistry>().read();
     for name in ["InCollisionWorld", "CollisionWorld"] {
         let registration = registry.get_with_short_type_path(name).expect("it is registered");
