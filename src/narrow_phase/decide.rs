@@ -1,107 +1,21 @@
 //! The chain of decisions for a pair of shapes.
 
 use bevy::math::Vec3A;
-use bevy::math::bounding::Aabb3d;
-use bevy::math::primitives::HalfSpace;
 use bevy::transform::components::Transform;
 
-use super::large::Smaller;
-use super::pair::{Pair, ROUNDING, in_order};
-use super::separation::Separation;
-use super::{BoundsError, Placed, Shape, Stage, ToleranceError, Workspace, edge_polygon};
-
-/// Which way cuboids are decided.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Exactness {
-    /// Each pair by the cheapest test that is exact for it.
-    #[default]
-    Cheapest,
-    /// Pairs of cuboids go through [`Stage::Complete`] as polygon meshes, and [`Stage::Boxes`] is
-    /// skipped, as in the report's system: for study, and to check one test against the other.
-    EdgePolygon,
-}
-
-/// The exact tests: whether two placed shapes are in contact, and where.
-///
-/// Two shapes are in contact when their distance is no more than the [tolerance](Self::tolerance),
-/// so that touching counts, whatever touches: faces in one plane, edges along edges, corners. For
-/// pairs so large that rounding exceeds the tolerance it is raised: to 16 times `f32::EPSILON`
-/// times the sum of their greatest half extents, or 2·10⁻⁴ where these add up to 100.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NarrowPhase {
-    tolerance: f32,
-    exactness: Exactness,
-}
-
-impl Default for NarrowPhase {
-    fn default() -> Self {
-        Self { tolerance: Self::DEFAULT_TOLERANCE, exactness: Exactness::default() }
-    }
-}
+use super::error::BoundsError;
+use super::frame::edge_polygon;
+use super::frame::large::Smaller;
+use super::frame::placed::{Pair, Placed, ROUNDING, in_order};
+use super::frame::separation::Separation;
+use super::frame::workspace::Workspace;
+#[cfg(feature = "rapier")]
+use super::parry::{own, query};
+use super::settings::{Exactness, NarrowPhase};
+use super::shape::Shape;
+use super::stage::Stage;
 
 impl NarrowPhase {
-    /// The distance, in world units, up to which shapes are in contact unless told otherwise.
-    pub const DEFAULT_TOLERANCE: f32 = 1e-4;
-
-    /// Tests with a tolerance of one's own, in world units.
-    ///
-    /// # Errors
-    /// [`ToleranceError`] unless it is finite and greater than zero.
-    pub fn new(tolerance: f32) -> Result<Self, ToleranceError> {
-        if tolerance.is_finite() && tolerance > 0.0 {
-            Ok(Self { tolerance, ..Self::default() })
-        } else {
-            Err(ToleranceError(tolerance))
-        }
-    }
-
-    /// The same tests, with another way to decide cuboids.
-    #[must_use]
-    pub fn with_exactness(self, exactness: Exactness) -> Self {
-        Self { exactness, ..self }
-    }
-
-    /// The distance up to which two shapes are in contact, in world units.
-    #[must_use]
-    pub fn tolerance(&self) -> f32 {
-        self.tolerance
-    }
-
-    /// Which way cuboids are decided.
-    #[must_use]
-    pub fn exactness(&self) -> Exactness {
-        self.exactness
-    }
-
-    /// The box to feed to a broad phase: that of [`Shape::world_aabb`], grown by half the tolerance
-    /// and by rounding. The boxes of two shapes that are in contact are never apart.
-    ///
-    /// # Errors
-    /// As for [`Shape::world_aabb`].
-    #[inline]
-    pub fn world_aabb(&self, placed: Placed) -> Result<Aabb3d, BoundsError> {
-        let Aabb3d { min, max } = placed.shape.world_aabb(placed.transform)?;
-        // However it is turned, a box is wider than its greatest half extent, from which the
-        // tolerance of a pair may come.
-        let size = (max - min).max_element();
-        let far = min.abs().max(max.abs()).max_element();
-        let grown = self.tolerance * 0.5 + ROUNDING * size + f32::EPSILON * far;
-        let (min, max) = (min - grown, max + grown);
-        if min.is_finite() && max.is_finite() { Ok(Aabb3d { min, max }) } else { Err(BoundsError::NonFinite) }
-    }
-
-    /// The half-space that holds all that may be in contact with a shape without bounds, if one does: what a broad phase
-    /// is to know of it, as of others their [`world_aabb`](Self::world_aabb). Both are grown by half the tolerance.
-    #[must_use]
-    #[cfg_attr(not(feature = "rapier"), expect(unused_variables, reason = "only Rapier shapes can be unbounded"))]
-    pub fn side(&self, placed: Placed) -> Option<HalfSpace> {
-        #[cfg(feature = "rapier")]
-        if let Shape::Rapier(shape) = placed.shape {
-            return super::parry::side(shape, placed.transform, self.tolerance * 0.5);
-        }
-        None
-    }
-
     /// Whether two shapes are in contact. The order of the two makes no difference.
     ///
     /// Shapes that are not finite are in contact with nothing.
@@ -110,7 +24,7 @@ impl NarrowPhase {
     pub fn intersects(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> bool {
         if let (Shape::Cuboid { half_size: half_a }, Shape::Cuboid { half_size: half_b }) = (a.shape, b.shape)
             && a.transform.rotation == b.transform.rotation
-            && self.exactness == Exactness::Cheapest
+            && self.exactness() == Exactness::Cheapest
         {
             let half_a = (Vec3A::from(*half_a) * Vec3A::from(a.transform.scale)).abs();
             let half_b = (Vec3A::from(*half_b) * Vec3A::from(b.transform.scale)).abs();
@@ -119,10 +33,10 @@ impl NarrowPhase {
             return verdict;
         }
         let (a, b, _) = in_order(a, b);
-        match Pair::new(a, b, self.tolerance) {
+        match Pair::new(a, b, self.tolerance()) {
             Ok(pair) if pair.is_large() => self.decide_large(&pair, workspace),
             Ok(pair) => self.decide(&pair, workspace),
-            Err(BoundsError::Unbounded) => unbounded(a, b, self.tolerance, workspace),
+            Err(BoundsError::Unbounded) => unbounded(a, b, self.tolerance(), workspace),
             Err(BoundsError::NonFinite) => false,
         }
     }
@@ -134,7 +48,7 @@ impl NarrowPhase {
         let offset = Vec3A::from(turned_back * (b.translation - a.translation));
         let reach = half_a + half_b;
         let gaps = (offset.abs() - reach).max(Vec3A::ZERO);
-        let tolerance = self.tolerance.max(ROUNDING * reach.max_element());
+        let tolerance = self.tolerance().max(ROUNDING * reach.max_element());
         // Measured by the tolerance, so that the squares of huge sizes do not overflow. The last is for what is not finite:
         // `max` drops a NaN, and infinity reaches everything.
         (gaps / tolerance).length_squared() <= 1.0 && (offset.abs() + reach).is_finite()
@@ -148,7 +62,7 @@ impl NarrowPhase {
         }
         #[cfg(feature = "rapier")]
         {
-            if let Some(own) = super::parry::with_own(pair.a, pair.b, |a, b| self.intersects(a, b, workspace)) {
+            if let Some(own) = own::with_own(pair.a, pair.b, |a, b| self.intersects(a, b, workspace)) {
                 return own;
             }
         }
@@ -157,16 +71,11 @@ impl NarrowPhase {
         verdict
     }
 
-    /// The same tests, with a tolerance that comes from theirs.
-    pub(super) fn with_tolerance(self, tolerance: f32) -> Self {
-        Self { tolerance, ..self }
-    }
-
     fn decide(&self, pair: &Pair, workspace: &mut Workspace) -> bool {
         let counters = &mut workspace.counters;
         let mut verdict =
             counters.count(Stage::Bounds, bounds(pair)).or_else(|| counters.count(Stage::Spheres, spheres(pair)));
-        if self.exactness == Exactness::Cheapest || !are_cuboids(pair) {
+        if self.exactness() == Exactness::Cheapest || !are_cuboids(pair) {
             verdict = verdict.or_else(|| counters.count(Stage::Boxes, boxes(pair)));
         }
         verdict.unwrap_or_else(|| {
@@ -235,10 +144,10 @@ fn complete(pair: &Pair, workspace: &mut Workspace) -> bool {
     match (pair.a.shape, pair.b.shape) {
         #[cfg(feature = "rapier")]
         (Shape::Rapier(_), _) | (_, Shape::Rapier(_)) => {
-            let cuboids = super::parry::cuboids(pair, |pair| boxes(pair).unwrap_or_else(|| complete(pair, workspace)));
+            let cuboids = own::cuboids(pair, |pair| boxes(pair).unwrap_or_else(|| complete(pair, workspace)));
             cuboids.unwrap_or_else(|| {
-                workspace.known(super::parry::intersects(pair.a, pair.b, pair.tolerance))
-                    || super::parry::enclosed(pair, workspace).is_some()
+                workspace.known(query::intersects(pair.a, pair.b, pair.tolerance))
+                    || query::enclosed(pair, workspace).is_some()
             })
         }
         (Shape::Sphere { .. }, _) => edge_polygon::sphere_intersects(pair, workspace),
@@ -259,7 +168,7 @@ pub(super) fn stages(pair: &Pair, workspace: &mut Workspace) -> ([Option<bool>; 
 fn unbounded(a: Placed, b: Placed, tolerance: f32, workspace: &mut Workspace) -> bool {
     #[cfg(feature = "rapier")]
     if a.transform.is_finite() && b.transform.is_finite() {
-        let verdict = workspace.known(super::parry::intersects(a, b, tolerance));
+        let verdict = workspace.known(query::intersects(a, b, tolerance));
         workspace.counters.count(Stage::Complete, Some(verdict));
         return verdict;
     }

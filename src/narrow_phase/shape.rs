@@ -2,13 +2,17 @@
 
 use std::sync::Arc;
 
-use bevy::math::bounding::{Aabb3d, BoundingSphere};
 use bevy::math::{Vec3, Vec3A, primitives};
-use bevy::transform::components::Transform;
+#[cfg(feature = "rapier")]
+use bevy_rapier3d::parry::shape::SharedShape;
 
-use super::large::length;
-use super::oriented_box::OrientedBox;
-use super::{BoundsError, ConvexMesh, PolygonMesh, ShapeError};
+use super::error::{BoundsError, ShapeError};
+use super::length::length;
+use super::mesh::{convex_mesh::ConvexMesh, polygon_mesh::PolygonMesh};
+
+#[cfg(feature = "rapier")]
+/// Half extents beyond this stand for infinity: parry gives endless shapes boxes of this order.
+const ENDLESS: f32 = f32::MAX / 8.0;
 
 /// What an object is made of, in its own coordinates. Cheap to clone: meshes are shared.
 ///
@@ -52,7 +56,7 @@ pub enum Shape {
     Mesh(Arc<PolygonMesh>),
     /// A shape of `bevy_rapier3d`.
     #[cfg(feature = "rapier")]
-    Rapier(bevy_rapier3d::parry::shape::SharedShape),
+    Rapier(SharedShape),
 }
 
 impl Shape {
@@ -99,34 +103,6 @@ impl Shape {
         Ok(PolygonMesh::new(vertices, polygons)?.into())
     }
 
-    /// An axis-aligned box around the shape in the world, in constant time. It is the smallest one
-    /// for cuboids and spheres, up to rounding; for meshes and Rapier shapes, it is the smallest
-    /// around their own box, turned and scaled with them.
-    ///
-    /// A broad phase should be fed the slightly larger [`NarrowPhase::world_aabb`], so that it
-    /// misses no pair which is in contact by tolerance.
-    ///
-    /// # Errors
-    /// [`BoundsError::NonFinite`] if the transform holds NaN or infinity or overflows;
-    /// [`BoundsError::Unbounded`] for an endless Rapier shape, such as a half-space.
-    ///
-    /// [`NarrowPhase::world_aabb`]: super::NarrowPhase::world_aabb
-    pub fn world_aabb(&self, transform: &Transform) -> Result<Aabb3d, BoundsError> {
-        let oriented = OrientedBox::of(self, transform, Vec3::ZERO)?;
-        let reach = oriented.reach();
-        Ok(Aabb3d { min: oriented.center - reach, max: oriented.center + reach })
-    }
-
-    /// A sphere around the shape in the world, centred on its box. The smallest one for cuboids and
-    /// spheres.
-    ///
-    /// # Errors
-    /// As for [`world_aabb`](Self::world_aabb).
-    pub fn bounding_sphere(&self, transform: &Transform) -> Result<BoundingSphere, BoundsError> {
-        let oriented = OrientedBox::of(self, transform, Vec3::ZERO)?;
-        Ok(BoundingSphere::new(oriented.center, oriented.radius))
-    }
-
     /// Centre, half extents and bounding radius around that centre of the unplaced shape.
     #[inline]
     pub(super) fn local_bounds(&self) -> Result<(Vec3A, Vec3A, f32), BoundsError> {
@@ -142,9 +118,24 @@ impl Shape {
             Self::Convex(mesh) => Ok(mesh.local_bounds()),
             Self::Mesh(mesh) => Ok(mesh.local_bounds()),
             #[cfg(feature = "rapier")]
-            Self::Rapier(shape) => super::parry::local_bounds(shape),
+            Self::Rapier(shape) => foreign_bounds(shape),
         }
     }
+}
+
+#[cfg(feature = "rapier")]
+/// Centre, half extents and bounding radius of the unplaced shape.
+fn foreign_bounds(shape: &SharedShape) -> Result<(Vec3A, Vec3A, f32), BoundsError> {
+    let aabb = shape.compute_local_aabb();
+    let (min, max) = (Vec3A::from(aabb.mins), Vec3A::from(aabb.maxs));
+    if min.is_nan() || max.is_nan() {
+        return Err(BoundsError::NonFinite);
+    }
+    let half = (max * 0.5 - min * 0.5).max(Vec3A::ZERO);
+    if half.max_element() > ENDLESS {
+        return Err(BoundsError::Unbounded);
+    }
+    Ok((min * 0.5 + max * 0.5, half, length(half)))
 }
 
 impl From<primitives::Cuboid> for Shape {

@@ -5,8 +5,8 @@ use bevy::transform::components::Transform;
 use proptest::prelude::*;
 use std::f32::consts::FRAC_PI_4;
 
-use super::pair::{Pair, in_order};
-use super::polygon_mesh::tests::cube;
+use super::frame::placed::{Pair, in_order};
+use super::mesh::polygon_mesh::tests::cube;
 use super::*;
 
 pub(super) fn box_of(x: f32, y: f32, z: f32) -> Shape {

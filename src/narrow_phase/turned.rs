@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use bevy::math::{DMat3, Vec3};
 
-use super::surface::polygons_of;
-use super::{ConvexMesh, Shape};
+use super::frame::surface::polygons_of;
+use super::mesh::convex_mesh::ConvexMesh;
+use super::shape::Shape;
 
 impl Shape {
     /// The shape, turned the other way: what was at `turn * point` is at `point`. Shapes without polygons stay as they are.
