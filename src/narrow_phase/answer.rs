@@ -55,6 +55,43 @@ pub struct Impact {
     pub normal: Vec3,
 }
 
+/// Two shapes on their way meet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimedContact {
+    /// The share of the way after which they do, 0 to 1.
+    pub time: f32,
+    /// Where they then touch.
+    pub contact: Contact,
+}
+
+impl TimedContact {
+    /// The contact on what was left of a way after a share of it, by the time of the whole way.
+    pub(crate) fn after(self, time: f32) -> Self {
+        Self { time: time + self.time * (1.0 - time), ..self }
+    }
+}
+
+/// How far two shapes are apart, and where they are closest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proximity {
+    /// The distance of the two, in world units. Zero if they overlap.
+    pub distance: f32,
+    /// A point of the first shape and one of the second, in the world, that are as close as any two. A common point, twice,
+    /// if the shapes overlap.
+    ///
+    /// Rounded as all places far from the world's origin are. `distance` and `offset` are not.
+    pub points: [Vec3; 2],
+    /// The way from the first point to the second; its length is the distance.
+    pub offset: Vec3,
+}
+
+impl Proximity {
+    pub(super) fn if_finite(self) -> Option<Self> {
+        let is_finite = self.distance.is_finite() && self.points.iter().all(|point| point.is_finite());
+        is_finite.then_some(self)
+    }
+}
+
 /// A normal, turned against what comes along a direction.
 pub fn against(normal: Vec3, direction: Dir3) -> Vec3 {
     if normal.dot(*direction) > 0.0 { -normal } else { normal }

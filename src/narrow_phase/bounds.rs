@@ -5,9 +5,8 @@ use bevy::math::primitives::HalfSpace;
 
 use super::error::BoundsError;
 use super::frame::placed::{Placed, ROUNDING};
+use super::parry;
 use super::settings::NarrowPhase;
-#[cfg(feature = "rapier")]
-use super::{parry::query, shape::Shape};
 
 impl NarrowPhase {
     /// The box to feed to a broad phase: that of [`Shape::world_aabb`], grown by half the tolerance
@@ -30,12 +29,7 @@ impl NarrowPhase {
     /// The half-space that holds all that may be in contact with a shape without bounds, if one does: what a broad phase
     /// is to know of it, as of others their [`world_aabb`](Self::world_aabb). Both are grown by half the tolerance.
     #[must_use]
-    #[cfg_attr(not(feature = "rapier"), expect(unused_variables, reason = "only Rapier shapes can be unbounded"))]
     pub fn side(&self, placed: Placed) -> Option<HalfSpace> {
-        #[cfg(feature = "rapier")]
-        if let Shape::Rapier(shape) = placed.shape {
-            return query::side(shape, placed.transform, self.tolerance() * 0.5);
-        }
-        None
+        parry::side(placed, self.tolerance() * 0.5)
     }
 }

@@ -4,15 +4,15 @@ use bevy::math::Vec3A;
 use bevy::transform::components::Transform;
 
 use super::error::BoundsError;
+use super::frame::case::Case;
 use super::frame::edge_polygon;
 use super::frame::large::Smaller;
-use super::frame::placed::{Pair, Placed, ROUNDING, in_order};
+use super::frame::placed::{Placed, PlacedPair, ROUNDING, in_order};
 use super::frame::separation::Separation;
 use super::frame::workspace::Workspace;
-#[cfg(feature = "rapier")]
-use super::parry::{own, query};
+use super::parry;
 use super::settings::{Exactness, NarrowPhase};
-use super::shape::Shape;
+use super::shape::{Kind, Shape};
 use super::stage::Stage;
 
 impl NarrowPhase {
@@ -33,7 +33,7 @@ impl NarrowPhase {
             return verdict;
         }
         let (a, b, _) = in_order(a, b);
-        match Pair::new(a, b, self.tolerance()) {
+        match PlacedPair::new(a, b, self.tolerance()) {
             Ok(pair) if pair.is_large() => self.decide_large(&pair, workspace),
             Ok(pair) => self.decide(&pair, workspace),
             Err(BoundsError::Unbounded) => unbounded(a, b, self.tolerance(), workspace),
@@ -55,27 +55,24 @@ impl NarrowPhase {
     }
 
     #[cold]
-    fn decide_large(&self, pair: &Pair, workspace: &mut Workspace) -> bool {
+    fn decide_large(&self, pair: &PlacedPair, workspace: &mut Workspace) -> bool {
         if let Some(smaller) = Smaller::of(pair, self) {
             let [a, b] = smaller.placed(pair);
             return smaller.tests.intersects(a, b, workspace);
         }
-        #[cfg(feature = "rapier")]
-        {
-            if let Some(own) = own::with_own(pair.a, pair.b, |a, b| self.intersects(a, b, workspace)) {
-                return own;
-            }
+        if let Some(verdict) = parry::with_own(pair.a, pair.b, |a, b| self.intersects(a, b, workspace)) {
+            return verdict;
         }
         let verdict = complete(pair, workspace);
         workspace.counters.count(Stage::Complete, Some(verdict));
         verdict
     }
 
-    fn decide(&self, pair: &Pair, workspace: &mut Workspace) -> bool {
+    fn decide(&self, pair: &PlacedPair, workspace: &mut Workspace) -> bool {
         let counters = &mut workspace.counters;
         let mut verdict =
             counters.count(Stage::Bounds, bounds(pair)).or_else(|| counters.count(Stage::Spheres, spheres(pair)));
-        if self.exactness() == Exactness::Cheapest || !are_cuboids(pair) {
+        if self.exactness() == Exactness::Cheapest || pair.case() != Case::Cuboids {
             verdict = verdict.or_else(|| counters.count(Stage::Boxes, boxes(pair)));
         }
         verdict.unwrap_or_else(|| {
@@ -89,88 +86,84 @@ impl NarrowPhase {
 /// How wide a gap has to be for an early stage to reject: wider than the tolerance by more than
 /// rounding, so that no stage rejects what a later one would accept.
 #[inline]
-fn slack(pair: &Pair) -> f32 {
+fn slack(pair: &PlacedPair) -> f32 {
     2.0 * pair.tolerance
 }
 
 #[inline]
-fn are_cuboids(pair: &Pair) -> bool {
-    matches!((pair.a.shape, pair.b.shape), (Shape::Cuboid { .. }, Shape::Cuboid { .. }))
-}
-
-#[inline]
-fn bounds(pair: &Pair) -> Option<bool> {
+fn bounds(pair: &PlacedPair) -> Option<bool> {
     let offset = pair.box_b.center - pair.box_a.center;
     let gaps = offset.abs() - (pair.box_a.reach() + pair.box_b.reach());
     (gaps.max_element() > slack(pair)).then_some(false)
 }
 
 #[inline]
-fn spheres(pair: &Pair) -> Option<bool> {
+fn spheres(pair: &PlacedPair) -> Option<bool> {
     let distance = pair.box_a.center.distance(pair.box_b.center);
     let gap = distance - (pair.box_a.radius + pair.box_b.radius);
-    match (pair.a.shape, pair.b.shape) {
-        (Shape::Sphere { .. }, Shape::Sphere { .. }) => Some(gap <= pair.tolerance),
+    match pair.case() {
+        Case::Spheres => Some(gap <= pair.tolerance),
         _ => (gap > slack(pair)).then_some(false),
     }
 }
 
 #[inline]
-fn boxes(pair: &Pair) -> Option<bool> {
-    match (pair.a.shape, pair.b.shape) {
-        (Shape::Sphere { .. }, _) => sphere_box(pair),
-        (_, Shape::Sphere { .. }) => sphere_box(&pair.swapped()),
+fn boxes(pair: &PlacedPair) -> Option<bool> {
+    match (pair.a.shape.kind(), pair.b.shape.kind()) {
+        (Kind::Sphere, _) => sphere_box(pair),
+        (_, Kind::Sphere) => sphere_box(&pair.swapped()),
         _ => match Separation::of(&pair.box_a, &pair.box_b, slack(pair)) {
             None => Some(false),
             // Boxes that overlap along every axis overlap; those within the tolerance may still be
             // further apart from corner to corner.
-            Some(found) => (are_cuboids(pair) && found.gap <= -found.doubt).then_some(true),
+            Some(found) => (pair.case() == Case::Cuboids && found.gap <= -found.doubt).then_some(true),
         },
     }
 }
 
 /// A sphere against the box of another shape.
 #[inline]
-fn sphere_box(pair: &Pair) -> Option<bool> {
+fn sphere_box(pair: &PlacedPair) -> Option<bool> {
     let center = pair.box_a.center;
     let gap = pair.box_b.closest_point(center).distance(center) - pair.box_a.radius;
-    match pair.b.shape {
-        Shape::Cuboid { .. } => Some(gap <= pair.tolerance),
+    match pair.b.shape.kind() {
+        Kind::Cuboid => Some(gap <= pair.tolerance),
         _ => (gap > slack(pair)).then_some(false),
     }
 }
 
-fn complete(pair: &Pair, workspace: &mut Workspace) -> bool {
-    match (pair.a.shape, pair.b.shape) {
-        #[cfg(feature = "rapier")]
-        (Shape::Rapier(_), _) | (_, Shape::Rapier(_)) => {
-            let cuboids = own::cuboids(pair, |pair| boxes(pair).unwrap_or_else(|| complete(pair, workspace)));
-            cuboids.unwrap_or_else(|| {
-                workspace.known(query::intersects(pair.a, pair.b, pair.tolerance))
-                    || query::enclosed(pair, workspace).is_some()
-            })
-        }
-        (Shape::Sphere { .. }, _) => edge_polygon::sphere_intersects(pair, workspace),
-        (_, Shape::Sphere { .. }) => edge_polygon::sphere_intersects(&pair.swapped(), workspace),
-        _ => edge_polygon::intersects(pair, workspace),
+fn complete(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
+    match pair.case() {
+        Case::Spheres => spheres(pair) == Some(true),
+        Case::SphereFirst => edge_polygon::sphere_intersects(pair, workspace),
+        Case::SphereSecond => edge_polygon::sphere_intersects(&pair.swapped(), workspace),
+        Case::Cuboids | Case::Convex | Case::Polygons => edge_polygon::intersects(pair, workspace),
+        Case::Foreign => foreign(pair, workspace),
     }
+}
+
+/// Two of which one is of Rapier's.
+fn foreign(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
+    let cuboids =
+        parry::with_own_cuboids(pair, |pair| boxes(pair).unwrap_or_else(|| edge_polygon::intersects(pair, workspace)));
+    cuboids.unwrap_or_else(|| {
+        parry::intersects(pair.a, pair.b, pair.tolerance, workspace) || parry::enclosed(pair, workspace).is_some()
+    })
 }
 
 /// What each stage by itself says about a pair.
 #[cfg(test)]
-pub(super) fn stages(pair: &Pair, workspace: &mut Workspace) -> ([Option<bool>; 3], bool) {
+pub(super) fn stages(pair: &PlacedPair, workspace: &mut Workspace) -> ([Option<bool>; 3], bool) {
     let early = [bounds(pair), spheres(pair), boxes(pair)];
     (early, complete(pair, workspace))
 }
 
 /// A pair of which one has no bounds goes straight to the last stage.
-#[cfg_attr(not(feature = "rapier"), expect(unused_variables, reason = "only Rapier shapes can be unbounded"))]
 fn unbounded(a: Placed, b: Placed, tolerance: f32, workspace: &mut Workspace) -> bool {
-    #[cfg(feature = "rapier")]
-    if a.transform.is_finite() && b.transform.is_finite() {
-        let verdict = workspace.known(query::intersects(a, b, tolerance));
-        workspace.counters.count(Stage::Complete, Some(verdict));
-        return verdict;
+    if !(a.transform.is_finite() && b.transform.is_finite()) {
+        return false;
     }
-    false
+    let verdict = parry::intersects(a, b, tolerance, workspace);
+    workspace.counters.count(Stage::Complete, Some(verdict));
+    verdict
 }

@@ -93,6 +93,7 @@
 mod answer;
 mod bounds;
 mod cast;
+mod construct;
 mod contact;
 mod decide;
 mod error;
@@ -100,6 +101,9 @@ mod frame;
 mod length;
 mod mesh;
 #[cfg(feature = "rapier")]
+mod parry;
+#[cfg(not(feature = "rapier"))]
+#[path = "parry/absent.rs"]
 mod parry;
 mod proximity;
 mod settings;
@@ -109,8 +113,8 @@ mod stage;
 mod tests;
 mod turned;
 
-pub use answer::{Contact, Impact};
-pub use cast::time_of_impact::{Moving, TimedContact};
+pub use answer::{Contact, Impact, Proximity, TimedContact};
+pub use cast::moving::Moving;
 pub use error::{BoundsError, ShapeError, ToleranceError};
 pub(crate) use frame::approach::approach;
 pub use frame::placed::Placed;
@@ -118,8 +122,7 @@ pub use frame::workspace::Workspace;
 pub use mesh::convex_mesh::ConvexMesh;
 pub use mesh::polygon_mesh::PolygonMesh;
 #[cfg(feature = "rapier")]
-pub(crate) use parry::query::is_known;
-pub use proximity::query::Proximity;
+pub(crate) use parry::is_known;
 pub use settings::{Exactness, NarrowPhase};
 pub use shape::Shape;
 pub use stage::{Stage, StageCount, StageCounters};

@@ -5,7 +5,7 @@ use bevy::transform::components::Transform;
 use proptest::prelude::*;
 use std::f32::consts::FRAC_PI_4;
 
-use super::frame::placed::{Pair, in_order};
+use super::frame::placed::{PlacedPair, in_order};
 use super::mesh::polygon_mesh::tests::cube;
 use super::*;
 
@@ -368,7 +368,7 @@ proptest! {
         let (one, two) = (Placed::new(&a.0, &a.1), Placed::new(&b.0, &b.1));
         let tests = NarrowPhase::default();
         let (first, second, _) = in_order(one, two);
-        let pair = Pair::new(first, second, tests.tolerance()).unwrap();
+        let pair = PlacedPair::new(first, second, tests.tolerance()).unwrap();
         let ([bounds, spheres, boxes], complete) = decide::stages(&pair, &mut Workspace::default());
         if complete {
             prop_assert_eq!((bounds, spheres), (None, None));

@@ -2,14 +2,13 @@
 
 use bevy::math::{DVec3, Dir3, Vec3};
 
-#[cfg(feature = "rapier")]
-use crate::narrow_phase::parry::{cast, own};
 use crate::narrow_phase::{
     answer::{Impact, against, slack},
-    frame::{oriented_box::effective_scale, placed::Placed, surface::winds_around},
+    frame::{placed::Placed, surface::winds_around},
     mesh::polygon_mesh::PolygonMesh,
+    parry,
     settings::NarrowPhase,
-    shape::Shape,
+    shape::{Kind, Shape},
 };
 
 /// How close to its border a point counts as on a polygon, as a share of the distances at hand: more than the rounding
@@ -47,11 +46,10 @@ impl NarrowPhase {
         if !(max_distance >= 0.0 && origin.is_finite() && direction.is_finite() && target.transform.is_finite()) {
             return None;
         }
-        #[cfg(feature = "rapier")]
-        if matches!(target.shape, Shape::Rapier(_)) {
-            return match own::own(target) {
+        if target.shape.kind() == Kind::Foreign {
+            return match parry::as_own(target) {
                 Some((own, at)) => self.cast_ray(Placed::new(&own, &at), origin, direction, max_distance),
-                None => cast::cast_ray(target, origin, direction, max_distance),
+                None => parry::cast_ray(target, origin, direction, max_distance),
             };
         }
         let ray = LocalRay::new(target, origin, direction)?;
@@ -94,7 +92,7 @@ impl Met {
 
 impl LocalRay {
     fn new(target: Placed, origin: Vec3, direction: Dir3) -> Option<Self> {
-        let scale = effective_scale(target.shape, target.transform).as_dvec3();
+        let scale = target.shape.effective_scale(target.transform.scale).as_dvec3();
         let least = FLAT * scale.abs().max_element();
         let scale = DVec3::select(scale.abs().cmplt(DVec3::splat(least)), DVec3::splat(least), scale);
         let back = target.transform.rotation.normalize().as_dquat().normalize().inverse();

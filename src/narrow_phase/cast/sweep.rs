@@ -3,24 +3,19 @@
 use bevy::math::{Dir3, Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
+use super::first_impact::{FirstImpact, LocalImpact};
 use crate::narrow_phase::{
     answer::Impact,
+    error::BoundsError,
     frame::{
-        closest, edge_polygon,
+        case::Case,
         large::Smaller,
         oriented_box::OrientedBox,
-        placed::{Pair, Placed},
-        surface::{Face, Surface},
+        placed::{Placed, PlacedPair},
         workspace::Workspace,
     },
-    mesh::polygon_mesh::PolygonMesh,
+    parry,
     settings::NarrowPhase,
-    shape::Shape,
-};
-#[cfg(feature = "rapier")]
-use crate::narrow_phase::{
-    error::BoundsError,
-    parry::{cast, own},
 };
 
 impl NarrowPhase {
@@ -57,29 +52,38 @@ impl NarrowPhase {
         if !(max_distance >= 0.0 && direction.is_finite()) {
             return None;
         }
-        #[cfg(feature = "rapier")]
-        if let Some(impact) = own::with_own(moving, target, |a, b| self.sweep(a, direction, max_distance, b, workspace))
+        if let Some(impact) =
+            parry::with_own(moving, target, |a, b| self.sweep(a, direction, max_distance, b, workspace))
         {
             return impact;
         }
         if self.intersects(moving, target, workspace) {
             return Some(self.at_the_start(moving, direction, target, workspace));
         }
-        let pair = Pair::new(moving, target, self.tolerance());
-        #[cfg(feature = "rapier")]
-        if matches!(moving.shape, Shape::Rapier(_)) || matches!(target.shape, Shape::Rapier(_)) {
-            let is_finite = !matches!(pair, Err(BoundsError::NonFinite));
-            return is_finite.then(|| cast::sweep(moving, direction, max_distance, target)).flatten();
+        match PlacedPair::new(moving, target, self.tolerance()) {
+            Ok(pair) if pair.case() != Case::Foreign => self.sweep_apart(&pair, direction, max_distance, workspace),
+            Ok(_) | Err(BoundsError::Unbounded) => parry::sweep(moving, direction, max_distance, target),
+            Err(BoundsError::NonFinite) => None,
         }
+    }
+
+    /// Two shapes of ours that are apart, the moving one first.
+    fn sweep_apart(
+        &self,
+        pair: &PlacedPair,
+        direction: Dir3,
+        max_distance: f32,
+        workspace: &mut Workspace,
+    ) -> Option<Impact> {
         // Up to where their bounding spheres touch: what follows is as exact after a long way as after a short one.
-        let (free, nearer) = nearer(&pair.ok()?, direction).filter(|(free, _)| *free <= f64::from(max_distance))?;
+        let (free, nearer) = nearer(pair, direction).filter(|(free, _)| *free <= f64::from(max_distance))?;
         let left = (f64::from(max_distance) - free) as f32;
         let in_all = |rest: f32| (free + f64::from(rest)) as f32;
-        // Relative to the target, so that neither place costs exactness.
-        let (origin, moving) = (target.transform.translation, Placed::new(moving.shape, &nearer));
-        let here = Transform { translation: Vec3::ZERO, ..*target.transform };
-        let target = Placed::new(target.shape, &here);
-        let pair = Pair::new(moving, target, self.tolerance()).ok()?;
+        // Relative to the target, so that neither position costs exactness.
+        let (origin, moving) = (pair.b.transform.translation, Placed::new(pair.a.shape, &nearer));
+        let here = Transform { translation: Vec3::ZERO, ..*pair.b.transform };
+        let target = Placed::new(pair.b.shape, &here);
+        let pair = PlacedPair::new(moving, target, self.tolerance()).ok()?;
         if pair.is_large()
             && let Some(smaller) = Smaller::of(&pair, self)
         {
@@ -91,29 +95,8 @@ impl NarrowPhase {
                 ..found
             });
         }
-        let mut first = First::new((*direction).into(), left);
-        match (moving.shape, target.shape) {
-            (Shape::Sphere { .. }, Shape::Sphere { .. }) => {
-                first.ball(pair.box_a.center, pair.box_b.center, pair.box_a.radius, pair.box_b.radius);
-            }
-            (Shape::Sphere { .. }, _) => {
-                let (mesh, surface) = edge_polygon::fill_second_all(&pair, workspace)?;
-                first.ball_surface(pair.box_a.center, pair.box_a.radius, mesh, surface);
-            }
-            (_, Shape::Sphere { .. }) => {
-                // As seen from the moving shape, the ball comes to it.
-                let pair = pair.swapped();
-                let (mesh, surface) = edge_polygon::fill_second_all(&pair, workspace)?;
-                let mut reversed = First::new(-first.direction, first.limit);
-                reversed.ball_surface(pair.box_a.center, pair.box_a.radius, mesh, surface);
-                first.found = reversed.found.map(|found| found.reversed(first.direction));
-            }
-            _ => {
-                let meshes = edge_polygon::fill_all(&pair, workspace)?;
-                first.surfaces(meshes, &workspace.surfaces, pair.tolerance);
-            }
-        }
-        first.found.map(|found| Impact {
+        let found = first_impact(&pair, (*direction).into(), left, workspace)?;
+        Some(Impact {
             distance: in_all(found.distance),
             point: origin + nearer.translation + Vec3::from(found.point),
             normal: found.normal.into(),
@@ -131,9 +114,26 @@ impl NarrowPhase {
     }
 }
 
+/// Where the first of two, on its way, meets the second, in the frame of the pair.
+fn first_impact(pair: &PlacedPair, direction: Vec3A, limit: f32, workspace: &mut Workspace) -> Option<LocalImpact> {
+    let first = FirstImpact::new(direction, limit);
+    match pair.case() {
+        Case::Spheres => first.of_spheres(pair),
+        Case::SphereFirst => first.of_sphere(pair, workspace),
+        // As seen from the moving shape, the ball comes to it.
+        Case::SphereSecond => {
+            let met = FirstImpact::new(-direction, limit).of_sphere(&pair.swapped(), workspace)?;
+            Some(met.reversed(direction))
+        }
+        Case::Cuboids | Case::Convex | Case::Polygons => first.of_polygons(pair, workspace),
+        // Parry has been asked before.
+        Case::Foreign => None,
+    }
+}
+
 /// How far the first of two goes before their bounding spheres touch, and its place there, relative to that of the second;
 /// `None` if they do not.
-fn nearer(pair: &Pair, direction: Dir3) -> Option<(f64, Transform)> {
+fn nearer(pair: &PlacedPair, direction: Dir3) -> Option<(f64, Transform)> {
     let way = direction.as_dvec3();
     let [a, b] = [pair.a, pair.b].map(|placed| (placed.transform.translation, placed));
     let center = |(origin, placed): (Vec3, Placed)| OrientedBox::of(placed.shape, placed.transform, origin);
@@ -156,165 +156,4 @@ fn nearer(pair: &Pair, direction: Dir3) -> Option<(f64, Transform)> {
     let back = (room / squared).sqrt();
     let translation = center_b - center_a - aside - way * back;
     Some((along - back, Transform { translation: translation.as_vec3(), ..*pair.a.transform }))
-}
-
-/// An impact in the frame of a pair.
-#[derive(Clone, Copy, Debug)]
-struct LocalImpact {
-    distance: f32,
-    point: Vec3A,
-    normal: Vec3A,
-}
-
-impl LocalImpact {
-    /// That of the other shape on its way, along `direction`, with this one at rest.
-    fn reversed(self, direction: Vec3A) -> Self {
-        Self { point: self.point + direction * self.distance, normal: -self.normal, ..self }
-    }
-}
-
-/// The first impact so far.
-struct First {
-    direction: Vec3A,
-    limit: f32,
-    found: Option<LocalImpact>,
-}
-
-impl First {
-    fn new(direction: Vec3A, limit: f32) -> Self {
-        Self { direction, limit, found: None }
-    }
-
-    /// Takes up an impact if it is the first so far.
-    fn consider(&mut self, distance: f32, point: impl FnOnce() -> Vec3A, normal: Vec3A) {
-        if distance >= 0.0 && distance <= self.limit {
-            let normal = if normal.dot(self.direction) > 0.0 { -normal } else { normal };
-            self.limit = distance;
-            self.found = Some(LocalImpact { distance, point: point(), normal });
-        }
-    }
-
-    /// A moving ball against a resting one.
-    fn ball(&mut self, center: Vec3A, target: Vec3A, radius: f32, target_radius: f32) {
-        let Some(distance) = self.reach(target - center, radius + target_radius) else { return };
-        let Some(normal) = (center + self.direction * distance - target).try_normalize() else { return };
-        self.consider(distance, || target + normal * target_radius, normal);
-    }
-
-    /// How far to go until something that is `offset` away is at a distance of `radius`.
-    fn reach(&self, offset: Vec3A, radius: f32) -> Option<f32> {
-        let along = offset.dot(self.direction);
-        let aside = offset - self.direction * along;
-        let room = radius * radius - aside.length_squared();
-        // Ahead, or just left behind by rounding.
-        (room >= 0.0 && along >= 0.0).then(|| (along - room.sqrt()).max(0.0))
-    }
-
-    /// A moving ball against faces, edges and corners.
-    fn ball_surface(&mut self, center: Vec3A, radius: f32, mesh: &PolygonMesh, surface: &Surface) {
-        for face in &surface.faces {
-            let height = center.dot(face.normal) - face.plane;
-            let outwards = face.normal * 1f32.copysign(height);
-            let sinks = -outwards.dot(self.direction);
-            // If it is over the plane of the face, and comes nearer.
-            if sinks > 0.0 && height.abs() >= radius {
-                let distance = (height.abs() - radius) / sinks;
-                let touched = center + self.direction * distance - outwards * radius;
-                if surface.covers(mesh.polygon(face.polygon as usize), face.normal, touched) {
-                    self.consider(distance, || touched, outwards);
-                }
-            }
-        }
-        for edge in &surface.edges {
-            self.ball_edge(center, radius, edge.ends);
-        }
-    }
-
-    /// A moving ball against a segment, ends included.
-    fn ball_edge(&mut self, center: Vec3A, radius: f32, [start, end]: [Vec3A; 2]) {
-        self.ball(center, start, radius, 0.0);
-        self.ball(center, end, radius, 0.0);
-        let along = end - start;
-        let Some(axis) = along.try_normalize() else { return };
-        // In the plane across the edge, it is a point.
-        let across = |v: Vec3A| v - axis * v.dot(axis);
-        let (offset, velocity) = (across(start - center), across(self.direction));
-        let squared = velocity.length_squared();
-        let closest = offset.dot(velocity) / squared;
-        let room = radius * radius - (offset - velocity * closest).length_squared();
-        if !(closest >= 0.0 && room >= 0.0 && squared > 0.0) {
-            return;
-        }
-        let distance = (closest - (room / squared).sqrt()).max(0.0);
-        let center = center + self.direction * distance;
-        let place = (center - start).dot(axis);
-        if (0.0..=along.length()).contains(&place) {
-            let point = start + axis * place;
-            let normal = (center - point).try_normalize().unwrap_or(-self.direction);
-            self.consider(distance, || point, normal);
-        }
-    }
-
-    /// A moving surface, the first, against a resting one: corners against faces, both ways, and edges against edges.
-    fn surfaces(&mut self, meshes: [&PolygonMesh; 2], [moving, resting]: &[Surface; 2], tolerance: f32) {
-        let direction = self.direction;
-        for corner in moving.edges.iter().flat_map(|edge| edge.ends) {
-            for face in &resting.faces {
-                if let Some(distance) = corner_to_face(corner, direction, meshes[1], resting, face, tolerance) {
-                    self.consider(distance, || corner + direction * distance, face.normal);
-                }
-            }
-        }
-        for corner in resting.edges.iter().flat_map(|edge| edge.ends) {
-            for face in &moving.faces {
-                if let Some(distance) = corner_to_face(corner, -direction, meshes[0], moving, face, tolerance) {
-                    self.consider(distance, || corner, face.normal);
-                }
-            }
-        }
-        for a in &moving.edges {
-            for b in &resting.edges {
-                self.edges(a.ends, b.ends, tolerance);
-            }
-        }
-    }
-
-    /// A moving edge against a resting one. Those that move within the plane that both span meet at their ends, which are
-    /// corners.
-    fn edges(&mut self, a: [Vec3A; 2], b: [Vec3A; 2], slack: f32) {
-        let (u, v, offset) = (a[1] - a[0], b[1] - b[0], b[0] - a[0]);
-        let normal = u.cross(v);
-        let volume = normal.dot(self.direction);
-        let (length_u, length_v) = (u.length(), v.length());
-        if volume.abs() <= 1e-6 * length_u * length_v {
-            return;
-        }
-        // By Cramer's rule: a[0] + u·s + direction·distance = b[0] + v·t.
-        let distance = offset.dot(normal) / volume;
-        let s = offset.cross(v).dot(self.direction) / volume;
-        let t = offset.cross(u).dot(self.direction) / volume;
-        let within = |place: f32, length: f32| place * length >= -slack && (place - 1.0) * length <= slack;
-        if within(s, length_u) && within(t, length_v) {
-            self.consider(distance, || b[0] + v * t, normal.normalize());
-        }
-    }
-}
-
-/// How far a corner has to go to a face, border included: corners that come to meet are where no edges cross.
-fn corner_to_face(
-    corner: Vec3A,
-    way: Vec3A,
-    mesh: &PolygonMesh,
-    surface: &Surface,
-    face: &Face,
-    tolerance: f32,
-) -> Option<f32> {
-    let distance = (face.plane - corner.dot(face.normal)) / way.dot(face.normal);
-    if !(distance >= 0.0 && distance.is_finite()) {
-        return None;
-    }
-    let (corners, point) = (mesh.polygon(face.polygon as usize), corner + way * distance);
-    let is_on =
-        |[a, b]: [Vec3A; 2]| closest::point_segment(point, a, b).distance_squared(point) <= tolerance * tolerance;
-    (surface.covers(corners, face.normal, point) || surface.border(corners).any(is_on)).then_some(distance)
 }

@@ -5,10 +5,10 @@ use bevy::math::Vec3A;
 use crate::narrow_phase::{
     answer::LocalContact,
     frame::{
-        common_point::mean_hit,
+        common_point::mean_touch,
         edge_polygon,
-        placed::Pair,
-        surface::{Face, Surface},
+        placed::PlacedPair,
+        surface::{PlacedFace, Surface},
         workspace::Workspace,
     },
 };
@@ -20,8 +20,8 @@ const MOST_EDGE_PAIRS: usize = 1024;
 const BIAS: f32 = 1e-3;
 
 /// The contact of two convex shapes made of polygons, cuboids among them.
-pub fn contact(pair: &Pair, workspace: &mut Workspace) -> Option<LocalContact> {
-    let meeting = mean_hit(pair, workspace);
+pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
+    let meeting = mean_touch(pair, workspace);
     edge_polygon::fill_all(pair, workspace)?;
     let [a, b] = &workspace.surfaces;
     let bias = BIAS * (pair.box_a.radius + pair.box_b.radius);
@@ -47,7 +47,7 @@ fn least_overlap(a: &Surface, b: &Surface, bias: f32) -> Option<(Vec3A, f32)> {
         }
     };
     // A polygon that was flattened has no normal.
-    let normals = |faces: &[Face], turn: f32, consider: &mut dyn FnMut(Vec3A)| {
+    let normals = |faces: &[PlacedFace], turn: f32, consider: &mut dyn FnMut(Vec3A)| {
         let normals = faces.iter().map(|face| face.normal * turn);
         normals.filter(|n| *n != Vec3A::ZERO).for_each(consider);
     };

@@ -3,5 +3,6 @@
 mod convex;
 mod passing;
 mod query;
+mod sphere;
 #[cfg(test)]
 mod tests;

@@ -8,19 +8,18 @@ use std::ops::ControlFlow;
 
 use bevy::math::{Vec3, Vec3A};
 
-#[cfg(feature = "rapier")]
-use crate::narrow_phase::parry::own;
 use crate::narrow_phase::{
     answer::Contact,
     frame::{
         approach::approach,
-        edge_polygon::{self, Hit},
-        placed::{Pair, Placed, in_order},
+        case::Case,
+        edge_polygon::{self, Touch},
+        placed::{Placed, PlacedPair, in_order},
         workspace::Workspace,
     },
     mesh::polygon_mesh::PolygonMesh,
+    parry,
     settings::NarrowPhase,
-    shape::Shape,
 };
 
 /// So many planes at most are looked at: there are few where two solids touch, and the first ones do.
@@ -58,21 +57,20 @@ impl NarrowPhase {
         if !approach([velocity, Vec3::ZERO], normal) {
             return normal;
         }
-        #[cfg(feature = "rapier")]
-        if let Some(normal) = own::with_own(a, b, |a, b| self.normal_in_passing(a, b, normal, velocity, workspace)) {
+        if let Some(normal) = parry::with_own(a, b, |a, b| self.normal_in_passing(a, b, normal, velocity, workspace)) {
             return normal;
         }
         let (first, second, swapped) = in_order(a, b);
         let turn = if swapped { -1.0 } else { 1.0 };
-        let Ok(pair) = Pair::new(first, second, self.tolerance()) else { return normal };
+        let Ok(pair) = PlacedPair::new(first, second, self.tolerance()) else { return normal };
         // By more than rounding, as the early stages have it.
-        let pair = Pair { tolerance: 2.0 * pair.tolerance, ..pair };
+        let pair = PlacedPair { tolerance: 2.0 * pair.tolerance, ..pair };
         let planes = Planes::new(Vec3A::from(normal) * turn, Vec3A::from(velocity) * turn, pair.tolerance);
-        let best = match (pair.a.shape, pair.b.shape) {
-            (Shape::Sphere { .. }, Shape::Sphere { .. }) => return normal,
-            (Shape::Sphere { .. }, _) => planes.of_sphere(&pair, workspace),
-            (_, Shape::Sphere { .. }) => -planes.reversed().of_sphere(&pair.swapped(), workspace),
-            _ => planes.of_polygons(&pair, workspace),
+        let best = match pair.case() {
+            Case::Spheres | Case::Foreign => return normal,
+            Case::SphereFirst => planes.of_sphere(&pair, workspace),
+            Case::SphereSecond => -planes.reversed().of_sphere(&pair.swapped(), workspace),
+            Case::Cuboids | Case::Convex | Case::Polygons => planes.of_polygons(&pair, workspace),
         };
         Vec3::from(best) * turn
     }
@@ -141,7 +139,7 @@ impl Planes {
     }
 
     /// A sphere, the first of the pair, and a shape made of polygons: the planes of faces that it touches.
-    fn of_sphere(mut self, pair: &Pair, workspace: &mut Workspace) -> Vec3A {
+    fn of_sphere(mut self, pair: &PlacedPair, workspace: &mut Workspace) -> Vec3A {
         let (center, radius) = (pair.box_a.center, pair.box_a.radius);
         let Some((mesh, surface)) = edge_polygon::fill_second_near(pair, workspace) else {
             return self.normals[0];
@@ -166,11 +164,11 @@ impl Planes {
     }
 
     /// Two shapes made of polygons: the planes of faces that edges of the other touch.
-    fn of_polygons(mut self, pair: &Pair, workspace: &mut Workspace) -> Vec3A {
+    fn of_polygons(mut self, pair: &PlacedPair, workspace: &mut Workspace) -> Vec3A {
         let Some(meshes) = edge_polygon::fill(pair, workspace) else { return self.normals[0] };
         let workspace = &*workspace;
-        let each = |visit: &mut dyn FnMut(Hit)| {
-            let _ = edge_polygon::for_each_hit(meshes, workspace, pair.tolerance, |hit| {
+        let each = |visit: &mut dyn FnMut(Touch)| {
+            let _ = edge_polygon::for_each_touch(meshes, workspace, pair.tolerance, |hit| {
                 visit(hit);
                 ControlFlow::Continue(())
             });

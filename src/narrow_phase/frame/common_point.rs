@@ -2,8 +2,8 @@
 
 use bevy::math::Vec3A;
 
-use super::edge_polygon::{self, Hit};
-use super::placed::Pair;
+use super::edge_polygon::{self, Touch};
+use super::placed::PlacedPair;
 use super::workspace::Workspace;
 
 /// How often to go back and forth between two shapes in search of a point of both: twice is the
@@ -11,7 +11,7 @@ use super::workspace::Workspace;
 const MOST_STEPS: usize = 8;
 
 /// A point of two boxes, found by going back and forth between them; `None` if that takes too long.
-pub fn common_point(pair: &Pair) -> Option<Vec3A> {
+pub fn common_point(pair: &PlacedPair) -> Option<Vec3A> {
     let (a, b) = (&pair.box_a, &pair.box_b);
     // From near the smaller one, the way is short.
     let ratio = b.radius / a.radius.max(f32::MIN_POSITIVE);
@@ -27,9 +27,9 @@ pub fn common_point(pair: &Pair) -> Option<Vec3A> {
 
 /// The mean of the places where edges of one shape meet polygons of the other. It is in both
 /// shapes, to within the tolerance, if they are convex.
-pub fn mean_hit(pair: &Pair, workspace: &mut Workspace) -> Option<Vec3A> {
+pub fn mean_touch(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec3A> {
     let (mut count, mut points) = (0.0, Vec3A::ZERO);
-    edge_polygon::hits(pair, workspace, |Hit { point, .. }| {
+    edge_polygon::touches(pair, workspace, |Touch { point, .. }| {
         count += 1.0;
         points += point;
     });

@@ -3,10 +3,9 @@
 
 use bevy::transform::components::Transform;
 
-use super::placed::{Pair, Placed};
+use super::case::Case;
+use super::placed::{Placed, PlacedPair};
 use crate::narrow_phase::settings::NarrowPhase;
-#[cfg(feature = "rapier")]
-use crate::narrow_phase::shape::Shape;
 
 /// The greatest length whose fourth power 32-bit floats hold, with room to spare.
 const LARGE: f32 = 1e9;
@@ -19,7 +18,7 @@ pub struct Smaller {
     pub factor: f32,
 }
 
-impl Pair<'_> {
+impl PlacedPair<'_> {
     /// Are the two shapes themselves so large?
     #[inline]
     pub fn is_large(&self) -> bool {
@@ -40,9 +39,8 @@ impl Pair<'_> {
 
 impl Smaller {
     /// `None` if one of the two is a shape of Rapier's: these have no scale, and are looked at in 64-bit floats.
-    pub fn of(pair: &Pair, tests: &NarrowPhase) -> Option<Self> {
-        #[cfg(feature = "rapier")]
-        if [pair.a, pair.b].iter().any(|placed| matches!(placed.shape, Shape::Rapier(_))) {
+    pub fn of(pair: &PlacedPair, tests: &NarrowPhase) -> Option<Self> {
+        if pair.case() == Case::Foreign {
             return None;
         }
         // The power of two that is next below: its exponent alone.
@@ -56,7 +54,7 @@ impl Smaller {
     }
 
     /// The two, in their places.
-    pub fn placed<'a>(&'a self, pair: &Pair<'a>) -> [Placed<'a>; 2] {
+    pub fn placed<'a>(&'a self, pair: &PlacedPair<'a>) -> [Placed<'a>; 2] {
         let [at_a, at_b] = &self.transforms;
         [Placed::new(pair.a.shape, at_a), Placed::new(pair.b.shape, at_b)]
     }

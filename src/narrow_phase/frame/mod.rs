@@ -1,6 +1,7 @@
 //! Two placed shapes in a frame of their own, and what is computed in it.
 
 pub(super) mod approach;
+pub(super) mod case;
 pub(super) mod closest;
 pub(super) mod common_point;
 pub(super) mod edge_polygon;

@@ -28,7 +28,7 @@ impl OrientedBox {
         let is_finite = || transform.is_finite() && rotation.is_finite();
         let of_endless = |error| if is_finite() { error } else { BoundsError::NonFinite };
         let (local_center, local_half, local_radius) = shape.local_bounds().map_err(of_endless)?;
-        let scale = effective_scale(shape, transform);
+        let scale = shape.effective_scale(transform.scale);
         let axes = match shape {
             // The box around a ball need not turn with it.
             Shape::Sphere { .. } if rotation.is_finite() => Mat3A::IDENTITY,
@@ -97,17 +97,6 @@ impl Shape {
     pub fn bounding_sphere(&self, transform: &Transform) -> Result<BoundingSphere, BoundsError> {
         let oriented = OrientedBox::of(self, transform, Vec3::ZERO)?;
         Ok(BoundingSphere::new(oriented.center, oriented.radius))
-    }
-}
-
-/// The scale as the shape understands it; see [`Shape`].
-#[inline]
-pub fn effective_scale(shape: &Shape, transform: &Transform) -> Vec3A {
-    match shape {
-        Shape::Sphere { .. } => Vec3A::splat(transform.scale.abs().max_element()),
-        #[cfg(feature = "rapier")]
-        Shape::Rapier(_) => Vec3A::ONE,
-        _ => transform.scale.into(),
     }
 }
 

@@ -39,15 +39,7 @@ impl<'a> Placed<'a> {
 pub fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> (Placed<'a>, Placed<'a>, bool) {
     let key = |placed: Placed| {
         let Transform { translation, rotation, scale } = *placed.transform;
-        let size = match placed.shape {
-            Shape::Cuboid { half_size } => [0.0, half_size.x, half_size.y, half_size.z],
-            Shape::Sphere { radius } => [1.0, *radius, 0.0, 0.0],
-            Shape::Convex(mesh) => [2.0, mesh.local_bounds().2, 0.0, 0.0],
-            Shape::Mesh(mesh) => [3.0, mesh.local_bounds().2, 0.0, 0.0],
-            #[cfg(feature = "rapier")]
-            Shape::Rapier(_) => [4.0; 4],
-        };
-        (translation.to_array(), rotation.to_array(), scale.to_array(), size)
+        (translation.to_array(), rotation.to_array(), scale.to_array(), placed.shape.order_key())
     };
     // Most pairs differ in the first number.
     let (x_a, x_b) = (a.transform.translation.x, b.transform.translation.x);
@@ -61,7 +53,7 @@ pub fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> (Placed<'a>, Placed<'a>, bo
 /// Two placed shapes with their boxes, in a frame whose origin is the place of the first: 32-bit
 /// floats are then as exact far from the world's origin as close to it.
 #[derive(Clone, Copy, Debug)]
-pub struct Pair<'a> {
+pub struct PlacedPair<'a> {
     pub a: Placed<'a>,
     pub b: Placed<'a>,
     pub box_a: OrientedBox,
@@ -72,7 +64,7 @@ pub struct Pair<'a> {
     pub tolerance: f32,
 }
 
-impl<'a> Pair<'a> {
+impl<'a> PlacedPair<'a> {
     #[inline]
     pub fn new(a: Placed<'a>, b: Placed<'a>, tolerance: f32) -> Result<Self, BoundsError> {
         let origin = a.transform.translation;

@@ -1,42 +1,21 @@
 //! A polygon mesh put in place: what the last stage computes with.
 
-use std::sync::LazyLock;
-
 use bevy::math::{Vec3, Vec3A};
 
 use super::closest;
-use super::oriented_box::{OrientedBox, effective_scale};
+use super::oriented_box::OrientedBox;
 use super::placed::Placed;
-use crate::narrow_phase::{length::unit, mesh::polygon_mesh::PolygonMesh, shape::Shape};
+use crate::narrow_phase::{length::unit, mesh::polygon_mesh::PolygonMesh};
 
-/// The cube from −1 to 1: every cuboid is this, scaled.
-static CUBE: LazyLock<PolygonMesh> = LazyLock::new(|| {
-    let bits = |i: u8| [i & 1, i >> 1 & 1, i >> 2 & 1];
-    let corner = |i| Vec3::from(bits(i).map(|bit| f32::from(bit) * 2.0 - 1.0));
-    let polygons = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    PolygonMesh::new((0..8).map(corner).collect::<Vec<_>>(), polygons).expect("the faces of a cube are squares")
-});
-
-/// The polygons that bound a shape, and their scale; `None` for shapes that have none.
-pub fn polygons_of(shape: &Shape) -> Option<(&PolygonMesh, Vec3A)> {
-    match shape {
-        Shape::Cuboid { half_size } => Some((&CUBE, (*half_size).into())),
-        Shape::Convex(mesh) => Some((mesh, Vec3A::ONE)),
-        Shape::Mesh(mesh) => Some((mesh, Vec3A::ONE)),
-        _ => None,
-    }
-}
-
-/// A region of space, by its corners.
+/// A box along the axes of the frame of a pair, by its corners. May be empty.
 #[derive(Clone, Copy, Debug)]
-pub struct Region {
+pub struct LocalAabb {
     pub min: Vec3A,
     pub max: Vec3A,
 }
 
-impl Region {
+impl LocalAabb {
     pub const EVERYWHERE: Self = Self { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
-    #[cfg(feature = "rapier")]
     pub const NOWHERE: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
     /// What two boxes share, given by centre and half extents, grown by `margin`. May be empty.
@@ -69,14 +48,14 @@ impl Region {
 
 /// An edge in place, grown by the tolerance in `region`.
 #[derive(Clone, Copy, Debug)]
-pub struct Edge {
+pub struct PlacedEdge {
     pub ends: [Vec3A; 2],
-    pub region: Region,
+    pub region: LocalAabb,
 }
 
 /// A polygon in place.
 #[derive(Clone, Copy, Debug)]
-pub struct Face {
+pub struct PlacedFace {
     pub polygon: u32,
     /// A unit vector; zero for a polygon that a scale of zero flattened to a segment or point,
     /// which its border is enough to describe.
@@ -84,7 +63,7 @@ pub struct Face {
     /// The corners lie between `plane - thickness` and `plane + thickness` along the normal.
     pub plane: f32,
     thickness: f32,
-    pub region: Region,
+    pub region: LocalAabb,
 }
 
 /// The point of a surface that is closest to another point.
@@ -102,8 +81,8 @@ pub struct ClosestPoint {
 #[derive(Clone, Debug, Default)]
 pub struct Surface {
     vertices: Vec<Vec3A>,
-    pub edges: Vec<Edge>,
-    pub faces: Vec<Face>,
+    pub edges: Vec<PlacedEdge>,
+    pub faces: Vec<PlacedFace>,
 }
 
 impl Surface {
@@ -113,10 +92,10 @@ impl Surface {
         (mesh, size): (&PolygonMesh, Vec3A),
         placed: Placed,
         bounds: &OrientedBox,
-        region: &Region,
+        region: &LocalAabb,
         tolerance: f32,
     ) {
-        let scale = effective_scale(placed.shape, placed.transform) * size;
+        let scale = placed.shape.effective_scale(placed.transform.scale) * size;
         let axes = bounds.axes;
         let (center, ..) = mesh.local_bounds();
         let place = |vertex: &Vec3| bounds.center + axes * ((Vec3A::from(*vertex) - center) * scale);
@@ -126,7 +105,7 @@ impl Surface {
         self.edges.clear();
         for edge in mesh.edges() {
             let ends = edge.map(|vertex| self.vertices[vertex as usize]);
-            let edge = Edge { ends, region: Region::around(ends.into_iter(), tolerance) };
+            let edge = PlacedEdge { ends, region: LocalAabb::around(ends.into_iter(), tolerance) };
             if edge.region.overlaps(region) {
                 self.edges.push(edge);
             }
@@ -141,13 +120,13 @@ impl Surface {
         self.faces.clear();
         for (polygon, (corners, normal)) in mesh.polygons().zip(mesh.normals()).enumerate() {
             let at = |vertex: &u32| self.vertices[*vertex as usize];
-            let bounds = Region::around(corners.iter().map(at), 0.0);
+            let bounds = LocalAabb::around(corners.iter().map(at), 0.0);
             if bounds.overlaps(region) {
                 let normal = axes * unit_or_zero(Vec3A::from(*normal) * cofactors * mirror);
                 let heights = corners.iter().map(|corner| at(corner).dot(normal));
                 let (low, high) =
                     heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
-                self.faces.push(Face {
+                self.faces.push(PlacedFace {
                     polygon: polygon as u32,
                     normal,
                     plane: (low + high) * 0.5,
@@ -159,7 +138,7 @@ impl Surface {
     }
 
     /// Drops the edges and polygons that are not in `region`.
-    pub fn keep(&mut self, region: &Region) {
+    pub fn keep(&mut self, region: &LocalAabb) {
         self.edges.retain(|edge| edge.region.overlaps(region));
         self.faces.retain(|face| face.region.overlaps(region));
     }
@@ -172,7 +151,7 @@ impl Surface {
     /// A point at which an edge comes as close to a face as the tolerance, if it does: where it
     /// crosses the polygon, where it ends on it, or where it meets the border.
     #[inline]
-    pub fn touch(&self, mesh: &PolygonMesh, face: &Face, edge: &Edge, tolerance: f32) -> Option<Vec3A> {
+    pub fn touch(&self, mesh: &PolygonMesh, face: &PlacedFace, edge: &PlacedEdge, tolerance: f32) -> Option<Vec3A> {
         if !edge.region.overlaps(&face.region) {
             return None;
         }
@@ -229,7 +208,7 @@ impl Surface {
     }
 
     /// The point closest to `point` on a face.
-    pub fn closest_point_of(&self, mesh: &PolygonMesh, face: &Face, point: Vec3A) -> Option<Vec3A> {
+    pub fn closest_point_of(&self, mesh: &PolygonMesh, face: &PlacedFace, point: Vec3A) -> Option<Vec3A> {
         let squared = |closest: &Vec3A| closest.distance_squared(point);
         self.closest_points_of(mesh, face, point).min_by(|a, b| squared(a).total_cmp(&squared(b)))
     }
@@ -238,7 +217,7 @@ impl Surface {
     fn closest_points_of<'a>(
         &'a self,
         mesh: &'a PolygonMesh,
-        face: &Face,
+        face: &PlacedFace,
         point: Vec3A,
     ) -> impl Iterator<Item = Vec3A> + use<'a> {
         let corners = mesh.polygon(face.polygon as usize);
@@ -250,7 +229,11 @@ impl Surface {
     }
 
     /// The corners of a face.
-    pub fn corners<'a>(&'a self, mesh: &'a PolygonMesh, face: &Face) -> impl Iterator<Item = Vec3A> + Clone + use<'a> {
+    pub fn corners<'a>(
+        &'a self,
+        mesh: &'a PolygonMesh,
+        face: &PlacedFace,
+    ) -> impl Iterator<Item = Vec3A> + Clone + use<'a> {
         mesh.polygon(face.polygon as usize).iter().map(|&vertex| self.vertices[vertex as usize])
     }
 

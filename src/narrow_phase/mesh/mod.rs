@@ -4,5 +4,6 @@
 mod bevy_mesh;
 mod cache;
 pub(super) mod convex_mesh;
+pub(super) mod cube;
 pub(super) mod polygon_mesh;
 mod topology;

@@ -5,10 +5,10 @@ use std::cell::Cell;
 use bevy::math::{DVec3, Dir3, Vec3};
 use bevy_rapier3d::parry::query;
 
-use super::convert::{body, turn};
+use super::convert::{posed, turn};
 use super::convex::Convex;
 use super::gjk::Gap;
-use super::parts::{self, Body, Search, Simple};
+use super::parts::{self, Part, PosedShape, Search};
 use crate::narrow_phase::{
     answer::{Impact, against, slack},
     frame::placed::Placed,
@@ -21,8 +21,8 @@ const NEAR: f64 = 1e-7;
 
 /// Where a ray meets a shape. Solids are solid.
 pub fn cast_ray(target: Placed, origin: Vec3, direction: Dir3, max_distance: f32) -> Option<Impact> {
-    let Some(body) = body(target, origin) else { return ray_by_itself(target, origin, direction, max_distance) };
-    let ray = Body::Simple(Simple::Convex(Convex::point(DVec3::ZERO)));
+    let Some(body) = posed(target, origin) else { return ray_by_itself(target, origin, direction, max_distance) };
+    let ray = PosedShape::Part(Part::Convex(Convex::point(DVec3::ZERO)));
     let from_place = origin.as_dvec3() - target.transform.translation.as_dvec3();
     impact(&ray, (origin, slack(origin, from_place)), direction, max_distance, &body)
 }
@@ -43,17 +43,17 @@ fn ray_by_itself(target: Placed, origin: Vec3, direction: Dir3, max_distance: f3
 /// Where a shape on its way meets another that it does not touch at the start.
 pub fn sweep(moving: Placed, direction: Dir3, max_distance: f32, target: Placed) -> Option<Impact> {
     let origin = moving.transform.translation;
-    impact(&body(moving, origin)?, (origin, 0.0), direction, max_distance, &body(target, origin)?)
+    impact(&posed(moving, origin)?, (origin, 0.0), direction, max_distance, &posed(target, origin)?)
 }
 
 /// Where a body on its way meets another. Both are given relative to an origin, beside which is how far apart two may be at
 /// the start and count as touching.
 fn impact(
-    moving: &Body,
+    moving: &PosedShape,
     (origin, touching): (Vec3, f64),
     direction: Dir3,
     max_distance: f32,
-    target: &Body,
+    target: &PosedShape,
 ) -> Option<Impact> {
     let way = direction.as_dvec3();
     let sizes = [moving, target].map(|body| body.size()).into_iter().filter(|size| size.is_finite());

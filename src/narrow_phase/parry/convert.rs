@@ -9,14 +9,10 @@ use bevy_rapier3d::geometry::Collider;
 use bevy_rapier3d::parry::math::Pose;
 use bevy_rapier3d::parry::shape::{SharedShape, TriMesh};
 
-use super::convex::{Convex, Place};
-use super::parts::{Body, Simple};
+use super::convex::{Convex, Isometry};
+use super::parts::{Part, PosedShape};
 use super::triangulate::triangulate;
-use crate::narrow_phase::{
-    frame::{oriented_box::effective_scale, placed::Placed},
-    mesh::polygon_mesh::PolygonMesh,
-    shape::Shape,
-};
+use crate::narrow_phase::{frame::placed::Placed, mesh::polygon_mesh::PolygonMesh, shape::Shape};
 
 impl From<SharedShape> for Shape {
     fn from(shape: SharedShape) -> Self {
@@ -38,20 +34,20 @@ pub fn turn(placed: Placed) -> Pose {
 
 /// A shape in its place, relative to an origin, as something that can be asked; `None` for what parry knows no more of
 /// than its name.
-pub fn body<'a>(placed: Placed<'a>, origin: Vec3) -> Option<Body<'a>> {
-    let at = Place::of(placed.transform, origin);
-    let scale = Vec3::from(effective_scale(placed.shape, placed.transform));
+pub fn posed<'a>(placed: Placed<'a>, origin: Vec3) -> Option<PosedShape<'a>> {
+    let at = Isometry::of(placed.transform, origin);
+    let scale = Vec3::from(placed.shape.effective_scale(placed.transform.scale));
     let convex = match placed.shape {
         Shape::Cuboid { half_size } => Convex::cuboid(*half_size * scale, at),
         Shape::Sphere { radius } => Convex::ball(radius * scale.x, at),
         Shape::Convex(mesh) => Convex::mesh(mesh, scale.as_dvec3(), at),
         Shape::Mesh(mesh) => {
             let parts = mesh.cache.triangles.get_or_init(|| convert(mesh)).as_deref()?;
-            return Some(Body::Tree { parts, is_compound: false, scale: scale.as_dvec3(), at });
+            return Some(PosedShape::Tree { parts, is_compound: false, scale: scale.as_dvec3(), at });
         }
-        Shape::Rapier(shape) => return Body::of(&**shape, at),
+        Shape::Rapier(shape) => return PosedShape::of(&**shape, at),
     };
-    Some(Body::Simple(Simple::Convex(convex)))
+    Some(PosedShape::Part(Part::Convex(convex)))
 }
 
 /// A mesh in triangles, with a tree, at its own size: scale is put on triangle by triangle.

@@ -10,12 +10,12 @@ use crate::narrow_phase::mesh::polygon_mesh::PolygonMesh;
 
 /// Where something is, and how it is turned.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct Isometry {
     pub rotation: DMat3,
     pub translation: DVec3,
 }
 
-impl Place {
+impl Isometry {
     pub const IDENTITY: Self = Self { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
 
     /// That of a transform, relative to an origin.
@@ -72,33 +72,33 @@ pub struct Convex<'a> {
     core: Core<'a>,
     /// All that is no further from the core is part of the shape.
     pub radius: f64,
-    pub at: Place,
+    pub at: Isometry,
 }
 
 impl<'a> Convex<'a> {
     pub fn point(at: DVec3) -> Self {
-        Self::ball(0.0, Place { translation: at, ..Place::IDENTITY })
+        Self::ball(0.0, Isometry { translation: at, ..Isometry::IDENTITY })
     }
 
-    pub fn ball(radius: f32, at: Place) -> Self {
+    pub fn ball(radius: f32, at: Isometry) -> Self {
         Self { core: Core::Point, radius: f64::from(radius.abs()), at }
     }
 
-    pub fn cuboid(half_size: Vec3, at: Place) -> Self {
+    pub fn cuboid(half_size: Vec3, at: Isometry) -> Self {
         Self { core: Core::Cuboid(half_size.abs().as_dvec3()), radius: 0.0, at }
     }
 
     /// A mesh that is convex, at a scale.
-    pub fn mesh(mesh: &'a PolygonMesh, scale: DVec3, at: Place) -> Self {
+    pub fn mesh(mesh: &'a PolygonMesh, scale: DVec3, at: Isometry) -> Self {
         Self { core: Core::Mesh(mesh, scale), radius: 0.0, at }
     }
 
-    pub fn triangle(corners: [DVec3; 3], at: Place) -> Self {
+    pub fn triangle(corners: [DVec3; 3], at: Isometry) -> Self {
         Self { core: Core::Triangle(corners), radius: 0.0, at }
     }
 
     /// A shape of parry's; `None` if it is not convex, or has no end.
-    pub fn of(shape: &'a dyn shape::Shape, at: Place) -> Option<Self> {
+    pub fn of(shape: &'a dyn shape::Shape, at: Isometry) -> Option<Self> {
         let cylinder = |cylinder: &shape::Cylinder| Core::Cylinder {
             half_height: cylinder.half_height.into(),
             radius: cylinder.radius.into(),

@@ -4,13 +4,16 @@ use bevy::math::Vec3;
 use bevy::transform::components::Transform;
 
 use crate::narrow_phase::{
-    frame::placed::{Pair, Placed},
+    frame::{
+        case::Case,
+        placed::{Placed, PlacedPair},
+    },
     shape::Shape,
 };
 
 /// Two cuboids, of which one or both are Rapier's, as cuboids of our own: parry's test for them asserts
 /// in debug builds that rounding is kind, which it is not where they touch.
-pub fn cuboids<T>(pair: &Pair, f: impl FnOnce(&Pair) -> T) -> Option<T> {
+pub fn with_own_cuboids<T>(pair: &PlacedPair, f: impl FnOnce(&PlacedPair) -> T) -> Option<T> {
     let own = |placed: Placed| match placed.shape {
         Shape::Cuboid { .. } => Some((placed.shape.clone(), *placed.transform)),
         Shape::Rapier(shape) => {
@@ -22,11 +25,11 @@ pub fn cuboids<T>(pair: &Pair, f: impl FnOnce(&Pair) -> T) -> Option<T> {
     };
     let ((a, at_a), (b, at_b)) = (own(pair.a)?, own(pair.b)?);
     // Boxes and tolerance are the same.
-    Some(f(&Pair { a: Placed::new(&a, &at_a), b: Placed::new(&b, &at_b), ..*pair }))
+    Some(f(&PlacedPair { a: Placed::new(&a, &at_a), b: Placed::new(&b, &at_b), ..*pair }))
 }
 
 /// A shape of Rapier's as one of ours, if it is a cuboid or a ball.
-pub fn own(placed: Placed) -> Option<(Shape, Transform)> {
+pub fn as_own(placed: Placed) -> Option<(Shape, Transform)> {
     let Shape::Rapier(shape) = placed.shape else { return None };
     let cuboid = shape.as_cuboid().map(|cuboid| Shape::Cuboid { half_size: cuboid.half_extents });
     let own = cuboid.or_else(|| shape.as_ball().map(|ball| Shape::Sphere { radius: ball.radius }))?;
@@ -36,12 +39,11 @@ pub fn own(placed: Placed) -> Option<(Shape, Transform)> {
 /// Calls `f` with two shapes, of which one or both are Rapier's cuboids or balls, as ours. `None` if neither is, or one is
 /// another shape of Rapier's.
 pub fn with_own<T>(a: Placed, b: Placed, f: impl FnOnce(Placed, Placed) -> T) -> Option<T> {
-    let is_rapier = |placed: Placed| matches!(placed.shape, Shape::Rapier(_));
     let known = |placed: Placed| match placed.shape {
-        Shape::Rapier(_) => own(placed),
+        Shape::Rapier(_) => as_own(placed),
         shape => Some((shape.clone(), *placed.transform)),
     };
-    if !is_rapier(a) && !is_rapier(b) {
+    if Case::of(a.shape, b.shape) != Case::Foreign {
         return None;
     }
     let ((a, at_a), (b, at_b)) = (known(a)?, known(b)?);

@@ -8,7 +8,7 @@ use bevy_rapier3d::parry::bounding_volume::Aabb;
 use bevy_rapier3d::parry::partitioning::BvhNode;
 use bevy_rapier3d::parry::shape::{self, CompositeShape, HeightField, Voxels};
 
-use super::convex::{Convex, Place};
+use super::convex::{Convex, Isometry};
 use super::gjk::{self, Gap};
 
 /// In so many pieces is a way over a height field or voxels cut at most, to look at what is along them.
@@ -22,42 +22,42 @@ const STEEP: f64 = 1e-9;
 
 /// A shape in its place, as something that can be asked.
 #[derive(Clone, Copy)]
-pub enum Body<'a> {
-    Simple(Simple<'a>),
+pub enum PosedShape<'a> {
+    Part(Part<'a>),
     /// What has a tree: a mesh; or a compound, whose parts need not hang together. The scale is for meshes alone.
     Tree {
         parts: &'a dyn CompositeShape,
         is_compound: bool,
         scale: DVec3,
-        at: Place,
+        at: Isometry,
     },
-    Field(&'a HeightField, Place),
-    Voxels(&'a Voxels, Place),
+    HeightField(&'a HeightField, Isometry),
+    Voxels(&'a Voxels, Isometry),
 }
 
 /// What has no parts.
 #[derive(Clone, Copy)]
-pub enum Simple<'a> {
+pub enum Part<'a> {
     Convex(Convex<'a>),
     /// A half-space, by its plane and the normal that points out of it.
-    Side {
+    HalfSpace {
         normal: DVec3,
         offset: f64,
     },
 }
 
-impl<'a> Body<'a> {
+impl<'a> PosedShape<'a> {
     /// A shape of parry's; `None` if nothing can be said about it.
-    pub fn of(shape: &'a dyn shape::Shape, at: Place) -> Option<Self> {
+    pub fn of(shape: &'a dyn shape::Shape, at: Isometry) -> Option<Self> {
         if let Some(convex) = Convex::of(shape, at) {
-            return Some(Self::Simple(Simple::Convex(convex)));
+            return Some(Self::Part(Part::Convex(convex)));
         }
         if let Some(side) = shape.as_halfspace() {
             let normal = at.rotation * side.normal.as_dvec3();
-            return Some(Self::Simple(Simple::Side { normal, offset: normal.dot(at.translation) }));
+            return Some(Self::Part(Part::HalfSpace { normal, offset: normal.dot(at.translation) }));
         }
         if let Some(field) = shape.as_heightfield() {
-            return Some(Self::Field(field, at));
+            return Some(Self::HeightField(field, at));
         }
         if let Some(voxels) = shape.as_voxels() {
             return Some(Self::Voxels(voxels, at));
@@ -66,11 +66,11 @@ impl<'a> Body<'a> {
         shape.as_composite_shape().map(|parts| Self::Tree { parts, is_compound, scale: DVec3::ONE, at })
     }
 
-    pub fn place(&self) -> Place {
+    pub fn isometry(&self) -> Isometry {
         match self {
-            Self::Simple(Simple::Convex(convex)) => convex.at,
-            Self::Simple(Simple::Side { .. }) => Place::IDENTITY,
-            Self::Tree { at, .. } | Self::Field(_, at) | Self::Voxels(_, at) => *at,
+            Self::Part(Part::Convex(convex)) => convex.at,
+            Self::Part(Part::HalfSpace { .. }) => Isometry::IDENTITY,
+            Self::Tree { at, .. } | Self::HeightField(_, at) | Self::Voxels(_, at) => *at,
         }
     }
 
@@ -81,10 +81,10 @@ impl<'a> Body<'a> {
             [(low + high) * 0.5, ((high - low) * 0.5).abs()]
         };
         match self {
-            Self::Simple(Simple::Convex(convex)) => Some(convex.local_box()),
-            Self::Simple(Simple::Side { .. }) => None,
+            Self::Part(Part::Convex(convex)) => Some(convex.local_box()),
+            Self::Part(Part::HalfSpace { .. }) => None,
             Self::Tree { parts, scale, .. } => Some(of(parts.bvh().root_aabb(), *scale)),
-            Self::Field(field, _) => Some(of(field.local_aabb(), DVec3::ONE)),
+            Self::HeightField(field, _) => Some(of(field.local_aabb(), DVec3::ONE)),
             Self::Voxels(voxels, _) => Some(of(voxels.local_aabb(), DVec3::ONE)),
         }
     }
@@ -94,16 +94,16 @@ impl<'a> Body<'a> {
         self.local_box().map_or(f64::INFINITY, |[_, half]| half.length())
     }
 
-    /// Calls `visit` with all parts that a region admits, and again with their parts. False if there is one about which
+    /// Calls `visit` with all parts that a probe admits, and again with their parts. False if there is one about which
     /// nothing can be said.
-    fn each(&self, region: &Region, search: &Search, visit: &mut dyn FnMut(&Body) -> bool) -> bool {
+    fn each(&self, probe: &Probe, search: &Search, visit: &mut dyn FnMut(&PosedShape) -> bool) -> bool {
         match *self {
-            Self::Simple(_) => visit(self),
+            Self::Part(_) => visit(self),
             Self::Tree { parts, scale, at, .. } => {
                 let mut is_known = true;
                 let may_be = |node: &BvhNode| {
                     let (one, other) = (node.mins().as_dvec3() * scale, node.maxs().as_dvec3() * scale);
-                    region.admits(one.min(other), one.max(other), search)
+                    probe.admits(one.min(other), one.max(other), search)
                 };
                 for part in parts.bvh().leaves(may_be) {
                     parts.map_part_at(part, &mut |pose, part, _| {
@@ -112,23 +112,23 @@ impl<'a> Body<'a> {
                         is_known &= match scaled {
                             Some(part) => {
                                 let corners = [part.a, part.b, part.c].map(|corner| corner.as_dvec3() * scale);
-                                visit(&Body::Simple(Simple::Convex(Convex::triangle(corners, at))))
+                                visit(&PosedShape::Part(Part::Convex(Convex::triangle(corners, at))))
                             }
-                            None => Body::of(part, at).is_some_and(|part| visit(&part)),
+                            None => PosedShape::of(part, at).is_some_and(|part| visit(&part)),
                         };
                     });
                 }
                 is_known
             }
-            Self::Field(field, at) => {
+            Self::HeightField(field, at) => {
                 let cell = f64::from(field.cell_width().max(field.cell_height()));
                 let mut is_known = true;
-                region.each_piece(field.local_aabb(), cell, search, |piece| {
+                probe.each_piece(field.local_aabb(), cell, search, |piece| {
                     field.map_elements_in_local_aabb(&piece, &mut |_, part| {
                         let corners = [part.a, part.b, part.c].map(|corner| corner.as_dvec3());
                         let [a, b, c] = corners;
-                        if region.admits(a.min(b).min(c), a.max(b).max(c), search) {
-                            is_known &= visit(&Body::Simple(Simple::Convex(Convex::triangle(corners, at))));
+                        if probe.admits(a.min(b).min(c), a.max(b).max(c), search) {
+                            is_known &= visit(&PosedShape::Part(Part::Convex(Convex::triangle(corners, at))));
                         }
                     });
                 });
@@ -137,12 +137,12 @@ impl<'a> Body<'a> {
             Self::Voxels(voxels, at) => {
                 let half = voxels.voxel_size() * 0.5;
                 let mut is_known = true;
-                region.each_piece(voxels.local_aabb(), f64::from(half.max_element()), search, |piece| {
+                probe.each_piece(voxels.local_aabb(), f64::from(half.max_element()), search, |piece| {
                     for voxel in voxels.voxels_intersecting_local_aabb(&piece) {
                         let [low, high] = [voxel.center - half, voxel.center + half].map(|corner| corner.as_dvec3());
-                        if !voxel.state.is_empty() && region.admits(low, high, search) {
-                            let at = Place { translation: at.to_world(voxel.center.as_dvec3()), ..at };
-                            is_known &= visit(&Body::Simple(Simple::Convex(Convex::cuboid(half, at))));
+                        if !voxel.state.is_empty() && probe.admits(low, high, search) {
+                            let at = Isometry { translation: at.to_world(voxel.center.as_dvec3()), ..at };
+                            is_known &= visit(&PosedShape::Part(Part::Convex(Convex::cuboid(half, at))));
                         }
                     }
                 });
@@ -155,17 +155,17 @@ impl<'a> Body<'a> {
     pub fn each_point(&self, visit: &mut dyn FnMut(DVec3)) {
         let search = Search::within(f64::INFINITY);
         match self {
-            Self::Simple(Simple::Convex(convex)) => visit(convex.furthest(DVec3::X)),
-            Self::Simple(Simple::Side { .. }) => {}
+            Self::Part(Part::Convex(convex)) => visit(convex.furthest(DVec3::X)),
+            Self::Part(Part::HalfSpace { .. }) => {}
             // Those of a compound are shapes of their own.
             Self::Tree { is_compound: true, .. } => {
-                self.each(&Region::Everywhere, &search, &mut |part| {
+                self.each(&Probe::Everywhere, &search, &mut |part| {
                     part.each_point(visit);
                     true
                 });
             }
             _ => {
-                self.each(&Region::Everywhere, &search, &mut |part| {
+                self.each(&Probe::Everywhere, &search, &mut |part| {
                     if search.goes_on() {
                         part.each_point(visit);
                     }
@@ -177,11 +177,11 @@ impl<'a> Body<'a> {
     }
 }
 
-impl Simple<'_> {
+impl Part<'_> {
     fn moved(&self, by: DVec3) -> Self {
         match *self {
             Self::Convex(convex) => Self::Convex(convex.moved(by)),
-            Self::Side { normal, offset } => Self::Side { normal, offset: offset + normal.dot(by) },
+            Self::HalfSpace { normal, offset } => Self::HalfSpace { normal, offset: offset + normal.dot(by) },
         }
     }
 }
@@ -213,23 +213,23 @@ impl Search {
 
     /// Calls `visit` with all pairs of what two shapes consist of that are near each other: the two boxes, or that of the
     /// first on its way and the other. False if there are such about which nothing can be said.
-    pub fn pairs(&self, a: &Body, b: &Body, visit: &mut dyn FnMut(&Simple, &Simple) -> bool) -> bool {
+    pub fn pairs(&self, a: &PosedShape, b: &PosedShape, visit: &mut dyn FnMut(&Part, &Part) -> bool) -> bool {
         match (a, b) {
-            (Body::Simple(a), Body::Simple(b)) => visit(a, b),
-            (Body::Simple(_), _) => {
-                let region = Region::of(a, b.place(), self.direction);
-                b.each(&region, self, &mut |part| self.pairs(a, part, visit))
+            (PosedShape::Part(a), PosedShape::Part(b)) => visit(a, b),
+            (PosedShape::Part(_), _) => {
+                let probe = Probe::of(a, b.isometry(), self.direction);
+                b.each(&probe, self, &mut |part| self.pairs(a, part, visit))
             }
             _ => {
-                let region = Region::of(b, a.place(), -self.direction);
-                a.each(&region, self, &mut |part| self.pairs(part, b, visit))
+                let probe = Probe::of(b, a.isometry(), -self.direction);
+                a.each(&probe, self, &mut |part| self.pairs(part, b, visit))
             }
         }
     }
 }
 
 /// Where parts are looked for, in the coordinates of the whole.
-enum Region {
+enum Probe {
     Everywhere,
     /// A box on its way.
     Box {
@@ -237,25 +237,25 @@ enum Region {
         half: DVec3,
         direction: DVec3,
     },
-    Side {
+    HalfSpace {
         normal: DVec3,
         offset: f64,
         approach: f64,
     },
 }
 
-impl Region {
+impl Probe {
     /// Where another shape is, that goes in a direction.
-    fn of(other: &Body, place: Place, direction: DVec3) -> Self {
-        if let Body::Simple(Simple::Side { normal, offset }) = other {
-            return Self::Side {
+    fn of(other: &PosedShape, place: Isometry, direction: DVec3) -> Self {
+        if let PosedShape::Part(Part::HalfSpace { normal, offset }) = other {
+            return Self::HalfSpace {
                 normal: place.direction_to_local(*normal),
                 offset: offset - normal.dot(place.translation),
                 approach: normal.dot(direction).max(0.0),
             };
         }
         let Some(bounds) = other.local_box() else { return Self::Everywhere };
-        let [center, half] = place.bounds_to_local(&other.place(), bounds);
+        let [center, half] = place.bounds_to_local(&other.isometry(), bounds);
         Self::Box { center, half, direction: place.direction_to_local(direction) }
     }
 
@@ -264,7 +264,7 @@ impl Region {
         let margin = search.margin.get();
         match *self {
             Self::Everywhere => search.goes_on(),
-            Self::Side { normal, offset, approach } => {
+            Self::HalfSpace { normal, offset, approach } => {
                 let lowest = DVec3::select(normal.cmpge(DVec3::ZERO), low, high).dot(normal) - offset;
                 lowest <= margin + approach * search.limit.get()
             }
@@ -285,7 +285,7 @@ impl Region {
         let Some([center, half]) = bounds else { return 0.0 };
         match *self {
             Self::Everywhere => 0.0,
-            Self::Side { normal, offset, .. } => (normal.dot(center) - normal.abs().dot(half) - offset).max(0.0),
+            Self::HalfSpace { normal, offset, .. } => (normal.dot(center) - normal.abs().dot(half) - offset).max(0.0),
             Self::Box { center: other, half: reach, .. } => {
                 ((other - center).abs() - half - reach).max(DVec3::ZERO).length()
             }
@@ -347,18 +347,18 @@ fn passage(low: DVec3, high: DVec3, direction: DVec3, limit: f64) -> Option<[f64
 }
 
 /// The gap between two that have no parts; see [`gjk::gap`]. An error if nothing can be said about it.
-pub fn gap(a: &Simple, b: &Simple, limit: f64, with_depth: bool) -> Result<Option<Gap>, Unknown> {
+pub fn gap(a: &Part, b: &Part, limit: f64, with_depth: bool) -> Result<Option<Gap>, Unknown> {
     match (a, b) {
-        (Simple::Convex(a), Simple::Convex(b)) => Ok(gjk::gap(a, b, limit, with_depth)),
-        (Simple::Side { normal, offset }, Simple::Convex(b)) => {
+        (Part::Convex(a), Part::Convex(b)) => Ok(gjk::gap(a, b, limit, with_depth)),
+        (Part::HalfSpace { normal, offset }, Part::Convex(b)) => {
             let lowest = b.furthest(-*normal) - *normal * b.radius;
             let distance = lowest.dot(*normal) - offset;
             let points = [lowest - *normal * distance, lowest];
             let between = points[0].midpoint(points[1]);
             Ok((distance <= limit).then_some(Gap { distance, normal: *normal, points, between }))
         }
-        (Simple::Convex(_), Simple::Side { .. }) => Ok(gap(b, a, limit, with_depth)?.map(Gap::reversed)),
-        (Simple::Side { .. }, Simple::Side { .. }) => Err(Unknown),
+        (Part::Convex(_), Part::HalfSpace { .. }) => Ok(gap(b, a, limit, with_depth)?.map(Gap::reversed)),
+        (Part::HalfSpace { .. }, Part::HalfSpace { .. }) => Err(Unknown),
     }
 }
 
@@ -368,13 +368,13 @@ pub fn gap(a: &Simple, b: &Simple, limit: f64, with_depth: bool) -> Result<Optio
 /// The distance of two convex shapes along a way is a convex function, whose slope is that of the normal: Newton's method
 /// comes to its zero from before, and never goes past it.
 pub fn first_impact(
-    a: &Simple,
-    b: &Simple,
+    a: &Part,
+    b: &Part,
     direction: DVec3,
     limit: f64,
     near: [f64; 2],
 ) -> Result<Option<(f64, Gap)>, Unknown> {
-    if let (Simple::Convex(ray), Simple::Convex(target)) = (a, b)
+    if let (Part::Convex(ray), Part::Convex(target)) = (a, b)
         && ray.is_point()
         && let Some(corners) = target.as_triangle()
         && let Some(found) = ray_triangle(ray.at.translation, direction, corners, near[0])
@@ -422,12 +422,12 @@ fn ray_triangle(origin: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3], near: f6
 }
 
 /// Where two shapes are closest to each other. `None` if nothing can be said about them, or one is empty.
-pub fn nearest(a: &Body, b: &Body) -> Option<Gap> {
-    if let (Body::Simple(a), Body::Simple(b)) = (a, b) {
+pub fn nearest(a: &PosedShape, b: &PosedShape) -> Option<Gap> {
+    if let (PosedShape::Part(a), PosedShape::Part(b)) = (a, b) {
         return gap(a, b, f64::INFINITY, false).ok()?;
     }
     let sizes = [a.size(), b.size()].map(|size| if size.is_finite() { size } else { 0.0 });
-    let apart = Region::of(b, a.place(), DVec3::ZERO).distance(a.local_box());
+    let apart = Probe::of(b, a.isometry(), DVec3::ZERO).distance(a.local_box());
     let everything = apart + 4.0 * (sizes[0] + sizes[1]);
     // What is found is the closest, if it is closer than where it was looked for.
     let mut margin = apart + (0.25 * sizes[0].min(sizes[1])).max(1e-3 * sizes[0].max(sizes[1]));

@@ -4,7 +4,7 @@ use bevy::math::Vec3A;
 
 use super::polygons::{self, Nearest};
 use crate::narrow_phase::frame::{
-    closest, common_point::common_point, oriented_box::OrientedBox, placed::Pair, separation::Separation,
+    closest, common_point::common_point, oriented_box::OrientedBox, placed::PlacedPair, separation::Separation,
     workspace::Workspace,
 };
 
@@ -12,7 +12,7 @@ use crate::narrow_phase::frame::{
 const DOUBT: f32 = 1e-5;
 
 /// The closest points of two cuboids: the same one twice, if they overlap.
-pub fn closest_points(pair: &Pair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+pub fn closest_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
     let (a, b) = (&pair.box_a, &pair.box_b);
     if a.axes == b.axes {
         return Some(aligned(a, b));

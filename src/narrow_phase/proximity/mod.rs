@@ -2,6 +2,6 @@
 
 mod boxes;
 mod polygons;
-pub(super) mod query;
+mod query;
 #[cfg(test)]
 mod tests;

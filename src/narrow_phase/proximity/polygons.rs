@@ -5,8 +5,8 @@ use bevy::math::Vec3A;
 use crate::narrow_phase::{
     frame::{
         closest, edge_polygon,
-        placed::Pair,
-        surface::{Region, Surface},
+        placed::PlacedPair,
+        surface::{LocalAabb, Surface},
         workspace::Workspace,
     },
     mesh::polygon_mesh::PolygonMesh,
@@ -39,7 +39,7 @@ impl Nearest {
 /// The closest points of two shapes made of polygons: the same one twice, if they overlap. `None` if one is not.
 ///
 /// Where no edge crosses a polygon, either one of the closest points is a corner, or both are on edges.
-pub fn closest_points(pair: &Pair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+pub fn closest_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
     let meshes = edge_polygon::fill_all(pair, workspace)?;
     if let Some(point) = edge_polygon::nested(pair, meshes, workspace) {
         return Some([point; 2]);
@@ -51,7 +51,7 @@ pub fn closest_points(pair: &Pair, workspace: &mut Workspace) -> Option<[Vec3A; 
     let on_a = a.closest_point(meshes[0], on_b)?.point;
     nearest.consider([on_a, b.closest_point(meshes[1], on_a)?.point]);
     let [reach_a, reach_b] = [&pair.box_a, &pair.box_b].map(|bounds| (bounds.center, bounds.reach()));
-    let region = Region::shared(reach_a, reach_b, nearest.squared.sqrt() + 2.0 * pair.tolerance);
+    let region = LocalAabb::shared(reach_a, reach_b, nearest.squared.sqrt() + 2.0 * pair.tolerance);
     a.keep(&region);
     b.keep(&region);
 

@@ -4,34 +4,21 @@ use bevy::math::{Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
 use super::{boxes, polygons};
-#[cfg(feature = "rapier")]
-use crate::narrow_phase::parry::{own, query};
 use crate::narrow_phase::{
+    answer::Proximity,
     error::BoundsError,
     frame::{
+        case::Case,
         edge_polygon,
         large::Smaller,
-        placed::{Pair, Placed, in_order},
+        placed::{Placed, PlacedPair, in_order},
         workspace::Workspace,
     },
     length::length,
+    parry,
     settings::NarrowPhase,
-    shape::Shape,
+    shape::{Kind, Shape},
 };
-
-/// How far two shapes are apart, and where they are closest.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Proximity {
-    /// The distance of the two, in world units. Zero if they overlap.
-    pub distance: f32,
-    /// A point of the first shape and one of the second, in the world, that are as close as any two. A common point, twice,
-    /// if the shapes overlap.
-    ///
-    /// Rounded as all places far from the world's origin are. `distance` and `offset` are not.
-    pub points: [Vec3; 2],
-    /// The way from the first point to the second; its length is the distance.
-    pub offset: Vec3,
-}
 
 impl NarrowPhase {
     /// The point of a shape that is closest to `point`; `point` itself, if it is inside.
@@ -52,14 +39,13 @@ impl NarrowPhase {
     /// ```
     #[must_use]
     pub fn closest_point(&self, target: Placed, point: Vec3, workspace: &mut Workspace) -> Option<Vec3> {
-        #[cfg(feature = "rapier")]
-        if matches!(target.shape, Shape::Rapier(_)) {
+        if target.shape.kind() == Kind::Foreign {
             let is_finite = point.is_finite() && target.transform.is_finite();
-            let closest = is_finite.then(|| query::closest_point(target, point)).flatten();
+            let closest = is_finite.then(|| parry::closest_point(target, point)).flatten();
             return closest.filter(|closest| closest.is_finite());
         }
         let (at_point, here) = (Shape::Sphere { radius: 0.0 }, Transform::from_translation(point));
-        let pair = Pair::new(Placed::new(&at_point, &here), target, self.tolerance()).ok()?;
+        let pair = PlacedPair::new(Placed::new(&at_point, &here), target, self.tolerance()).ok()?;
         if pair.is_wide()
             && let Some(smaller) = Smaller::of(&pair, self)
         {
@@ -100,12 +86,11 @@ impl NarrowPhase {
     /// ```
     #[must_use]
     pub fn closest_points(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Proximity> {
-        #[cfg(feature = "rapier")]
-        if let Some(found) = own::with_own(a, b, |a, b| self.closest_points(a, b, workspace)) {
+        if let Some(found) = parry::with_own(a, b, |a, b| self.closest_points(a, b, workspace)) {
             return found;
         }
         let (first, second, swapped) = in_order(a, b);
-        let points = match Pair::new(first, second, self.tolerance()) {
+        let points = match PlacedPair::new(first, second, self.tolerance()) {
             Ok(pair) if pair.is_wide() => match Smaller::of(&pair, self) {
                 Some(smaller) => {
                     let [a, b] = smaller.placed(&pair);
@@ -127,13 +112,6 @@ impl NarrowPhase {
     }
 }
 
-impl Proximity {
-    fn if_finite(self) -> Option<Self> {
-        let is_finite = self.distance.is_finite() && self.points.iter().all(|point| point.is_finite());
-        is_finite.then_some(self)
-    }
-}
-
 /// What was found at a smaller scale, by the order in which it was asked for.
 fn larger(found: Proximity, factor: f32, swapped: bool) -> Option<Proximity> {
     let Proximity { distance, points: [from, to], offset } = found;
@@ -143,25 +121,29 @@ fn larger(found: Proximity, factor: f32, swapped: bool) -> Option<Proximity> {
 }
 
 /// The closest points of two shapes, in the frame of the pair.
-fn local_points(pair: &Pair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
-    match (pair.a.shape, pair.b.shape) {
-        #[cfg(feature = "rapier")]
-        (Shape::Rapier(_), _) | (_, Shape::Rapier(_)) => match query::enclosed(pair, workspace) {
-            Some(point) => Some([point; 2]),
-            None => query::closest_points(pair.a, pair.b),
-        },
-        (Shape::Sphere { .. }, _) => sphere_other(pair, workspace),
-        (_, Shape::Sphere { .. }) => {
+fn local_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+    match pair.case() {
+        Case::Spheres | Case::SphereFirst => sphere_other(pair, workspace),
+        Case::SphereSecond => {
             let [on_ball, on_other] = sphere_other(&pair.swapped(), workspace)?;
             Some([on_other, on_ball])
         }
-        (Shape::Cuboid { .. }, Shape::Cuboid { .. }) => boxes::closest_points(pair, workspace),
-        _ => polygons::closest_points(pair, workspace),
+        Case::Cuboids => boxes::closest_points(pair, workspace),
+        Case::Convex | Case::Polygons => polygons::closest_points(pair, workspace),
+        Case::Foreign => foreign(pair, workspace),
+    }
+}
+
+/// Two of which one is of Rapier's.
+fn foreign(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+    match parry::enclosed(pair, workspace) {
+        Some(point) => Some([point; 2]),
+        None => parry::closest_points(pair.a, pair.b),
     }
 }
 
 /// A sphere, the first of the pair, and any other shape.
-fn sphere_other(pair: &Pair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+fn sphere_other(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
     let sphere = &pair.box_a;
     let closest = closest_to_center(pair, workspace)?;
     let offset = closest - sphere.center;
@@ -172,27 +154,24 @@ fn sphere_other(pair: &Pair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
 }
 
 /// The point of the second shape that is closest to the centre of the first.
-fn closest_to_center(pair: &Pair, workspace: &mut Workspace) -> Option<Vec3A> {
+fn closest_to_center(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec3A> {
     let center = pair.box_a.center;
-    match pair.b.shape {
-        Shape::Cuboid { .. } => Some(pair.box_b.closest_point(center)),
-        Shape::Sphere { .. } => {
+    match pair.b.shape.kind() {
+        Kind::Cuboid => Some(pair.box_b.closest_point(center)),
+        Kind::Sphere => {
             let offset = pair.box_b.center - center;
             Some(center + offset * (1.0 - (pair.box_b.radius / offset.length()).min(1.0)))
         }
-        _ => match edge_polygon::sphere_closest(pair, workspace)? {
+        Kind::Convex | Kind::Mesh => match edge_polygon::sphere_closest(pair, workspace)? {
             (_, true) => Some(center),
             (closest, false) => Some(closest.point),
         },
+        Kind::Foreign => None,
     }
 }
 
-/// The closest points of two shapes of which one has no bounds, relative to the place of the first.
-#[cfg_attr(not(feature = "rapier"), expect(unused_variables, reason = "only Rapier shapes can be unbounded"))]
+/// The closest points of two shapes of which one has no bounds, relative to the position of the first.
 fn unbounded(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
-    #[cfg(feature = "rapier")]
-    if a.transform.is_finite() && b.transform.is_finite() {
-        return query::closest_points(a, b);
-    }
-    None
+    let is_finite = a.transform.is_finite() && b.transform.is_finite();
+    is_finite.then(|| parry::closest_points(a, b)).flatten()
 }
