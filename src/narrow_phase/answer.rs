@@ -3,11 +3,13 @@
 use bevy::math::{DVec3, Dir3, Vec3, Vec3A};
 use bevy::reflect::Reflect;
 
-/// How far from a shape a place may be that is said to be on it, as a share of the lengths at hand: what rounding leaves
-/// uncertain of a place in 32-bit floats.
+/// How far from a shape a point may be that is said to be on it, as a share of the lengths at hand: what rounding leaves
+/// uncertain of a position in 32-bit floats.
 const ON: f32 = f32::EPSILON;
 
-/// The geometry of a contact.
+/// Where two shapes are in contact: a point, a normal and a depth.
+#[doc(alias = "penetration")]
+#[doc(alias = "manifold")]
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 pub struct Contact {
     /// A unit vector from the first shape to the second: to part the two, push the second along it.
@@ -20,7 +22,7 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// The contact as the other shape sees it: with the normal turned around.
+    /// Returns the contact as the other shape sees it: with the normal turned around.
     #[must_use]
     pub fn reversed(self) -> Self {
         Self { normal: -self.normal, ..self }
@@ -43,7 +45,7 @@ impl LocalContact {
     }
 }
 
-/// Where something on its way meets a shape.
+/// Where something on its way, a ray or a shape, meets a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
     /// How far along the way; 0 if it starts in touch.
@@ -55,7 +57,8 @@ pub struct Impact {
     pub normal: Vec3,
 }
 
-/// Two shapes on their way meet.
+/// When and where two shapes on their way meet.
+#[doc(alias = "toi")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimedContact {
     /// The share of the way after which they do, 0 to 1.
@@ -79,7 +82,7 @@ pub struct Proximity {
     /// A point of the first shape and one of the second, in the world, that are as close as any two. A common point, twice,
     /// if the shapes overlap.
     ///
-    /// Rounded as all places far from the world's origin are. `distance` and `offset` are not.
+    /// Rounded as all positions far from the world's origin are. `distance` and `offset` are not.
     pub points: [Vec3; 2],
     /// The way from the first point to the second; its length is the distance.
     pub offset: Vec3,
@@ -97,7 +100,8 @@ pub fn against(normal: Vec3, direction: Dir3) -> Vec3 {
     if normal.dot(*direction) > 0.0 { -normal } else { normal }
 }
 
-/// See [`ON`]: that of the place in the world, and of the place relative to that of the shape, from which it may come.
-pub fn slack(origin: Vec3, from_place: DVec3) -> f64 {
-    f64::from(ON) * (f64::from(origin.abs().max_element()) + 2.0 * from_place.length())
+/// How far off a shape something may start and count as on it: see [`ON`]. By where it starts in the world, and by the way
+/// from the shape's position to there, from which it may come.
+pub fn slack(origin: Vec3, from_shape: DVec3) -> f64 {
+    f64::from(ON) * (f64::from(origin.abs().max_element()) + 2.0 * from_shape.length())
 }

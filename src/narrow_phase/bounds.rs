@@ -9,11 +9,12 @@ use super::parry;
 use super::settings::NarrowPhase;
 
 impl NarrowPhase {
-    /// The box to feed to a broad phase: that of [`Shape::world_aabb`], grown by half the tolerance
+    /// Returns the box to feed to a broad phase: that of [`Shape::world_aabb`](crate::narrow_phase::Shape::world_aabb), grown by half the tolerance
     /// and by rounding. The boxes of two shapes that are in contact are never apart.
     ///
     /// # Errors
-    /// As for [`Shape::world_aabb`].
+    /// As for [`Shape::world_aabb`](crate::narrow_phase::Shape::world_aabb).
+    #[doc(alias = "aabb")]
     #[inline]
     pub fn world_aabb(&self, placed: Placed) -> Result<Aabb3d, BoundsError> {
         let Aabb3d { min, max } = placed.shape.world_aabb(placed.transform)?;
@@ -26,7 +27,7 @@ impl NarrowPhase {
         if min.is_finite() && max.is_finite() { Ok(Aabb3d { min, max }) } else { Err(BoundsError::NonFinite) }
     }
 
-    /// The half-space that holds all that may be in contact with a shape without bounds, if one does: what a broad phase
+    /// Returns the half-space that holds all that may be in contact with a shape without bounds, if one does: what a broad phase
     /// is to know of it, as of others their [`world_aabb`](Self::world_aabb). Both are grown by half the tolerance.
     #[must_use]
     pub fn side(&self, placed: Placed) -> Option<HalfSpace> {

@@ -16,9 +16,12 @@ use super::shape::{Kind, Shape};
 use super::stage::Stage;
 
 impl NarrowPhase {
-    /// Whether two shapes are in contact. The order of the two makes no difference.
+    /// Returns `true` if two shapes are in contact. The order of the two makes no difference.
     ///
     /// Shapes that are not finite are in contact with nothing.
+    #[doc(alias = "overlap")]
+    #[doc(alias = "collide")]
+    #[doc(alias = "intersection")]
     #[inline]
     #[must_use]
     pub fn intersects(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> bool {

@@ -50,14 +50,14 @@
 //!
 //! # Numbers
 //!
-//! Everything is computed relative to the place of one of the two, so that a pair far from the
-//! origin gets the verdict it would get close to it, for the places as 32-bit floats hold them.
+//! Everything is computed relative to the position of one of the two, so that a pair far from the
+//! origin gets the verdict it would get close to it, for the positions as 32-bit floats hold them.
 //! Verdicts do not depend on the order of the two. Early stages reject only at twice the tolerance,
 //! and [`Stage::Boxes`] accepts cuboids only if it is sure that they overlap, so that the last
 //! stage has the last word where it could differ: [`Exactness::EdgePolygon`] forces it, and agrees.
 //!
 //! Whatever is finite is decided, however large: what is beyond 10⁹ is looked at at a smaller scale, by a power of two.
-//! Where even a place or a sum of sizes exceeds the range of 32-bit floats, there are [no bounds](BoundsError::NonFinite)
+//! Where even a position or a sum of sizes exceeds the range of 32-bit floats, there are [no bounds](BoundsError::NonFinite)
 //! and no contacts.
 //!
 //! Nothing is allocated per pair once the buffers of the [`Workspace`] have grown to the largest

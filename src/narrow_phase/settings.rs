@@ -2,7 +2,7 @@
 
 use super::error::ToleranceError;
 
-/// Which way cuboids are decided.
+/// The way in which pairs of cuboids are decided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Exactness {
     /// Each pair by the cheapest test that is exact for it.
@@ -35,7 +35,7 @@ impl NarrowPhase {
     /// The distance, in world units, up to which shapes are in contact unless told otherwise.
     pub const DEFAULT_TOLERANCE: f32 = 1e-4;
 
-    /// Tests with a tolerance of one's own, in world units.
+    /// Makes tests with a tolerance of one's own, in world units.
     ///
     /// # Errors
     /// [`ToleranceError`] unless it is finite and greater than zero.
@@ -47,19 +47,19 @@ impl NarrowPhase {
         }
     }
 
-    /// The same tests, with another way to decide cuboids.
+    /// Returns the same tests, with another way to decide cuboids.
     #[must_use]
     pub fn with_exactness(self, exactness: Exactness) -> Self {
         Self { exactness, ..self }
     }
 
-    /// The distance up to which two shapes are in contact, in world units.
+    /// Returns the distance up to which two shapes are in contact, in world units.
     #[must_use]
     pub fn tolerance(&self) -> f32 {
         self.tolerance
     }
 
-    /// Which way cuboids are decided.
+    /// Returns which way cuboids are decided.
     #[must_use]
     pub fn exactness(&self) -> Exactness {
         self.exactness

@@ -14,7 +14,7 @@ use super::mesh::{convex_mesh::ConvexMesh, cube::CUBE, polygon_mesh::PolygonMesh
 #[cfg(feature = "rapier")]
 const ENDLESS: f32 = f32::MAX / 8.0;
 
-/// What an object is made of, in its own coordinates. Cheap to clone: meshes are shared.
+/// The form of an object, in its own coordinates. Cheap to clone: meshes are shared.
 ///
 /// A [`Transform`](bevy::transform::components::Transform) places it: scale first, then rotation, then translation.
 ///
@@ -38,6 +38,7 @@ const ENDLESS: f32 = f32::MAX / 8.0;
 /// # let _ = brick;
 /// # Ok::<(), ShapeError>(())
 /// ```
+#[doc(alias = "collider")]
 #[derive(Clone, Debug)]
 pub enum Shape {
     /// A box around the origin.
@@ -59,10 +60,8 @@ pub enum Shape {
     Rapier(SharedShape),
 }
 
-/// # What the exact tests have to know of a kind of shape
-///
-/// All of it is here, but for the shape's row in the table of [cases](super::frame::case::Case), so that a new kind is
-/// added in one place.
+// All that the exact tests have to know of a kind of shape, but for its row in the table of `frame::case`: a new kind is
+// added here.
 impl Shape {
     /// Which of the kinds it is.
     #[inline]

@@ -11,7 +11,7 @@ use crate::narrow_phase::{
     shape::Shape,
 };
 
-/// A shape on its way: from one place to another in a straight line, at constant speed, turning at a constant rate by
+/// A shape on its way: from one position to another in a straight line, at constant speed, turning at a constant rate by
 /// the shorter way.
 ///
 /// Its size is that which it has at the end, all the way.
@@ -23,25 +23,25 @@ pub struct Moving<'a> {
 }
 
 impl<'a> Moving<'a> {
-    /// From `start` to `end`.
+    /// Makes a shape move from `start` to `end`.
     #[must_use]
     pub fn new(shape: &'a Shape, start: &Transform, end: &Transform) -> Self {
         Self { shape, start: start.with_scale(end.scale), end: *end }
     }
 
-    /// At rest.
+    /// Makes a shape stay where it is.
     #[must_use]
     pub fn resting(placed: Placed<'a>) -> Self {
         Self::new(placed.shape, placed.transform, placed.transform)
     }
 
-    /// What is on its way.
+    /// Returns the shape that moves.
     #[must_use]
     pub const fn shape(&self) -> &'a Shape {
         self.shape
     }
 
-    /// Where the shape is after a share of its way, 0 to 1.
+    /// Returns where the shape is after a share of its way, 0 to 1.
     #[must_use]
     pub fn at(&self, time: f32) -> Transform {
         let rotation =
@@ -97,11 +97,12 @@ impl<'a> Moving<'a> {
 }
 
 impl NarrowPhase {
-    /// The box to feed to a broad phase for all of a shape's way: see [`world_aabb`](Self::world_aabb). The smallest one if
+    /// Returns the box to feed to a broad phase for all of a shape's way: see [`world_aabb`](Self::world_aabb). The smallest one if
     /// the shape does not turn.
     ///
     /// # Errors
     /// As for [`Shape::world_aabb`].
+    #[doc(alias = "aabb")]
     pub fn swept_aabb(&self, moving: &Moving) -> Result<Aabb3d, BoundsError> {
         // Whatever a shape turns through is in a ball around the point that it turns about.
         let ball = if moving.turns() { Some(Shape::Sphere { radius: moving.reach()? }) } else { None };

@@ -20,7 +20,7 @@ const ALONG: f64 = 1e-12;
 const FLAT: f64 = 1e-7;
 
 impl NarrowPhase {
-    /// Where a ray first meets a shape, if it does so within `max_distance`.
+    /// Casts a ray against a shape: returns where it first meets it, if it does so within `max_distance`.
     ///
     /// Exact for every kind of shape, wherever the ray starts. One rule holds for all: a shape has its border, and is
     /// solid if it is closed. A ray that starts inside or on it meets it at once, whichever way it goes, as does a shape
@@ -41,6 +41,7 @@ impl NarrowPhase {
     /// assert_eq!((hit.distance, hit.point, hit.normal), (4.0, Vec3::X * 4.0, Vec3::NEG_X));
     /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
     /// ```
+    #[doc(alias = "raycast")]
     #[must_use]
     pub fn cast_ray(&self, target: Placed, origin: Vec3, direction: Dir3, max_distance: f32) -> Option<Impact> {
         if !(max_distance >= 0.0 && origin.is_finite() && direction.is_finite() && target.transform.is_finite()) {

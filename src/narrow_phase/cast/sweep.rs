@@ -19,7 +19,8 @@ use crate::narrow_phase::{
 };
 
 impl NarrowPhase {
-    /// Where a shape that moves without turning first meets another, if it does so within `max_distance`.
+    /// Casts a shape that moves without turning against another: returns where it first meets it, if it does so within
+    /// `max_distance`.
     ///
     /// Exact for every kind of shape, up to the rounding of 32-bit floats, and as exact after a long way as after a short
     /// one. Shapes [in contact](Self::intersects) at the start meet at once, whichever way they go. Those that only graze each
@@ -40,6 +41,9 @@ impl NarrowPhase {
     /// assert_eq!((hit.distance, hit.point, hit.normal), (6.5, Vec3::X * 7.0, Vec3::NEG_X));
     /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
     /// ```
+    #[doc(alias = "shapecast")]
+    #[doc(alias = "cast_shape")]
+    #[doc(alias = "ccd")]
     #[must_use]
     pub fn sweep(
         &self,
@@ -131,7 +135,7 @@ fn first_impact(pair: &PlacedPair, direction: Vec3A, limit: f32, workspace: &mut
     }
 }
 
-/// How far the first of two goes before their bounding spheres touch, and its place there, relative to that of the second;
+/// How far the first of two goes before their bounding spheres touch, and where it is then, relative to that of the second;
 /// `None` if they do not.
 fn nearer(pair: &PlacedPair, direction: Dir3) -> Option<(f64, Transform)> {
     let way = direction.as_dvec3();

@@ -27,7 +27,7 @@ const MOST_GRAZES: u32 = 8;
 const LONGEST_STEP: f32 = 1.0 / 16.0;
 
 impl NarrowPhase {
-    /// When two shapes on their way first come into contact, and how they then touch; `None` if they do not, or anything is
+    /// Returns when two shapes on their way first come into contact, and how they then touch; `None` if they do not, or anything is
     /// not finite.
     ///
     /// Two that are [in contact](Self::intersects) at the start meet at once if they come nearer to each other, and if they
@@ -54,6 +54,9 @@ impl NarrowPhase {
     /// assert!((met.time - 0.4995).abs() < 1e-6 && met.contact.point.length() < 1e-3);
     /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
     /// ```
+    #[doc(alias = "ccd")]
+    #[doc(alias = "toi")]
+    #[doc(alias = "tunneling")]
     #[must_use]
     pub fn time_of_impact(&self, a: &Moving, b: &Moving, workspace: &mut Workspace) -> Option<TimedContact> {
         Moments { tests: self, a, b }.meeting(MOST_GRAZES, workspace)

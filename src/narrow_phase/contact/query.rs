@@ -20,11 +20,11 @@ use crate::narrow_phase::{
 };
 
 impl NarrowPhase {
-    /// The contact of two shapes: some if and only if they [intersect](Self::intersects), which
+    /// Returns the contact of two shapes: some if and only if they [intersect](Self::intersects), which
     /// counts the stages once.
     ///
     /// Swapping the two turns the normal around exactly and changes nothing else, unless they are
-    /// equal in all things, place included. The normal is
+    /// equal in all things, position included. The normal is
     ///
     /// * for two cuboids or convex meshes, the axis along which they overlap least; normals of
     ///   faces are preferred to products of edges that are hardly better (and only they are tried
@@ -38,6 +38,7 @@ impl NarrowPhase {
     /// * where all that fails (a mesh inside another, without crossing), the direction from centre
     ///   to centre, and +Y if these coincide. The depth is then the overlap of the two boxes that
     ///   way.
+    #[doc(alias = "penetration")]
     #[must_use]
     pub fn contact(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Contact> {
         if !self.intersects(a, b, workspace) {
@@ -152,7 +153,7 @@ fn unbounded(a: Placed, b: Placed, tolerance: f32) -> LocalContact {
     parry::contact(a, b, tolerance).unwrap_or_else(|| straight(a, b))
 }
 
-/// From place to place, for want of bounds.
+/// From position to position, for want of bounds.
 fn straight(a: Placed, b: Placed) -> LocalContact {
     let offset = Vec3A::from(b.transform.translation - a.transform.translation);
     LocalContact { normal: offset.try_normalize().unwrap_or(Vec3A::Y), point: offset * 0.5, depth: 0.0 }

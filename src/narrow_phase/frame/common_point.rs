@@ -25,7 +25,7 @@ pub fn common_point(pair: &PlacedPair) -> Option<Vec3A> {
     })
 }
 
-/// The mean of the places where edges of one shape meet polygons of the other. It is in both
+/// The mean of the points where edges of one shape meet polygons of the other. It is in both
 /// shapes, to within the tolerance, if they are convex.
 pub fn mean_touch(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec3A> {
     let (mut count, mut points) = (0.0, Vec3A::ZERO);

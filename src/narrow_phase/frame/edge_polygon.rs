@@ -32,7 +32,7 @@ pub fn intersects(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
     for_each_touch(meshes, workspace, pair.tolerance, stop).is_break() || nested(pair, meshes, workspace).is_some()
 }
 
-/// Calls `visit` with all places where the surfaces of two shapes made of polygons meet.
+/// Calls `visit` with all points where the surfaces of two shapes made of polygons meet.
 pub fn touches(pair: &PlacedPair, workspace: &mut Workspace, mut visit: impl FnMut(Touch)) {
     if let Some(meshes) = fill(pair, workspace) {
         let go_on = |hit| {

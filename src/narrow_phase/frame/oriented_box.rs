@@ -8,7 +8,7 @@ use crate::narrow_phase::{error::BoundsError, shape::Shape};
 
 /// The box around a placed shape, turned with it; the shape itself, if that is a cuboid.
 ///
-/// Positions are relative to an origin of the caller's choice: for a pair, the place of one of the
+/// Positions are relative to an origin of the caller's choice: for a pair, the position of one of the
 /// two, so that 32-bit floats are as exact far from the world's origin as close to it.
 #[derive(Clone, Copy, Debug)]
 pub struct OrientedBox {
@@ -71,7 +71,7 @@ impl OrientedBox {
 }
 
 impl Shape {
-    /// An axis-aligned box around the shape in the world, in constant time. It is the smallest one
+    /// Returns an axis-aligned box around the shape in the world, in constant time. It is the smallest one
     /// for cuboids and spheres, up to rounding; for meshes and Rapier shapes, it is the smallest
     /// around their own box, turned and scaled with them.
     ///
@@ -83,13 +83,14 @@ impl Shape {
     /// [`BoundsError::Unbounded`] for an endless Rapier shape, such as a half-space.
     ///
     /// [`NarrowPhase::world_aabb`]: crate::narrow_phase::NarrowPhase::world_aabb
+    #[doc(alias = "aabb")]
     pub fn world_aabb(&self, transform: &Transform) -> Result<Aabb3d, BoundsError> {
         let oriented = OrientedBox::of(self, transform, Vec3::ZERO)?;
         let reach = oriented.reach();
         Ok(Aabb3d { min: oriented.center - reach, max: oriented.center + reach })
     }
 
-    /// A sphere around the shape in the world, centred on its box. The smallest one for cuboids and
+    /// Returns a sphere around the shape in the world, centred on its box. The smallest one for cuboids and
     /// spheres.
     ///
     /// # Errors

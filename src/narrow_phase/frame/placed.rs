@@ -15,16 +15,18 @@ pub const ROUNDING: f32 = 16.0 * f32::EPSILON;
 /// Rotations are normalised before use. In a hierarchy of entities the transform is the one in the
 /// world: `GlobalTransform::compute_transform()`, which drops shear; the plugins do
 /// [without that loss](crate::BoundsPlugin#sheared-shapes).
+#[doc(alias = "pose")]
+#[doc(alias = "isometry")]
 #[derive(Clone, Copy, Debug)]
 pub struct Placed<'a> {
     /// What the object is made of.
     pub shape: &'a Shape,
-    /// Scale, rotation and place in the world.
+    /// Its scale, rotation and position in the world.
     pub transform: &'a Transform,
 }
 
 impl<'a> Placed<'a> {
-    /// Puts a shape at a place.
+    /// Puts a shape where a transform says.
     #[inline]
     #[must_use]
     pub fn new(shape: &'a Shape, transform: &'a Transform) -> Self {
@@ -33,7 +35,7 @@ impl<'a> Placed<'a> {
 }
 
 /// The two and whether they had to be swapped, in the order in which pairs are computed: it does
-/// not depend on the order given, and so neither do verdicts. Only if all of place, turn, scale and
+/// not depend on the order given, and so neither do verdicts. Only if all of position, turn, scale and
 /// size are equal does the order given remain.
 #[inline]
 pub fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> (Placed<'a>, Placed<'a>, bool) {
@@ -50,7 +52,7 @@ pub fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> (Placed<'a>, Placed<'a>, bo
     }
 }
 
-/// Two placed shapes with their boxes, in a frame whose origin is the place of the first: 32-bit
+/// Two placed shapes with their boxes, in a frame whose origin is the position of the first: 32-bit
 /// floats are then as exact far from the world's origin as close to it.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedPair<'a> {

@@ -23,7 +23,7 @@ impl LocalAabb {
         Self { min: (a.0 - a.1).max(b.0 - b.1) - margin, max: (a.0 + a.1).min(b.0 + b.1) + margin }
     }
 
-    /// The smallest region around points, grown by `margin`.
+    /// The smallest box around points, grown by `margin`.
     fn around(points: impl Iterator<Item = Vec3A>, margin: f32) -> Self {
         let (mut min, mut max) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
         for point in points {
@@ -46,11 +46,11 @@ impl LocalAabb {
     }
 }
 
-/// An edge in place, grown by the tolerance in `region`.
+/// An edge in place, grown by the tolerance in `bounds`.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedEdge {
     pub ends: [Vec3A; 2],
-    pub region: LocalAabb,
+    pub bounds: LocalAabb,
 }
 
 /// A polygon in place.
@@ -63,7 +63,7 @@ pub struct PlacedFace {
     /// The corners lie between `plane - thickness` and `plane + thickness` along the normal.
     pub plane: f32,
     thickness: f32,
-    pub region: LocalAabb,
+    pub bounds: LocalAabb,
 }
 
 /// The point of a surface that is closest to another point.
@@ -86,7 +86,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Puts the polygons of a shape in the place of its box, and selects what is in `region`.
+    /// Puts the polygons of a shape where its box is, and selects what is in `region`.
     pub fn fill(
         &mut self,
         (mesh, size): (&PolygonMesh, Vec3A),
@@ -98,15 +98,16 @@ impl Surface {
         let scale = placed.shape.effective_scale(placed.transform.scale) * size;
         let axes = bounds.axes;
         let (center, ..) = mesh.local_bounds();
-        let place = |vertex: &Vec3| bounds.center + axes * ((Vec3A::from(*vertex) - center) * scale);
+        let to_frame = |vertex: &Vec3| bounds.center + axes * ((Vec3A::from(*vertex) - center) * scale);
         self.vertices.clear();
-        self.vertices.extend(mesh.vertices().iter().map(place));
+        self.vertices.extend(mesh.vertices().iter().map(to_frame));
+        debug_assert_eq!(self.vertices.len(), mesh.vertices().len(), "indices of the mesh are those of the surface");
 
         self.edges.clear();
         for edge in mesh.edges() {
             let ends = edge.map(|vertex| self.vertices[vertex as usize]);
-            let edge = PlacedEdge { ends, region: LocalAabb::around(ends.into_iter(), tolerance) };
-            if edge.region.overlaps(region) {
+            let edge = PlacedEdge { ends, bounds: LocalAabb::around(ends.into_iter(), tolerance) };
+            if edge.bounds.overlaps(region) {
                 self.edges.push(edge);
             }
         }
@@ -131,7 +132,7 @@ impl Surface {
                     normal,
                     plane: (low + high) * 0.5,
                     thickness: (high - low) * 0.5,
-                    region: bounds,
+                    bounds,
                 });
             }
         }
@@ -139,8 +140,8 @@ impl Surface {
 
     /// Drops the edges and polygons that are not in `region`.
     pub fn keep(&mut self, region: &LocalAabb) {
-        self.edges.retain(|edge| edge.region.overlaps(region));
-        self.faces.retain(|face| face.region.overlaps(region));
+        self.edges.retain(|edge| edge.bounds.overlaps(region));
+        self.faces.retain(|face| face.bounds.overlaps(region));
     }
 
     /// All vertices, by the indices of the mesh.
@@ -152,7 +153,7 @@ impl Surface {
     /// crosses the polygon, where it ends on it, or where it meets the border.
     #[inline]
     pub fn touch(&self, mesh: &PolygonMesh, face: &PlacedFace, edge: &PlacedEdge, tolerance: f32) -> Option<Vec3A> {
-        if !edge.region.overlaps(&face.region) {
+        if !edge.bounds.overlaps(&face.bounds) {
             return None;
         }
         let corners = mesh.polygon(face.polygon as usize);

@@ -3,7 +3,7 @@
 use super::surface::Surface;
 use crate::narrow_phase::stage::StageCounters;
 
-/// What the tests write to: counters, and buffers for meshes. One per thread; reuse it.
+/// The memory that the tests write to: counters, and buffers for meshes. One per thread; reuse it.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     /// How many pairs reached and left each stage since the workspace was made or this was reset.

@@ -12,9 +12,9 @@ use crate::narrow_phase::error::ShapeError;
 const WELD: f32 = 1e-5;
 
 impl PolygonMesh {
-    /// The triangles of a Bevy mesh (feature `mesh`), listed or in a strip, indexed or not.
+    /// Makes a mesh of the triangles of a Bevy mesh (feature `mesh`), listed or in a strip, indexed or not.
     ///
-    /// A mesh to render has several vertices in one place where normals or texture coordinates
+    /// A mesh to render has several vertices at one position where normals or texture coordinates
     /// differ. Those closer together than 10⁻⁵ of the largest coordinate are welded to one, so that
     /// the surface closes, even where it was closed by sines of a full turn. Triangles which then
     /// have no area, as at the poles of a sphere or between strips, are dropped: nothing of them is
@@ -81,7 +81,7 @@ fn triangles(topology: PrimitiveTopology, indices: &[usize]) -> Result<Vec<[usiz
     }
 }
 
-/// Distinct places, and for each vertex the place it is at: that of the first vertex close enough.
+/// Distinct positions, and for each vertex the index of the one it is at: that of the first vertex close enough.
 fn weld(positions: &[[f32; 3]]) -> Result<(Vec<Vec3>, Vec<u32>), ShapeError> {
     if u32::try_from(positions.len()).is_err() {
         return Err(ShapeError::TooLarge);
@@ -90,27 +90,27 @@ fn weld(positions: &[[f32; 3]]) -> Result<(Vec<Vec3>, Vec<u32>), ShapeError> {
     let reach = (WELD * size).max(f32::MIN_POSITIVE);
     // Cells twice as wide as the reach: what is in reach of a vertex is in the cells of eight
     // corners.
-    let cell = |place: Vec3| (place.as_dvec3() / f64::from(2.0 * reach)).floor().as_i64vec3();
+    let cell = |position: Vec3| (position.as_dvec3() / f64::from(2.0 * reach)).floor().as_i64vec3();
     let mut cells: HashMap<_, Vec<u32>> = HashMap::with_capacity(positions.len());
-    let mut places: Vec<Vec3> = Vec::new();
+    let mut distinct: Vec<Vec3> = Vec::new();
     let welded = positions.iter().map(|&position| {
-        let place = Vec3::from(position);
+        let position = Vec3::from(position);
         let corners = (0..8u8).map(|i| {
             let side = |bit: u8| if i & bit == 0 { -reach } else { reach };
-            cell(place + Vec3::new(side(1), side(2), side(4)))
+            cell(position + Vec3::new(side(1), side(2), side(4)))
         });
         let near = corners.filter_map(|corner| cells.get(&corner)).flatten();
-        let close = |known: &&u32| (places[**known as usize] - place).abs().max_element() <= reach;
+        let close = |known: &&u32| (distinct[**known as usize] - position).abs().max_element() <= reach;
         let known = near.copied().find(|known| close(&known));
         known.unwrap_or_else(|| {
-            let new = places.len() as u32;
-            cells.entry(cell(place)).or_default().push(new);
-            places.push(place);
+            let new = distinct.len() as u32;
+            cells.entry(cell(position)).or_default().push(new);
+            distinct.push(position);
             new
         })
     });
     let welded = welded.collect();
-    Ok((places, welded))
+    Ok((distinct, welded))
 }
 
 #[cfg(test)]

@@ -16,6 +16,8 @@ const SMALLEST_VOLUME: f32 = 1e-6;
 /// outwards.
 ///
 /// Knowing that a solid is convex buys contacts with the normal of least penetration.
+#[doc(alias = "convex hull")]
+#[doc(alias = "polyhedron")]
 #[derive(Clone, Debug)]
 pub struct ConvexMesh(PolygonMesh);
 
@@ -61,7 +63,7 @@ impl ConvexMesh {
         Self(mesh)
     }
 
-    /// The mesh without the knowledge.
+    /// Returns the mesh without the knowledge.
     #[must_use]
     pub fn into_inner(self) -> PolygonMesh {
         self.0

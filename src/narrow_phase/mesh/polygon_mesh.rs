@@ -31,6 +31,7 @@ const SMALLEST_AREA: f32 = 1e-6;
 /// assert!(tetrahedron.is_closed());
 /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
 /// ```
+#[doc(alias = "trimesh")]
 #[derive(Clone, Debug)]
 pub struct PolygonMesh {
     vertices: Vec<Vec3>,
@@ -101,44 +102,44 @@ impl PolygonMesh {
         Ok(mesh)
     }
 
-    /// The vertices, as given.
+    /// Returns the vertices, as given.
     #[must_use]
     pub fn vertices(&self) -> &[Vec3] {
         &self.vertices
     }
 
-    /// How many polygons there are; at least one.
+    /// Returns how many polygons there are; at least one.
     #[must_use]
     pub fn polygon_count(&self) -> usize {
         self.ends.len()
     }
 
-    /// The vertex indices of the polygons, in the order given; each polygon counter-clockwise
+    /// Returns the vertex indices of the polygons, in the order given; each polygon counter-clockwise
     /// around its [normal](Self::normals).
     pub fn polygons(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         (0..self.ends.len()).map(|polygon| self.polygon(polygon))
     }
 
-    /// The unit normals of the polygons.
+    /// Returns the unit normals of the polygons.
     #[must_use]
     pub fn normals(&self) -> &[Vec3] {
         &self.normals
     }
 
-    /// Each edge once, as the indices of its ends.
+    /// Returns each edge once, as the indices of its ends.
     #[must_use]
     pub fn edges(&self) -> &[[u32; 2]] {
         &self.edges
     }
 
-    /// Whether every edge joins exactly two polygons which can be oriented alike, so that the mesh
+    /// Returns `true` if every edge joins exactly two polygons which can be oriented alike, so that the mesh
     /// has an inside.
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.open_edge.is_none()
     }
 
-    /// An edge that keeps the mesh from being closed, if there is one.
+    /// Returns an edge that keeps the mesh from being closed, if there is one.
     #[must_use]
     pub fn open_edge(&self) -> Option<[u32; 2]> {
         self.open_edge
@@ -153,6 +154,7 @@ impl PolygonMesh {
     }
 
     pub(in crate::narrow_phase) fn polygon(&self, polygon: usize) -> &[u32] {
+        debug_assert!(polygon < self.ends.len(), "polygon {polygon} of {}", self.ends.len());
         let start = polygon.checked_sub(1).map_or(0, |last| self.ends[last]);
         &self.corners[start as usize..self.ends[polygon] as usize]
     }

@@ -46,6 +46,7 @@ impl Topology {
             });
             edges_of.push(along.collect());
         }
+        debug_assert_eq!((uses.len(), edges_of.len()), (edges.len(), count));
 
         // Walk over each shell from its first polygon, crossing only edges that join two.
         let mut flip: Vec<Option<bool>> = vec![None; count];

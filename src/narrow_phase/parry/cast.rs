@@ -23,8 +23,8 @@ const NEAR: f64 = 1e-7;
 pub fn cast_ray(target: Placed, origin: Vec3, direction: Dir3, max_distance: f32) -> Option<Impact> {
     let Some(body) = posed(target, origin) else { return ray_by_itself(target, origin, direction, max_distance) };
     let ray = PosedShape::Part(Part::Convex(Convex::point(DVec3::ZERO)));
-    let from_place = origin.as_dvec3() - target.transform.translation.as_dvec3();
-    impact(&ray, (origin, slack(origin, from_place)), direction, max_distance, &body)
+    let from_shape = origin.as_dvec3() - target.transform.translation.as_dvec3();
+    impact(&ray, (origin, slack(origin, from_shape)), direction, max_distance, &body)
 }
 
 /// What a shape says of which nothing else is known.

@@ -1,5 +1,5 @@
 //! Convex shapes as parry has them: a core, and all that is within a radius of it. In 64-bit floats, so that neither the
-//! size of one nor a place far from the other costs exactness.
+//! size of one nor a position far from the other costs exactness.
 
 use bevy::math::{DMat3, DVec3, Vec3};
 use bevy::transform::components::Transform;
@@ -44,7 +44,7 @@ impl Isometry {
         self.rotation.transpose() * direction
     }
 
-    /// The centre and half extents of the box, in the axes of this place, around one in those of another.
+    /// The centre and half extents of the box, in the axes of this isometry, around one in those of another.
     pub fn bounds_to_local(self, other: &Self, [center, half]: [DVec3; 2]) -> [DVec3; 2] {
         let turn = self.rotation.transpose() * other.rotation;
         let reach = turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z;

@@ -123,6 +123,7 @@ impl Simplex {
     }
 
     fn vertices(&self) -> &[Vertex] {
+        debug_assert!((1..=4).contains(&self.count), "{} vertices", self.count);
         &self.vertices[..self.count]
     }
 

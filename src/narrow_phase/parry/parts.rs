@@ -246,17 +246,17 @@ enum Probe {
 
 impl Probe {
     /// Where another shape is, that goes in a direction.
-    fn of(other: &PosedShape, place: Isometry, direction: DVec3) -> Self {
+    fn of(other: &PosedShape, whole: Isometry, direction: DVec3) -> Self {
         if let PosedShape::Part(Part::HalfSpace { normal, offset }) = other {
             return Self::HalfSpace {
-                normal: place.direction_to_local(*normal),
-                offset: offset - normal.dot(place.translation),
+                normal: whole.direction_to_local(*normal),
+                offset: offset - normal.dot(whole.translation),
                 approach: normal.dot(direction).max(0.0),
             };
         }
         let Some(bounds) = other.local_box() else { return Self::Everywhere };
-        let [center, half] = place.bounds_to_local(&other.isometry(), bounds);
-        Self::Box { center, half, direction: place.direction_to_local(direction) }
+        let [center, half] = whole.bounds_to_local(&other.isometry(), bounds);
+        Self::Box { center, half, direction: whole.direction_to_local(direction) }
     }
 
     /// Whether what is in a box may be near.

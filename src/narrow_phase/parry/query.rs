@@ -85,7 +85,7 @@ pub fn closest_point(target: Placed, point: Vec3) -> Option<Vec3> {
     Some(if gap.distance > 0.0 { (point.as_dvec3() + gap.points[0]).as_vec3() } else { point })
 }
 
-/// The closest points of two shapes, relative to the place of the first: the same one twice, if the two overlap.
+/// The closest points of two shapes, relative to the position of the first: the same one twice, if the two overlap.
 pub fn closest_points(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
     let origin = a.transform.translation;
     let gap = parts::nearest(&posed(a, origin)?, &posed(b, origin)?)?;
@@ -105,10 +105,10 @@ pub fn enclosed(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec3A> {
     // In the frame of the pair, by way of the centre of the box.
     let inner = posed(pair.a, pair.a.transform.translation)?;
     let [center, _] = inner.local_box()?;
-    let place = inner.isometry();
+    let at = inner.isometry();
     let mut found = None;
     inner.each_point(&mut |point| {
-        let from_center = (point - place.to_world(center)).as_vec3a();
+        let from_center = (point - at.to_world(center)).as_vec3a();
         let point = pair.box_a.center + from_center;
         if found.is_none()
             && (pair.box_b.axes.transpose() * (point - pair.box_b.center)).abs().cmple(pair.box_b.half).all()

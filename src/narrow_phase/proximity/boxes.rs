@@ -22,7 +22,7 @@ pub fn closest_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[V
         return Some(apart(a, b));
     }
     let common = if found.gap <= -found.doubt { common_point(pair) } else { None };
-    // Few are that close to touching, or meet in a place so hard to find.
+    // Few are that close to touching, or meet in a point so hard to find.
     common.map(|point| [point; 2]).or_else(|| polygons::closest_points(pair, workspace))
 }
 

@@ -59,7 +59,7 @@ pub fn closest_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[V
     edges_to_faces(b, meshes[0], a, &mut nearest, |on_edge, on_face| [on_face, on_edge]);
     for edge in &a.edges {
         for other in &b.edges {
-            if edge.region.gap_squared(&other.region) < nearest.squared {
+            if edge.bounds.gap_squared(&other.bounds) < nearest.squared {
                 nearest.consider(closest::segments(edge.ends, other.ends).into());
             }
         }
@@ -78,7 +78,7 @@ fn edges_to_faces(
     for edge in &edges.edges {
         // A polygon without a normal is no more than its border.
         for face in faces.faces.iter().filter(|face| face.normal != Vec3A::ZERO) {
-            if edge.region.gap_squared(&face.region) >= nearest.squared {
+            if edge.bounds.gap_squared(&face.bounds) >= nearest.squared {
                 continue;
             }
             let corners = mesh.polygon(face.polygon as usize);

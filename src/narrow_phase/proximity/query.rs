@@ -21,7 +21,7 @@ use crate::narrow_phase::{
 };
 
 impl NarrowPhase {
-    /// The point of a shape that is closest to `point`; `point` itself, if it is inside.
+    /// Returns the point of a shape that is closest to `point`; `point` itself, if it is inside.
     ///
     /// Exact for every kind of shape. `None` if anything is not finite.
     ///
@@ -37,6 +37,7 @@ impl NarrowPhase {
     /// assert_eq!(closest, Some(Vec3::new(3.0, 1.0, 0.0)));
     /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
     /// ```
+    #[doc(alias = "project_point")]
     #[must_use]
     pub fn closest_point(&self, target: Placed, point: Vec3, workspace: &mut Workspace) -> Option<Vec3> {
         if target.shape.kind() == Kind::Foreign {
@@ -58,12 +59,12 @@ impl NarrowPhase {
         closest.is_finite().then_some(closest)
     }
 
-    /// How far two shapes are apart, and where they are closest to each other.
+    /// Returns how far two shapes are apart, and where they are closest to each other.
     ///
     /// Exact for every kind of shape, up to rounding. Shapes
     /// overlap as they do for [`intersects`](Self::intersects): one inside the other too, if that is closed. Those that are
     /// in contact by tolerance alone have a distance, which is no more than the tolerance. Swapping the two swaps the
-    /// points and turns the offset around, unless they are equal in all things, place included. `None` if anything is not
+    /// points and turns the offset around, unless they are equal in all things, position included. `None` if anything is not
     /// finite, and for pairs of which nothing is known, such as two half-spaces: see the [module](super).
     ///
     /// Two cuboids: O(1), in the order of 0.1 µs if turned alike, and 1 µs if not; two spheres, and a sphere and a cuboid:
@@ -84,6 +85,7 @@ impl NarrowPhase {
     /// assert_eq!(found.points[0], Vec3::new(1.0, 1.0, 0.0));
     /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
     /// ```
+    #[doc(alias = "distance")]
     #[must_use]
     pub fn closest_points(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Proximity> {
         if let Some(found) = parry::with_own(a, b, |a, b| self.closest_points(a, b, workspace)) {
