@@ -9,9 +9,7 @@ use bevy::{
 use crate::{
     broad_phase::{EVERYWHERE, ProxyId},
     collision_index,
-    motion::Velocity,
     narrow_phase::{Shape, ShapeError},
-    response::Bounce,
     swept::SweptWay,
 };
 
@@ -22,8 +20,8 @@ use crate::{
 /// It is placed by the [`Transform`]s of the entity and its ancestors. What becomes of shapes that a scaled parent shears is
 /// said of the [`BoundsPlugin`](crate::BoundsPlugin#sheared-shapes).
 ///
-/// An entity with a shape and no [`Velocity`] is *static*: while its [`Transform`] stays
-/// unchanged, it is looked at by nothing.
+/// An entity with a shape and no [`Velocity`](crate::motion::Velocity) is *at rest*: while its [`Transform`] stays unchanged, it is
+/// looked at by nothing.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -71,13 +69,6 @@ impl Default for CollisionShape {
         Self(Shape::Cuboid { half_size: Vec3::splat(0.5) })
     }
 }
-
-/// A moving cube of side 1 that bounces: everything that a cube of the report's test sets needs, in one component.
-/// Scale it by its [`Transform`].
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Component, Debug, Default, PartialEq)]
-#[require(CollisionShape, Velocity, Bounce)]
-pub struct Cube;
 
 /// The box along the world's axes around an entity's shape, as the broad phase sees it: grown by half the
 /// [tolerance](crate::narrow_phase::NarrowPhase::tolerance) of the exact tests. That of an entity which is

@@ -9,7 +9,7 @@ use bevy::{
 use crate::{
     bounds::BoundsPlugin,
     collision_index::{BroadPhasePlugin, CandidatePairs, CollisionIndex},
-    components::{BroadPhaseProxy, CollisionShape, Cube, WorldAabb},
+    components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     contacts::{
         CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted, Contacts,
         NarrowPhasePlugin, ReportPlugin,
@@ -18,7 +18,7 @@ use crate::{
     filters::FilterPlugin,
     motion::{CollisionClock, MotionPlugin, MotionSettings, Velocity},
     response::{Bounce, BouncePlugin},
-    scene::{SceneDescription, TestSet},
+    scene::ScenePlugin,
     schedule::{CollisionSchedulePlugin, CollisionSystems, add_to_tick},
     settings::{BroadPhaseSettings, NarrowPhaseSettings},
     swept::SweptPlugin,
@@ -75,7 +75,8 @@ impl PluginGroup for OctreePlugins {
             .add(SweptPlugin)
             .add(NarrowPhasePlugin)
             .add(BouncePlugin)
-            .add(ReportPlugin);
+            .add(ReportPlugin)
+            .add(ScenePlugin);
         #[cfg(feature = "asset")]
         let group = group.add(crate::scene::SceneAssetPlugin);
         group
@@ -100,7 +101,6 @@ impl Plugin for CollisionCorePlugin {
             .register_type::<CollisionShape>()
             .register_type::<WorldAabb>()
             .register_type::<BroadPhaseProxy>()
-            .register_type::<Cube>()
             .register_type::<Velocity>()
             .register_type::<Bounce>()
             .register_type::<BroadPhaseSettings>()
@@ -111,8 +111,6 @@ impl Plugin for CollisionCorePlugin {
             .register_type::<CandidatePairs>()
             .register_type::<Contacts>()
             .register_type::<CollisionCounters>()
-            .register_type::<SceneDescription>()
-            .register_type::<TestSet>()
             .register_type::<CollisionStarted>()
             .register_type::<CollisionEnded>()
             .register_type::<CollisionEventSettings>()

@@ -56,6 +56,7 @@
 
 #[cfg(feature = "asset")]
 mod asset;
+mod cube;
 mod description;
 mod error;
 mod shape;
@@ -63,12 +64,26 @@ mod spawn;
 pub mod stress;
 mod test_set;
 
+use bevy::prelude::*;
+
 #[cfg(feature = "asset")]
 pub use asset::{SceneAssetPlugin, SceneLoader};
+pub use cube::Cube;
 pub use description::{Content, Motion, ObjectDescription, SceneDescription};
 pub use error::{ObjectProblem, SceneError, SceneProblem};
 pub use shape::ShapeDescription;
 pub use test_set::{Plane, TestCube, TestSet, TestSetError};
+
+/// Makes scenes known to reflection.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ScenePlugin;
+
+impl Plugin for ScenePlugin {
+    fn build(&self, app: &mut App) {
+        cube::register(app);
+        app.register_type::<SceneDescription>().register_type::<TestSet>();
+    }
+}
 
 #[cfg(test)]
 mod tests;
