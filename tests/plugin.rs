@@ -321,7 +321,7 @@ fn everything_is_registered_for_reflection() {
         "components::CollisionShape",
         "components::WorldAabb",
         "components::BroadPhaseProxy",
-        "scene::cube::Cube",
+        "scene::Cube",
         "motion::Velocity",
         "motion::track::PositionTrack",
         "response::Bounce",
