@@ -43,8 +43,8 @@ use bevy::{
 
 use crate::{
     broad_phase::{Pair, PairFilter},
-    collision_index::{CandidatePairs, CollisionIndex, in_index},
-    components::BroadPhaseProxy,
+    collision_index::{CandidatePairs, CollisionIndex},
+    components::{BroadPhaseProxy, change_filter, in_index},
     schedule::{CollisionSystems, PairFilterSystems, add_to_tick, expect_ticks},
     worlds::{self, CollisionWorld, InCollisionWorld},
 };
@@ -144,10 +144,6 @@ fn is_static(world: DeferredWorld, context: HookContext) {
 
 fn is_not_static(world: DeferredWorld, context: HookContext) {
     change_filter(world, context, |filter| filter.is_static = false);
-}
-
-pub(crate) fn change_filter(mut world: DeferredWorld, context: HookContext, change: impl FnOnce(&mut PairFilter)) {
-    in_index(&mut world, context.entity, |index, id| index.change_filter(id, change));
 }
 
 fn set_layers(filter: &mut PairFilter, layers: CollisionLayers) {

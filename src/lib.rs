@@ -75,6 +75,7 @@ pub mod diagnostics;
 pub mod filters;
 mod frame;
 mod hierarchy;
+mod maintenance;
 pub mod motion;
 pub mod narrow_phase;
 pub mod octree;
@@ -92,9 +93,11 @@ mod shear;
 pub mod spatial_query;
 pub mod swept;
 pub mod trace;
+mod way;
 pub mod worlds;
 
 pub use bounds::BoundsPlugin;
+pub use maintenance::BroadPhasePlugin;
 pub use plugin::OctreePlugins;
 pub use schedule::CollisionSystems;
 

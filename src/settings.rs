@@ -29,3 +29,10 @@ impl NarrowPhaseSettings {
         &self.0
     }
 }
+
+pub(crate) fn register(app: &mut App) {
+    app.init_resource::<BroadPhaseSettings>()
+        .init_resource::<NarrowPhaseSettings>()
+        .register_type::<BroadPhaseSettings>()
+        .register_type::<NarrowPhaseSettings>();
+}

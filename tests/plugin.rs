@@ -15,9 +15,8 @@ use bevy::{
     time::TimePlugin,
 };
 use bevy_octree::{
-    BoundsPlugin,
+    BoundsPlugin, BroadPhasePlugin,
     broad_phase::{BroadPhase, BroadPhaseStats, Exhaustive, Pair, Proxies, RootPolicy, Visitor},
-    collision_index::BroadPhasePlugin,
     contacts::{NarrowPhasePlugin, ReportPlugin},
     motion::{MotionPlugin, PositionTrack},
     narrow_phase::NarrowPhase,
@@ -321,10 +320,10 @@ fn everything_is_registered_for_reflection() {
         "components::CollisionShape",
         "components::WorldAabb",
         "components::BroadPhaseProxy",
-        "scene::Cube",
+        "Cube",
         "motion::Velocity",
         "motion::track::PositionTrack",
-        "response::Bounce",
+        "Bounce",
         "contacts::events::CollisionEventsEnabled",
         "contacts::colliding_entities::CollidingEntities",
     ];

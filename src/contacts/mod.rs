@@ -313,3 +313,15 @@ fn compare<'a, T: 'a, K: Ord>(
         visit(old, new);
     }
 }
+
+/// What others read though nothing is tested or told.
+pub(crate) fn register(app: &mut App) {
+    app.init_resource::<Contacts>()
+        .init_resource::<CollisionEventSettings>()
+        .register_type::<Contacts>()
+        .register_type::<CollisionEventSettings>()
+        .register_type::<CollisionEventsEnabled>()
+        .register_type::<CollidingEntities>()
+        .register_type::<CollisionStarted>()
+        .register_type::<CollisionEnded>();
+}

@@ -5,10 +5,11 @@ use bevy::prelude::*;
 use super::{CollisionEventSettings, CollisionEventsEnabled, Contacts, SweptContact};
 use crate::{
     broad_phase::Pair,
-    collision_index::{CandidatePairs, CollisionIndex, find_candidates},
+    collision_index::{Candidate, CandidatePairs, CollisionIndex},
     components::BroadPhaseProxy,
     counters::CollisionCounters,
-    narrow_phase::{NarrowPhase, Placed, TimedContact, Workspace},
+    maintenance::find_candidates,
+    narrow_phase::Workspace,
     schedule::{CollisionSystems, ImpactSystems, add_to_tick},
     settings::NarrowPhaseSettings,
 };
@@ -42,17 +43,6 @@ fn search_all(mut index: ResMut<CollisionIndex>) {
     index.search_all();
 }
 
-/// The two shapes of a pair, where they are. Entities may have gone since the pair was found.
-fn placed(index: &CollisionIndex, pair: Pair) -> Option<[Placed<'_>; 2]> {
-    let (a, b) = (index.body(pair.a)?, index.body(pair.b)?);
-    Some([Placed::new(&a.shape, &a.pose), Placed::new(&b.shape, &b.pose)])
-}
-
-/// When and how two meet in a tick.
-fn impact(index: &CollisionIndex, pair: Pair, tests: &NarrowPhase, workspace: &mut Workspace) -> Option<TimedContact> {
-    tests.time_of_impact(&index.moving(pair.a)?, &index.moving(pair.b)?, workspace)
-}
-
 /// A pair as contacts have it. Those who write candidates may have it the wrong way round, or one entity twice.
 fn in_order(pair: Pair) -> Option<Pair> {
     (pair.a != pair.b).then(|| Pair::new(pair.a, pair.b))
@@ -77,8 +67,7 @@ fn test_candidates(
     let may_repeat = !index.has_listed(&candidates);
     contacts.clear_found(index.search(), may_repeat);
     if contacts.tracking.is_idle() && !index.has_swept() {
-        let mut touch =
-            |pair: &Pair| placed(&index, *pair).is_some_and(|[a, b]| tests.intersects(a, b, &mut workspace));
+        let mut touch = |pair: &Pair| index.placed(*pair).is_some_and(|[a, b]| tests.intersects(a, b, &mut workspace));
         let touching = candidates.iter().copied().filter(|pair| touch(pair));
         if may_repeat {
             contacts.found.extend(touching.filter_map(in_order));
@@ -87,12 +76,15 @@ fn test_candidates(
         }
     } else {
         for pair in candidates.iter().copied().filter_map(in_order) {
-            if index.is_swept(pair) {
-                let met = impact(&index, pair, tests, &mut workspace);
-                contacts.impacts.extend(met.map(|met| SweptContact { pair, met }));
-                continue;
-            }
-            let Some([a, b]) = placed(&index, pair) else { continue };
+            let [a, b] = match index.candidate(pair) {
+                None => continue,
+                Some(Candidate::OnTheWay([a, b])) => {
+                    let met = tests.time_of_impact(&a, &b, &mut workspace);
+                    contacts.impacts.extend(met.map(|met| SweptContact { pair, met }));
+                    continue;
+                }
+                Some(Candidate::AtTheEnd(placed)) => placed,
+            };
             if contacts.tracking.wants(pair) {
                 let Some(geometry) = tests.contact(a, b, &mut workspace) else { continue };
                 contacts.found_geometry.push((pair, geometry));
@@ -113,7 +105,7 @@ fn test_candidates(
 /// Tells of the first pair of shapes about which nothing can be said.
 #[cfg(feature = "rapier")]
 fn warn_of_unknown(index: &CollisionIndex, candidates: &CandidatePairs) {
-    let is_unknown = |pair: &&Pair| placed(index, **pair).is_some_and(|[a, b]| !crate::narrow_phase::is_known(a, b));
+    let is_unknown = |pair: &&Pair| index.placed(**pair).is_some_and(|[a, b]| !crate::narrow_phase::is_known(a, b));
     let Some(pair) = candidates.iter().find(is_unknown) else { return };
     if let (Some(a), Some(b)) = (index.body(pair.a), index.body(pair.b)) {
         tracing::warn!(
@@ -136,7 +128,7 @@ fn take_up_verdicts(
     if contacts.has_verdicts() {
         let contacts = &mut *contacts;
         contacts.take_up(&index);
-        contacts.track(|pair| placed(&index, pair).and_then(|[a, b]| settings.tests().contact(a, b, &mut workspace)));
+        contacts.track(|pair| index.placed(pair).and_then(|[a, b]| settings.tests().contact(a, b, &mut workspace)));
         contacts.has_news = true;
     }
     counters.tick.contacts = contacts.len() as u64;

@@ -87,12 +87,23 @@ pub struct MotionPlugin;
 
 impl Plugin for MotionPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<PositionTrack>().register_type::<MovedElsewhere>();
+        register(app);
         add_to_tick(app, |app, schedule| {
             let move_all = (move_by_velocity, follow_tracks).chain();
             app.add_systems(schedule, move_all.in_set(CollisionSystems::Motion));
         });
     }
+}
+
+/// Everything but the systems: what others read, though nothing moves entities.
+pub(crate) fn register(app: &mut App) {
+    app.init_resource::<CollisionClock>()
+        .init_resource::<MotionSettings>()
+        .register_type::<CollisionClock>()
+        .register_type::<MotionSettings>()
+        .register_type::<Velocity>()
+        .register_type::<MovedElsewhere>()
+        .register_type::<PositionTrack>();
 }
 
 /// Entities on a track go where the track says, whatever their velocity.

@@ -6,7 +6,7 @@ use bevy::{math::DVec3, prelude::*};
 /// taken there and back, through the whole hierarchy. One whose ancestors are scaled to nothing has no answer. Entities without this component pass through each other, and are
 /// only reported. Those that are [swept](crate::swept::Swept), and what they meet, answer at the time of impact.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[type_path = "bevy_octree::response"]
+#[type_path = "bevy_octree"]
 #[reflect(Component, Debug, Default, PartialEq)]
 pub enum Bounce {
     /// The velocity is reversed, once per tick at most, however many contacts there are (Swan 1994, section 1.2).

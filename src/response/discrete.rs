@@ -13,7 +13,7 @@ use crate::{
     filters::Sensor,
     frame::{Ancestor, Frame},
     motion::Velocity,
-    narrow_phase::{Placed, Workspace},
+    narrow_phase::Workspace,
     settings::NarrowPhaseSettings,
 };
 
@@ -87,7 +87,7 @@ pub(super) fn reflect(
             })
         };
         let parties = [party(0, contact.a), party(1, contact.b)];
-        let placed = [Placed::new(&a.shape, &a.pose), Placed::new(&b.shape, &b.pose)];
+        let placed = [a.placed(), b.placed()];
         let way = parties[0].velocity - parties[1].velocity;
         let geometry = settings.tests().contact_in_passing(placed[0], placed[1], |_| way, &mut workspace);
         let Some(geometry) = geometry else { continue };

@@ -40,3 +40,7 @@ impl Plugin for BouncePlugin {
         });
     }
 }
+
+pub(crate) fn register(app: &mut App) {
+    app.register_type::<Bounce>();
+}

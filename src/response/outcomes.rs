@@ -73,18 +73,18 @@ pub(super) fn apply_outcomes(
             counters.tick.bounces += outcome.bounces;
         }
         if let Some(place) = outcome.place
-            && let Some(id) = proxy.id
+            && let Some(id) = proxy.id()
         {
             if let Some(own) = place.own {
                 transform.translation = own;
             }
-            let proxy = proxy.bypass_change_detection();
-            proxy.pose.translation = place.in_world;
-            index.place(id, &proxy.pose, settings.tests());
+            let pose = proxy.pose().with_translation(place.in_world);
+            BroadPhaseProxy::note_pose(&mut proxy, pose);
+            index.put(id, &pose, settings.tests());
         }
     }
     if outcomes.bodies.iter().any(|outcome| outcome.place.is_some()) {
-        index.update();
+        index.settle();
     }
 }
 

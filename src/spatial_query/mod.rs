@@ -23,7 +23,7 @@ pub use shape_cast::ShapeHit;
 use crate::{
     broad_phase::ProxyId,
     collision_index::{Body, CollisionIndex},
-    narrow_phase::{NarrowPhase, Placed, Shape},
+    narrow_phase::{NarrowPhase, Shape},
     settings::NarrowPhaseSettings,
 };
 
@@ -85,12 +85,6 @@ impl SpatialQuery<'_> {
     fn candidate(&self, id: ProxyId, filter: &SpatialQueryFilter) -> Option<&Body> {
         let object = self.index.index().proxies().filter(id);
         self.index.body(id).filter(|body| filter.accepts(body.entity, &object))
-    }
-}
-
-impl Body {
-    fn placed(&self) -> Placed<'_> {
-        Placed::new(&self.shape, &self.pose)
     }
 }
 
