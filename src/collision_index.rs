@@ -19,6 +19,7 @@ use crate::{
 /// [update](crate::spatial_query::update_spatial_index), it holds what it should.
 #[derive(Resource, Debug, Reflect)]
 #[reflect(Debug, Default, from_reflect = false)]
+#[type_path = "bevy_octree"]
 pub struct CollisionIndex {
     #[reflect(ignore)]
     index: SpatialIndex,
@@ -414,6 +415,7 @@ impl CollisionIndex {
 /// [hooks](crate::filters::PairHook) see that too.
 #[derive(Resource, Clone, Debug, Default, Deref, DerefMut, Reflect)]
 #[reflect(Resource, Debug, Default)]
+#[type_path = "bevy_octree"]
 pub struct CandidatePairs(pub Vec<Pair>);
 
 /// What others read though nothing maintains the index.

@@ -35,6 +35,7 @@ use crate::{
 #[derive(Component, Clone, Debug, Deref, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Clone, Debug)]
+#[type_path = "bevy_octree"]
 #[require(Transform, WorldAabb, BroadPhaseProxy)]
 #[component(on_remove = leave_index)]
 pub struct CollisionShape(pub Shape);
@@ -79,6 +80,7 @@ impl Default for CollisionShape {
 /// at the next tick.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect, Deref)]
 #[reflect(Component, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 #[component(on_insert = compute_anew, on_remove = leave_index)]
 pub struct WorldAabb(pub Aabb3d);
 
@@ -105,6 +107,7 @@ impl Default for WorldAabb {
 /// its own: the box of the entity is out of date.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[type_path = "bevy_octree"]
 #[component(on_discard = leave_index, clone_behavior = Ignore)]
 pub struct BroadPhaseProxy {
     #[reflect(ignore)]

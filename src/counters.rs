@@ -12,6 +12,7 @@ use crate::{
 /// Counters of the last tick, and their sums since the start.
 #[derive(Resource, Clone, Debug, Default, Reflect)]
 #[reflect(Resource, Debug, Default)]
+#[type_path = "bevy_octree"]
 pub struct CollisionCounters {
     /// The last tick, or the current one as far as it has come.
     pub tick: TickCounters,
@@ -22,6 +23,7 @@ pub struct CollisionCounters {
 /// Counters of one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct TickCounters {
     /// Entities in the index.
     pub objects: u64,

@@ -10,6 +10,7 @@ use crate::{
 /// Settings of the broad phase. Changes take effect at the next tick.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Reflect)]
 #[reflect(Resource, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct BroadPhaseSettings {
     /// How overlapping boxes are searched for.
     pub method: Method,

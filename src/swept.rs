@@ -72,6 +72,7 @@ pub use crate::way::SweptWay;
 /// world, wherever the parent goes. What hangs on it goes with it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 #[require(SweptWay)]
 #[component(on_insert = begin_anew, on_discard = shrink_box)]
 pub struct Swept {

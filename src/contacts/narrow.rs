@@ -2,7 +2,12 @@
 
 use bevy::prelude::*;
 
-use super::{CollisionEventSettings, CollisionEventsEnabled, Contacts, SweptContact};
+use super::{
+    list::Contacts,
+    pair::SweptContact,
+    settings::{CollisionEventSettings, CollisionEventsEnabled},
+    verdicts::Verdicts,
+};
 use crate::{
     broad_phase::Pair,
     collision_index::{Candidate, CandidatePairs, CollisionIndex},
@@ -25,7 +30,7 @@ impl Plugin for NarrowPhasePlugin {
                 schedule,
                 (
                     search_all.in_set(CollisionSystems::BroadPhase).before(find_candidates).run_if(is_out_of_step),
-                    (test_candidates.before(ImpactSystems), take_up_verdicts.after(ImpactSystems))
+                    (test_candidates.before(ImpactSystems), merge_verdicts.after(ImpactSystems))
                         .in_set(CollisionSystems::NarrowPhase),
                 ),
             );
@@ -54,46 +59,48 @@ fn test_candidates(
     candidates: Res<CandidatePairs>,
     (settings, event_settings): (Res<NarrowPhaseSettings>, Res<CollisionEventSettings>),
     enabled: Query<&BroadPhaseProxy, With<CollisionEventsEnabled>>,
-    mut contacts: ResMut<Contacts>,
+    (contacts, mut verdicts): (Res<Contacts>, ResMut<Verdicts>),
     mut counters: ResMut<CollisionCounters>,
     mut workspace: Local<Workspace>,
 ) {
     if !contacts.are_out_of_step(&index) {
         return;
     }
-    let contacts = &mut *contacts;
+    let verdicts = &mut *verdicts;
     let tests = settings.tests();
-    contacts.tracking.refresh(&event_settings, enabled.iter().filter_map(BroadPhaseProxy::id));
+    verdicts.watch.refresh(&event_settings, enabled.iter().filter_map(BroadPhaseProxy::id));
     let may_repeat = !index.has_listed(&candidates);
-    contacts.clear_found(index.search(), may_repeat);
-    if contacts.tracking.is_idle() && !index.has_swept() {
+    verdicts.begin(index.search(), may_repeat);
+    if verdicts.watch.is_idle() && !index.has_swept() {
         let mut touch = |pair: &Pair| index.placed(*pair).is_some_and(|[a, b]| tests.intersects(a, b, &mut workspace));
         let touching = candidates.iter().copied().filter(|pair| touch(pair));
         if may_repeat {
-            contacts.found.extend(touching.filter_map(in_order));
+            verdicts.extend(touching.filter_map(in_order));
         } else {
-            contacts.found.extend(touching);
+            verdicts.extend(touching);
         }
     } else {
         for pair in candidates.iter().copied().filter_map(in_order) {
-            let [a, b] = match index.candidate(pair) {
-                None => continue,
+            match index.candidate(pair) {
+                None => {}
                 Some(Candidate::OnTheWay([a, b])) => {
-                    let met = tests.time_of_impact(&a, &b, &mut workspace);
-                    contacts.impacts.extend(met.map(|met| SweptContact { pair, met }));
-                    continue;
+                    if let Some(met) = tests.time_of_impact(&a, &b, &mut workspace) {
+                        verdicts.meet(SweptContact { pair, met });
+                    }
                 }
-                Some(Candidate::AtTheEnd(placed)) => placed,
-            };
-            if contacts.tracking.wants(pair) {
-                let Some(geometry) = tests.contact(a, b, &mut workspace) else { continue };
-                contacts.found_geometry.push((pair, geometry));
-            } else if !tests.intersects(a, b, &mut workspace) {
-                continue;
+                Some(Candidate::AtTheEnd([a, b])) if verdicts.watch.wants(pair) => {
+                    if let Some(geometry) = tests.contact(a, b, &mut workspace) {
+                        verdicts.touch(pair, Some(geometry));
+                    }
+                }
+                Some(Candidate::AtTheEnd([a, b])) => {
+                    if tests.intersects(a, b, &mut workspace) {
+                        verdicts.touch(pair, None);
+                    }
+                }
             }
-            contacts.found.push(pair);
         }
-        contacts.sort_impacts();
+        verdicts.sort_impacts();
     }
     counters.tick.stages = std::mem::take(&mut workspace.counters);
     #[cfg(feature = "rapier")]
@@ -118,18 +125,17 @@ fn warn_of_unknown(index: &CollisionIndex, candidates: &CandidatePairs) {
     }
 }
 
-fn take_up_verdicts(
+fn merge_verdicts(
     index: Res<CollisionIndex>,
     settings: Res<NarrowPhaseSettings>,
-    mut contacts: ResMut<Contacts>,
+    (mut contacts, mut verdicts): (ResMut<Contacts>, ResMut<Verdicts>),
     mut counters: ResMut<CollisionCounters>,
     mut workspace: Local<Workspace>,
 ) {
-    if contacts.has_verdicts() {
-        let contacts = &mut *contacts;
-        contacts.take_up(&index);
-        contacts.track(|pair| index.placed(pair).and_then(|[a, b]| settings.tests().contact(a, b, &mut workspace)));
-        contacts.has_news = true;
+    let geometry = |pair| index.placed(pair).and_then(|[a, b]| settings.tests().contact(a, b, &mut workspace));
+    if let Some(search) = verdicts.take_search() {
+        let changes = contacts.merge(search, &mut verdicts, &index, geometry);
+        (counters.tick.started, counters.tick.ended) = (changes.started, changes.ended);
     }
     counters.tick.contacts = contacts.len() as u64;
 }

@@ -21,8 +21,13 @@ use crate::{
 fn solid(contacts: &Contacts, sensors: &Query<(), With<Sensor>>) -> impl Iterator<Item = ContactPair> {
     let some = !sensors.is_empty();
     let is_sensor = move |entity| some && sensors.contains(entity);
-    let at_rest = |contact: &ContactPair| contacts.time_of_impact(contact.pair).is_none();
-    contacts.iter().copied().filter(at_rest).filter(move |contact| !is_sensor(contact.a) && !is_sensor(contact.b))
+    let at_rest = |contact: &ContactPair| !contacts.met_on_the_way(contact.pair);
+    contacts
+        .pairs()
+        .iter()
+        .copied()
+        .filter(at_rest)
+        .filter(move |contact| !is_sensor(contact.a) && !is_sensor(contact.b))
 }
 
 pub(super) fn reverse(

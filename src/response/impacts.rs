@@ -15,7 +15,7 @@ use crate::{
     broad_phase::{Method, ObjectOctreeSettings, Pair, ProxyId, SpatialIndex},
     collision_index::CollisionIndex,
     components::BroadPhaseProxy,
-    contacts::{Contacts, SweptContact},
+    contacts::{SweptContact, Verdicts},
     filters,
     frame::{Ancestor, Frame},
     motion::MotionSettings,
@@ -105,7 +105,7 @@ pub(super) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) 
     let resolver = &mut *resolver;
     let time = world.get_resource::<Time>().copied();
     let seconds = world.resource::<MotionSettings>().step.seconds(time.as_ref()).unwrap_or(0.0);
-    resolver.begin(world.resource::<Contacts>(), world.resource::<CollisionIndex>());
+    resolver.begin(world.resource::<Verdicts>(), world.resource::<CollisionIndex>());
     // Impacts are found for those who changed course, and nobody does so more often than its sub-steps say, plus once.
     while let Some(Reverse(impact)) = resolver.to_come.pop() {
         let Impact { pair, met, versions, at_end, .. } = impact;
@@ -132,17 +132,17 @@ pub(super) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) 
     resolver.tell(world, &mut outcomes);
     world.resource_mut::<Outcomes>().bodies = outcomes;
     let displaced = resolver.tracks.iter().filter(|(_, track)| track.is_displaced()).map(|(id, _)| *id);
-    world.resource_mut::<Contacts>().set_impacts(resolver.happened.drain(..), displaced, resolver.at_end.drain(..));
+    world.resource_mut::<Verdicts>().replace_impacts(resolver.happened.drain(..), displaced, resolver.at_end.drain(..));
     resolver.end();
 }
 
 impl Resolver {
-    fn begin(&mut self, contacts: &Contacts, index: &CollisionIndex) {
+    fn begin(&mut self, verdicts: &Verdicts, index: &CollisionIndex) {
         let impact = |&SweptContact { pair, met }: &SweptContact| {
             let closing = closing(&index.moving(pair.a)?, &index.moving(pair.b)?, &met);
             Some(Reverse(Impact { pair, met, closing, versions: [0; 2], at_end: false }))
         };
-        self.to_come.extend(contacts.impacts().iter().filter_map(impact));
+        self.to_come.extend(verdicts.impacts().iter().filter_map(impact));
     }
 
     /// How often a body has changed course.

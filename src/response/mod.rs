@@ -9,7 +9,7 @@ mod outcomes;
 use bevy::prelude::*;
 
 use crate::{
-    contacts::Contacts,
+    contacts::Verdicts,
     schedule::{CollisionSystems, ImpactSystems, add_to_tick},
 };
 
@@ -28,7 +28,7 @@ impl Plugin for BouncePlugin {
         add_to_tick(app, |app, schedule| {
             // Where nothing bounces, contacts are not looked at.
             let something_bounces = any_with_component::<Bounce>;
-            let some_impacts = |contacts: Res<Contacts>| !contacts.impacts().is_empty();
+            let some_impacts = |verdicts: Res<Verdicts>| !verdicts.impacts().is_empty();
             let some_outcomes = |outcomes: Res<Outcomes>| !outcomes.is_empty();
             // What was not applied in its tick comes too late.
             let clear = clear_outcomes.after(CollisionSystems::BroadPhase).before(CollisionSystems::NarrowPhase);
