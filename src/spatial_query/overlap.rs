@@ -49,7 +49,7 @@ impl SpatialQuery<'_> {
         filter: &SpatialQueryFilter,
         found: impl FnMut(Entity) -> F,
     ) {
-        if let Ok(ball) = Shape::sphere(radius) {
+        if let Ok(ball) = Shape::try_sphere(radius) {
             self.shape_intersections(&ball, &Transform::from_translation(center), filter, found);
         }
     }
