@@ -27,8 +27,8 @@ const MOST_GRAZES: u32 = 8;
 const LONGEST_STEP: f32 = 1.0 / 16.0;
 
 impl NarrowPhase {
-    /// Returns when two shapes on their way first come into contact, and how they then touch; `None` if they do not, or anything is
-    /// not finite.
+    /// Returns when two shapes on their way first come into contact, and how they then touch; `None` if they do not, or
+    /// anything is not finite.
     ///
     /// Two that are [in contact](Self::intersects) at the start meet at once if they come nearer to each other, and if they
     /// stay in contact to the end; those that part count from then on, if they are apart for more than 1/16 of the way or

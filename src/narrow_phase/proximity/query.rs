@@ -64,7 +64,7 @@ impl NarrowPhase {
     /// overlap as they do for [`intersects`](Self::intersects): one inside the other too, if that is closed. Those that are
     /// in contact by tolerance alone have a distance, which is no more than the tolerance. Swapping the two swaps the
     /// points and turns the offset around, unless they are equal in all things, position included. `None` if anything is not
-    /// finite, and for pairs of which nothing is known, such as two half-spaces: see the [module](super).
+    /// finite, and for pairs of which nothing is known, such as two half-spaces: see the [module](crate::narrow_phase).
     ///
     /// Two cuboids: O(1), in the order of 0.1 µs if turned alike, and 1 µs if not; two spheres, and a sphere and a cuboid:
     /// O(1); a sphere and a mesh: linear in its polygons; two meshes: linear in their polygons where they are far from each
