@@ -152,7 +152,6 @@ pub(super) enum Kind {
     Convex,
     Mesh,
     /// A shape of Rapier's: with the feature `rapier` alone is there one.
-    #[cfg_attr(not(feature = "rapier"), expect(dead_code, reason = "there are no such shapes"))]
     Foreign,
 }
 
