@@ -171,7 +171,7 @@ mod tests {
             [Vec3::new(4.0, 1.0, 1.0), Vec3::new(-4.0, 0.1, 3.0), Vec3::new(1.0, 0.0, 2.0), Vec3::new(1e-9, 1e9, 1.0)]
         {
             let world = shear(Transform::from_xyz(1.0, 2.0, 3.0).with_scale(scale));
-            let shape = Shape::cuboid(Vec3::ONE).unwrap();
+            let shape = Shape::from_half_size(Vec3::ONE);
             let Placement { transform, turn, is_sheared } = place(&shape, &world, None);
             assert!(is_sheared);
             let again = transform.compute_affine().matrix3.as_dmat3() * turn.transpose();
@@ -187,7 +187,7 @@ mod tests {
         for scale in upright {
             let parent = Transform::from_rotation(Quat::from_rotation_y(1.0)).with_scale(scale);
             let world = shear(parent);
-            let Placement { transform, turn, is_sheared } = place(&Shape::sphere(1.0).unwrap(), &world, None);
+            let Placement { transform, turn, is_sheared } = place(&Shape::sphere(1.0), &world, None);
             assert!(!is_sheared && turn == DMat3::IDENTITY);
             assert!((transform.rotation.length() - 1.0).abs() < 1e-6);
             let again = transform.compute_affine().matrix3.as_dmat3();
@@ -197,7 +197,7 @@ mod tests {
 
     #[test]
     fn a_shape_is_built_anew_only_when_it_turns_against_its_parent() {
-        let shape = Shape::cuboid(Vec3::ONE).unwrap();
+        let shape = Shape::from_half_size(Vec3::ONE);
         let parent = Transform::from_scale(Vec3::new(4.0, 1.0, 2.0));
         let mut sheared = Sheared::new(&shape, place(&shape, &shear(parent), None).turn);
         let mut follow = |parent, angle| {

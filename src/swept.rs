@@ -12,8 +12,8 @@
 //! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
 //!     .insert_resource(MotionSettings { step: Step::Seconds(0.01) });
 //! // A wall as thin as paper, and a bullet that covers five times its size per tick.
-//! app.world_mut().spawn(CollisionShape::cuboid(Vec3::new(0.001, 5.0, 5.0)).unwrap());
-//! let bullet = (CollisionShape::sphere(0.1).unwrap(), Bounce::Reflect { restitution: 1.0 }, Swept::default());
+//! app.world_mut().spawn(CollisionShape::cuboid(0.002, 10.0, 10.0));
+//! let bullet = (CollisionShape::sphere(0.1), Bounce::Reflect { restitution: 1.0 }, Swept::default());
 //! let bullet = app.world_mut().spawn((bullet, Velocity(Vec3::X * 100.0), Transform::from_xyz(-1.4, 0.0, 0.0))).id();
 //! app.update();
 //! app.update();

@@ -8,8 +8,9 @@ pub enum Exactness {
     /// Each pair by the cheapest test that is exact for it.
     #[default]
     Cheapest,
-    /// Pairs of cuboids go through [`Stage::Complete`] as polygon meshes, and [`Stage::Boxes`] is
-    /// skipped, as in the report's system: for study, and to check one test against the other.
+    /// Pairs of cuboids go through [`Stage::Complete`](super::Stage::Complete) as polygon meshes, and
+    /// [`Stage::Boxes`](super::Stage::Boxes) is skipped, as in the report's system: for study, and to check one test
+    /// against the other.
     EdgePolygon,
 }
 
@@ -54,12 +55,14 @@ impl NarrowPhase {
     }
 
     /// Returns the distance up to which two shapes are in contact, in world units.
+    #[inline]
     #[must_use]
     pub fn tolerance(&self) -> f32 {
         self.tolerance
     }
 
     /// Returns which way cuboids are decided.
+    #[inline]
     #[must_use]
     pub fn exactness(&self) -> Exactness {
         self.exactness

@@ -81,6 +81,6 @@ pub(super) fn flow(goes_on: bool) -> ControlFlow<()> {
 /// A box along the world's axes as a shape, if it is a box.
 pub(super) fn cuboid(aabb: &Aabb3d) -> Option<(Shape, Transform)> {
     let center = aabb.min * 0.5 + aabb.max * 0.5;
-    let shape = Shape::cuboid((aabb.max * 0.5 - aabb.min * 0.5).into()).ok()?;
+    let shape = Shape::try_from_half_size((aabb.max * 0.5 - aabb.min * 0.5).into()).ok()?;
     Some((shape, Transform::from_translation(center.into())))
 }

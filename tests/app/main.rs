@@ -25,6 +25,7 @@ mod rapier;
 #[cfg(feature = "rapier")]
 mod rapier_bodies;
 mod seams;
+mod shapes;
 mod shear;
 mod spaces;
 mod spatial_query;
