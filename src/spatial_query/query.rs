@@ -41,8 +41,9 @@ use crate::{
 /// # What is seen
 ///
 /// Entities where they were at the last tick: after the set [`Maintenance`](crate::CollisionSystems::Maintenance), that
-/// of this tick. [`update_spatial_index`] brings the index up to date at any other moment: in the frame of a spawn, or
-/// while time is paused. Despawned and disabled entities, and those without a valid box, are never found.
+/// of this tick. [`update_spatial_index`](super::update_spatial_index) brings the index up to date at any other moment: in
+/// the frame of a spawn, or while time is paused. Despawned and disabled entities, and those without a valid box, are never
+/// found.
 ///
 /// # Cost
 ///
