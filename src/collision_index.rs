@@ -17,6 +17,7 @@ use crate::{
 ///
 /// It may be taken out of the world for a while, or be replaced by another: at the next tick, or
 /// [update](crate::spatial_query::update_spatial_index), it holds what it should.
+#[doc(alias("bvh", "spatial index"))]
 #[derive(Resource, Debug, Reflect)]
 #[reflect(Debug, Default, from_reflect = false)]
 #[type_path = "bevy_octree"]
@@ -141,8 +142,8 @@ pub(crate) enum Candidate<'a> {
 pub(crate) enum Extent {
     /// In a box, which is refused if it is none.
     Box(Aabb3d),
-    /// It has no end, and is all in this half-space; `None` if it may be anywhere.
-    Endless(Option<HalfSpace>),
+    /// It is unbounded, and all in this half-space; `None` if it may be anywhere.
+    Unbounded(Option<HalfSpace>),
 }
 
 /// All that the index is to know of an entity that is new in it, or in no box.
@@ -155,7 +156,7 @@ pub(crate) struct Seen {
 }
 
 impl CollisionIndex {
-    /// The boxes, the broad phase, and queries, by [`ProxyId`].
+    /// Returns the boxes, the broad phase, and queries, by [`ProxyId`].
     #[must_use]
     pub const fn index(&self) -> &SpatialIndex {
         &self.index
@@ -167,13 +168,13 @@ impl CollisionIndex {
         self.index.set_engine(engine);
     }
 
-    /// The entity behind a handle. For a handle that was removed, the entity that had it last.
+    /// Returns the entity behind a handle. For a handle that was removed, the entity that had it last.
     #[must_use]
     pub fn entity(&self, id: ProxyId) -> Option<Entity> {
         self.bodies.get(id.index()).map(|body| body.entity)
     }
 
-    /// The entities of a pair.
+    /// Returns the entities of a pair.
     ///
     /// # Panics
     /// If the pair is not of this index.
@@ -368,14 +369,14 @@ impl CollisionIndex {
     ///
     /// | its own handle is | it has | it |
     /// |---|---|---|
-    /// | that of one without an end | no end | stays, and is updated |
-    /// | any, or none | a place, and a filter | leaves, if it was in, and enters anew |
-    /// | any, or none | no box, or no filter | leaves, if it was in |
+    /// | that of one that is unbounded | no bounds | stays, and is updated |
+    /// | any, or none | a box or no bounds, and a filter | leaves, if it was in, and enters anew |
+    /// | any, or none | neither, or no filter | leaves, if it was in |
     #[cold]
     pub(crate) fn upsert(&mut self, id: Option<ProxyId>, seen: Seen) -> Option<ProxyId> {
         let Seen { body, extent, filter } = seen;
         let own = id.filter(|id| self.is_entry_of(*id, body.entity));
-        if let (Some(own), Extent::Endless(side)) = (own, extent)
+        if let (Some(own), Extent::Unbounded(side)) = (own, extent)
             && self.index.set_endless(own, side).is_ok()
         {
             self.index.touch(own);
@@ -392,7 +393,7 @@ impl CollisionIndex {
     fn enter(&mut self, body: Body, extent: Extent, filter: PairFilter) -> Option<ProxyId> {
         let entered = match extent {
             Extent::Box(aabb) => self.index.insert(aabb),
-            Extent::Endless(side) => self.index.insert_endless(side),
+            Extent::Unbounded(side) => self.index.insert_endless(side),
         };
         let id = entered.ok()?;
         self.change_filter(id, |old| *old = filter);
@@ -413,6 +414,7 @@ impl CollisionIndex {
 /// twice, or the wrong way round, is one contact. What a
 /// [swept](crate::swept::Swept) entity meets after a bounce, within the same tick, is not among them: layers, lists and
 /// [hooks](crate::filters::PairHook) see that too.
+#[doc(alias("broad phase pairs", "possible collisions"))]
 #[derive(Resource, Clone, Debug, Default, Deref, DerefMut, Reflect)]
 #[reflect(Resource, Debug, Default)]
 #[type_path = "bevy_octree"]

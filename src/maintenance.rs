@@ -15,13 +15,13 @@ use crate::{
     filters::{self, FilterParts},
     narrow_phase::{Moving, NarrowPhase},
     schedule::{CollisionSystems, add_to_tick},
-    settings::{BroadPhaseSettings, NarrowPhaseSettings},
+    settings::BroadPhaseSettings,
     shear::{self, Sheared},
     swept::{self, Swept},
     way::SweptWay,
 };
 
-/// Octree maintenance and the search for candidate pairs.
+/// The plugin for maintenance of the [`CollisionIndex`] and the search for [`CandidatePairs`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BroadPhasePlugin;
 
@@ -37,7 +37,7 @@ impl Plugin for BroadPhasePlugin {
     }
 }
 
-/// Takes up all boxes that changed, at any moment.
+/// Brings the index up to date with all boxes that changed, at any moment.
 pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     if let Some(mut index) = world.get_resource_mut::<CollisionIndex>() {
         index.keep_search();
@@ -47,7 +47,7 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     world.run_system_cached(maintain)
 }
 
-/// Has an index that missed something, or is a new one, forget all that is not there, and take up all that is.
+/// Has an index that missed something, or is a new one, forget all that is not there, and learn of all that is.
 fn mend(
     mut index: ResMut<CollisionIndex>,
     mut upkeep: ResMut<Upkeep>,
@@ -74,14 +74,14 @@ type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<(&'a Swept, &'a Swep
 
 fn maintain(
     mut index: ResMut<CollisionIndex>,
-    (settings, narrow, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhaseSettings>, Res<Upkeep>),
+    (settings, tests, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhase>, Res<Upkeep>),
     mut boxes: Query<ChangedBoxes, Changed<WorldAabb>>,
     (archetypes, sheared): (Query<&Archetype>, Query<&Sheared>),
     mut counters: ResMut<CollisionCounters>,
 ) {
     let index = &mut *index;
     index.set_method(&settings.method, settings.pair_kinds);
-    if narrow.is_changed() {
+    if tests.is_changed() {
         index.search_all();
     }
     let some_sheared = !sheared.is_empty();
@@ -101,7 +101,7 @@ fn maintain(
             let is_disabled = archetypes.get(entity).is_ok_and(|archetype| upkeep.disables(archetype));
             let filter = (!is_disabled).then(|| filters::filter(parts));
             let body = Body { entity, pose: *proxy.pose(), shape: shape.clone() };
-            let extent = extent(aabb, &body, start.as_ref(), narrow.tests());
+            let extent = extent(aabb, &body, start.as_ref(), &tests);
             let id = index.upsert(proxy.id(), Seen { body, extent, filter });
             BroadPhaseProxy::note_id(&mut proxy, id);
             if let Some(id) = id {
@@ -115,12 +115,12 @@ fn maintain(
     counters.tick.moved = proxies.moved().len() as u64;
 }
 
-/// Where an entity is in this tick. What fills all the space there is has no end: where that is, is up to its shape.
+/// Where an entity is in this tick. What fills all the space there is is unbounded: where that is, is up to its shape.
 #[cold]
 fn extent(aabb: &WorldAabb, body: &Body, start: Option<&Transform>, tests: &NarrowPhase) -> Extent {
-    if *aabb == WorldAabb::ENDLESS {
+    if *aabb == WorldAabb::UNBOUNDED {
         let moving = Moving::new(&body.shape, start.unwrap_or(&body.pose), &body.pose);
-        Extent::Endless(swept::side(tests, &moving))
+        Extent::Unbounded(swept::side(tests, &moving))
     } else {
         Extent::Box(aabb.0)
     }

@@ -15,11 +15,9 @@ use bevy::{
     time::TimePlugin,
 };
 use bevy_octree::{
-    BoundsPlugin, BroadPhasePlugin,
     broad_phase::{BroadPhase, BroadPhaseStats, Exhaustive, Pair, Proxies, RootPolicy, Visitor},
-    contacts::{NarrowPhasePlugin, ReportPlugin},
-    motion::{MotionPlugin, PositionTrack},
-    narrow_phase::NarrowPhase,
+    motion::PositionTrack,
+    plugins::{BoundsPlugin, BroadPhasePlugin, MotionPlugin, NarrowPhasePlugin, ReportPlugin},
     prelude::*,
 };
 use common::*;
@@ -271,7 +269,7 @@ fn a_changed_tolerance_counts_for_all_pairs_at_once() {
         .map(|x| app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0))).id());
     tick(&mut app, 2);
     for (tolerance, expected) in [(0.1, vec![[row[0], row[1]], [row[1], row[2]]]), (0.01, vec![])] {
-        app.insert_resource(NarrowPhaseSettings(NarrowPhase::new(tolerance).unwrap()));
+        app.insert_resource(NarrowPhase::new(tolerance).unwrap());
         tick(&mut app, 1);
         assert_eq!(contacts(&app), expected);
         tick(&mut app, 1);
@@ -336,7 +334,7 @@ fn everything_is_registered_for_reflection() {
         "CollisionCounters",
         "motion::CollisionClock",
         "motion::MotionSettings",
-        "settings::NarrowPhaseSettings",
+        "NarrowPhase",
     ];
     // The index is not made from reflected values: it makes no sense without the entities behind it.
     let others = ["CollisionIndex", "CollisionStarted", "CollisionEnded"];

@@ -37,6 +37,7 @@ use crate::{
 /// assert_eq!(contacts.between(b, a).unwrap().b, a); // as seen from the first
 /// assert_eq!(contacts.of(a).count(), 1);
 /// ```
+#[doc(alias("collisions", "contact graph"))]
 #[derive(Resource, Clone, Debug, Default, Reflect)]
 #[reflect(Resource, Debug, Default)]
 #[type_path = "bevy_octree"]

@@ -60,6 +60,7 @@ pub(crate) struct SweptContact {
 }
 
 /// Two entities in contact, as seen from the first.
+#[doc(alias = "contact pair")]
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
 pub struct Collision {

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::schedule::{CollisionSystems, add_to_tick};
 
-/// Messages and events about contacts that started and ended, and [`CollidingEntities`](super::CollidingEntities).
+/// The plugin for messages and events about contacts that started and ended, and for [`CollidingEntities`](super::CollidingEntities).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReportPlugin;
 

@@ -44,7 +44,7 @@ pub(super) fn draw_boxes(
     let mut draw = |aabb: &WorldAabb, proxy: &BroadPhaseProxy, own: Option<&DebugDraw>| {
         let Some(id) = proxy.id() else { return };
         let others = if proxies.is_resting(id) { resting } else { moving };
-        if let Some(color) = DebugDraw::color(own, others).filter(|_| *aabb != WorldAabb::ENDLESS) {
+        if let Some(color) = DebugDraw::color(own, others).filter(|_| *aabb != WorldAabb::UNBOUNDED) {
             gizmos.aabb_3d(aabb.0, Transform::IDENTITY, color);
         }
     };

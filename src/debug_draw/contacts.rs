@@ -16,7 +16,7 @@ pub(super) fn draw_contacts(mut gizmos: Gizmos<CollisionGizmos>, collisions: Col
         if let Some(Contact { normal, point, .. }) = contact {
             surface_point(&mut gizmos, point, normal, color);
         } else if let Ok(boxes) = boxes.get_many([a, b])
-            && !boxes.contains(&&WorldAabb::ENDLESS)
+            && !boxes.contains(&&WorldAabb::UNBOUNDED)
         {
             let [a, b] = boxes.map(|aabb| aabb.center().into());
             gizmos.line(a, b, color);

@@ -24,7 +24,6 @@ use crate::{
     broad_phase::ProxyId,
     collision_index::{Body, CollisionIndex},
     narrow_phase::{NarrowPhase, Shape},
-    settings::NarrowPhaseSettings,
 };
 
 /// Asks about entities with a [`CollisionShape`](crate::components::CollisionShape): what a ray or a moving shape meets,
@@ -67,7 +66,7 @@ use crate::{
 #[derive(SystemParam)]
 pub struct SpatialQuery<'w> {
     index: Res<'w, CollisionIndex>,
-    settings: Res<'w, NarrowPhaseSettings>,
+    tests: Res<'w, NarrowPhase>,
 }
 
 impl SpatialQuery<'_> {
@@ -78,7 +77,7 @@ impl SpatialQuery<'_> {
     }
 
     fn tests(&self) -> &NarrowPhase {
-        &self.settings.0
+        &self.tests
     }
 
     /// What is behind a handle, if the filter lets it pass.
