@@ -113,9 +113,20 @@ pub(crate) struct Body {
     pub(crate) entity: Entity,
     pub(crate) pose: Transform,
     pub(crate) shape: Shape,
+    /// When the entity's own shape became what it is here: one look at it spares that at the shape.
+    pub(crate) reshaped: Tick,
 }
 
 impl Body {
+    /// Brings the shape up to date with what takes part, which became what it is at that time, unless an ancestor shears it.
+    #[cold]
+    pub(crate) fn reshape(&mut self, shape: &Shape, reshaped: Tick) {
+        self.reshaped = reshaped;
+        if !self.shape.is_same(shape) {
+            self.shape = shape.clone();
+        }
+    }
+
     /// The shape, where it is at the end of the tick.
     #[inline]
     pub(crate) const fn placed(&self) -> Placed<'_> {

@@ -69,7 +69,7 @@ fn mend(
     upkeep.done(&index);
 }
 
-type Boxed<'a> = (Entity, &'a WorldAabb, &'a CollisionShape, &'a mut BroadPhaseProxy);
+type Boxed<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy);
 type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<(&'a Swept, &'a SweptWay)>);
 
 fn maintain(
@@ -86,28 +86,30 @@ fn maintain(
     }
     let some_sheared = !sheared.is_empty();
     for ((entity, aabb, own, mut proxy), parts, swept) in &mut boxes {
-        let shape = if some_sheared { shear::shape(own, sheared.get(entity).ok()) } else { own };
+        let shape = || shear::shape(&own, sheared.get(entity).ok());
         let way = swept.map(|(_, way)| way).filter(|way| way.belongs_to(entity, proxy.id()));
         let start = way.and_then(|way| way.to(proxy.pose())).copied();
-        if let Some(id) = proxy.id()
+        let id = if let Some(id) = proxy.id()
             && let Some(body) = index.follow(id, entity, &aabb.0)
         {
             body.pose = *proxy.pose();
-            if !body.shape.is_same(shape) {
-                body.shape = shape.clone();
+            // It may have changed when nobody looked, between two sets.
+            if body.reshaped != own.last_changed() || some_sheared {
+                body.reshape(shape(), own.last_changed());
             }
-            index.set_start(id, start);
+            id
         } else {
             let is_disabled = archetypes.get(entity).is_ok_and(|archetype| upkeep.disables(archetype));
             let filter = (!is_disabled).then(|| filters::filter(parts));
-            let body = Body { entity, pose: *proxy.pose(), shape: shape.clone() };
+            let (pose, reshaped) = (*proxy.pose(), own.last_changed());
+            let body = Body { entity, pose, shape: shape().clone(), reshaped };
             let extent = extent(aabb, &body, start.as_ref(), &tests);
             let id = index.upsert(proxy.id(), Seen { body, extent, filter });
             BroadPhaseProxy::note_id(&mut proxy, id);
-            if let Some(id) = id {
-                index.set_start(id, start);
-            }
-        }
+            let Some(id) = id else { continue };
+            id
+        };
+        index.set_start(id, start);
     }
     index.update();
     let proxies = index.index().proxies();

@@ -130,8 +130,7 @@ fn merge_verdicts(
 ) {
     let geometry = |pair| index.placed(pair).and_then(|[a, b]| tests.contact(a, b, &mut workspace));
     if let Some(search) = verdicts.take_search() {
-        let changes = contacts.merge(search, &mut verdicts, &index, geometry);
-        (counters.tick.started, counters.tick.ended) = (changes.started, changes.ended);
+        contacts.merge(search, &mut verdicts, &index, geometry);
     }
     counters.tick.contacts = contacts.len() as u64;
 }
