@@ -18,7 +18,7 @@ use crate::{
 /// inserted again, even within a frame, starts anew: its contacts end and start.
 ///
 /// It is placed by the [`Transform`]s of the entity and its ancestors. What becomes of shapes that a scaled parent shears is
-/// said of the [`BoundsPlugin`](crate::BoundsPlugin#sheared-shapes).
+/// said of the [`BoundsPlugin`](crate::plugins::BoundsPlugin#sheared-shapes).
 ///
 /// An entity with a shape and no [`Velocity`](crate::motion::Velocity) is *at rest*: while its [`Transform`] stays unchanged, it is
 /// looked at by nothing.
@@ -137,6 +137,7 @@ impl Default for CollisionShape {
 /// Kept up to date in the set [`Bounds`](crate::CollisionSystems::Bounds). A system after that set and before
 /// [`Maintenance`](crate::CollisionSystems::Maintenance) may enlarge it. What is inserted in its place is computed anew
 /// at the next tick.
+#[doc(alias("aabb", "bounding box", "fat aabb"))]
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect, Deref)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -148,7 +149,7 @@ impl WorldAabb {
     /// by the broad phase.
     pub const NONE: Self = Self(Aabb3d { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY });
 
-    /// The box of an entity whose shape has no end, as a half-space: all of space. The index keeps such entities apart
+    /// The box of an entity whose shape is unbounded, as a half-space: all of space. The index keeps such entities apart
     /// from the broad phase.
     pub const UNBOUNDED: Self = Self(EVERYWHERE);
 }
@@ -176,7 +177,7 @@ pub struct BroadPhaseProxy {
 }
 
 impl BroadPhaseProxy {
-    /// The entity's handle in the index; `None` before its first tick, and while it has no valid box.
+    /// Returns the entity's handle in the index; `None` before its first tick, and while it has no valid box.
     #[must_use]
     pub const fn id(&self) -> Option<ProxyId> {
         self.id

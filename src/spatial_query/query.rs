@@ -9,7 +9,6 @@ use crate::{
     broad_phase::ProxyId,
     collision_index::{Body, CollisionIndex},
     narrow_phase::{NarrowPhase, Shape},
-    settings::NarrowPhaseSettings,
 };
 
 /// Asks about entities with a [`CollisionShape`](crate::components::CollisionShape): what a ray or a moving shape meets,
@@ -54,7 +53,7 @@ use crate::{
 #[doc(alias("raycast", "shapecast", "scene query", "overlap", "spatial query pipeline"))]
 pub struct SpatialQuery<'w> {
     pub(super) index: Res<'w, CollisionIndex>,
-    settings: Res<'w, NarrowPhaseSettings>,
+    tests: Res<'w, NarrowPhase>,
 }
 
 impl SpatialQuery<'_> {
@@ -65,7 +64,7 @@ impl SpatialQuery<'_> {
     }
 
     pub(super) fn tests(&self) -> &NarrowPhase {
-        &self.settings.0
+        &self.tests
     }
 
     /// What is behind a handle, if the filter lets it pass.

@@ -307,7 +307,7 @@ fn a_rapier_collider_is_not_sheared() {
     let child = app.world_mut().spawn((shape.clone(), turned, ChildOf(parent))).id();
     assert_eq!(warnings(|| tick(&mut app, 1)), 1);
     let at = GlobalTransform::from(place(app.world(), child).as_affine3a()).compute_transform();
-    let tests = app.world().resource::<NarrowPhaseSettings>().0;
+    let tests = *app.world().resource::<NarrowPhase>();
     let expected = tests.world_aabb(bevy_octree::narrow_phase::Placed::new(&shape, &at)).unwrap();
     let found = get::<WorldAabb>(&app, child).0;
     assert!((found.min - expected.min).abs().max_element() < 1e-5, "{found:?} {expected:?}");

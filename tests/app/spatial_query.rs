@@ -97,7 +97,7 @@ fn rays_and_neighbours_are_those_of_brute_force() {
     for (seed, method) in methods().into_iter().enumerate() {
         let mut rng = Rng::with_seed(seed as u64);
         let mut app = random_app(&mut rng, method, 400);
-        let (objects, tests) = (everything(&mut app), app.world().resource::<NarrowPhaseSettings>().0);
+        let (objects, tests) = (everything(&mut app), *app.world().resource::<NarrowPhase>());
         let mut ray = || {
             let (origin, target) = (vector(&mut rng, 12.0), vector(&mut rng, 6.0));
             Ray3d::new(origin, Dir3::new(target - origin).unwrap_or(Dir3::X))
@@ -145,7 +145,7 @@ fn overlaps_and_sweeps_are_those_of_brute_force() {
     for (seed, method) in methods().into_iter().enumerate() {
         let mut rng = Rng::with_seed(100 + seed as u64);
         let mut app = random_app(&mut rng, method, 400);
-        let (objects, tests) = (everything(&mut app), app.world().resource::<NarrowPhaseSettings>().0);
+        let (objects, tests) = (everything(&mut app), *app.world().resource::<NarrowPhase>());
         ask(&mut app, move |spatial| {
             let (mut workspace, mut rng) = (Workspace::default(), Rng::with_seed(7));
             let (mut overlaps, mut sweeps) = (0, 0);
@@ -582,7 +582,7 @@ fn pairs_within_a_distance_are_those_of_brute_force() {
     for (seed, method) in methods().into_iter().enumerate() {
         let mut rng = Rng::with_seed(seed as u64 + 70);
         let mut app = random_app(&mut rng, method, 150);
-        let (objects, tests) = (everything(&mut app), app.world().resource::<NarrowPhaseSettings>().0);
+        let (objects, tests) = (everything(&mut app), *app.world().resource::<NarrowPhase>());
         ask(&mut app, move |spatial| {
             let mut workspace = Workspace::default();
             let is_first = |entity: Entity| entity.index_u32().is_multiple_of(3);

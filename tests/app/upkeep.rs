@@ -341,7 +341,7 @@ fn an_update_takes_up_a_new_tolerance() {
     tick(&mut app, 1);
     update_spatial_index(app.world_mut());
     tick(&mut app, 1);
-    app.world_mut().resource_mut::<NarrowPhaseSettings>().0 = NarrowPhase::new(0.5).unwrap();
+    app.insert_resource(NarrowPhase::new(0.5).unwrap());
     update_spatial_index(app.world_mut());
     let find = move |spatial: SpatialQuery| {
         let mut found = Vec::new();
