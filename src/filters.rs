@@ -211,7 +211,8 @@ impl<H> Default for PairHookPlugin<H> {
 impl<H: PairHook> Plugin for PairHookPlugin<H> {
     fn build(&self, app: &mut App) {
         let hook = app.register_system(ask_about::<H>);
-        app.add_systems(self.schedule, ask::<H>.in_set(PairFilterSystems));
+        // Filters take pairs out, and none looks at what others took: in any order, the same are left.
+        app.add_systems(self.schedule, ask::<H>.in_set(PairFilterSystems).ambiguous_with(PairFilterSystems));
         app.world_mut().get_resource_or_init::<PairHooks>().0.push(hook);
     }
 }
