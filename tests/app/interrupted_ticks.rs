@@ -21,7 +21,7 @@ struct Plan(Vec<(usize, Act)>);
 
 impl Plan {
     fn add(app: &mut App, gap: usize, act: impl FnMut(&mut World) + Send + Sync + 'static) {
-        app.world_mut().resource_mut::<Plan>().0.push((gap, Box::new(act)));
+        app.world_mut().resource_mut::<Self>().0.push((gap, Box::new(act)));
     }
 
     /// Does what is planned for a gap.
