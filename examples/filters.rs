@@ -37,7 +37,7 @@ impl PairHook for Cloaking<'static, 'static> {
 
 fn main() {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, OctreePlugins::new(Update), PairHookPlugin::<Cloaking>::new(Update)));
+    app.add_plugins((MinimalPlugins, OctreePlugins::new(Update), PairHookPlugin::<Cloaking>::default()));
     app.insert_resource(MotionSettings { step: Step::Seconds(1.0) });
     app.add_systems(Startup, spawn);
     app.add_systems(Update, report.after(CollisionSystems::Report));

@@ -14,7 +14,7 @@ fn main() {
         .insert_resource(rapier::TimestepMode::Fixed { dt: 0.05, substeps: 1 })
         .add_plugins(rapier::RapierPhysicsPlugin::<()>::default())
         // In Rapier's schedule, so that contacts are those of the step just made.
-        .add_plugins((OctreePlugins::new(PostUpdate), RapierInteropPlugin::new(PostUpdate)))
+        .add_plugins((OctreePlugins::new(PostUpdate), RapierInteropPlugin::default()))
         .add_systems(Startup, spawn);
     // As a runner would.
     app.finish();

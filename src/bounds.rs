@@ -1,15 +1,13 @@
 //! World boxes from transforms and shapes.
 
-use bevy::{
-    ecs::{schedule::InternedScheduleLabel, system::RegisteredSystemError},
-    prelude::*,
-};
+use bevy::{ecs::system::RegisteredSystemError, prelude::*};
 
 use crate::{
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     hierarchy::{self, Hierarchy},
     narrow_phase::{BoundsError, NarrowPhase, Placed, Shape},
-    plugin::{CollisionSystems, NarrowPhaseSettings},
+    schedule::{CollisionSystems, add_to_tick},
+    settings::NarrowPhaseSettings,
     shear::{self, Sheared},
 };
 
@@ -29,17 +27,17 @@ use crate::{
 /// what they are under it, exactly. A ball stays a ball, by the largest stretch in any direction, and a Rapier collider
 /// is not sheared, as by Rapier itself: both with a warning in the log, once for each entity. Ancestors that move, turn and
 /// stretch cost what they cost elsewhere; a shape that turns against them is built anew, in time linear in its vertices.
-#[derive(Clone, Debug)]
-pub struct BoundsPlugin(pub(crate) InternedScheduleLabel);
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BoundsPlugin;
 
 impl Plugin for BoundsPlugin {
     fn build(&self, app: &mut App) {
         let some_children = any_match_filter::<Or<((With<ChildOf>, With<CollisionShape>), With<Sheared>)>>;
-        app.add_systems(
-            self.0,
-            (outdate_all, update_roots, update_children.run_if(some_children)).chain().in_set(CollisionSystems::Bounds),
-        )
-        .add_observer(hierarchy::on_unparented);
+        app.add_observer(hierarchy::on_unparented);
+        add_to_tick(app, move |app, schedule| {
+            let update = (outdate_all, update_roots, update_children.run_if(some_children)).chain();
+            app.add_systems(schedule, update.in_set(CollisionSystems::Bounds));
+        });
     }
 }
 

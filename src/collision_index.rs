@@ -5,18 +5,19 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use bevy::{
     ecs::{
         archetype::Archetype, change_detection::Tick, component::ComponentId, entity_disabling::DefaultQueryFilters,
-        schedule::InternedScheduleLabel, system::RegisteredSystemError, world::DeferredWorld,
+        system::RegisteredSystemError, world::DeferredWorld,
     },
     prelude::*,
 };
 
 use crate::{
-    broad_phase::{BroadPhase, Method, Pair, PairFilter, PairKinds, ProxyId, SpatialIndex},
+    broad_phase::{BroadPhase, Method, Pair, PairFilter, ProxyId, SpatialIndex},
     components::{self, BroadPhaseProxy, CollisionShape, WorldAabb},
     counters::CollisionCounters,
     filters::{self, FilterParts},
     narrow_phase::{Moving, NarrowPhase, Placed, Shape},
-    plugin::{CollisionSystems, NarrowPhaseSettings},
+    schedule::{CollisionSystems, add_to_tick},
+    settings::{BroadPhaseSettings, NarrowPhaseSettings},
     shear::{self, Sheared},
     swept::{self, Swept, SweptWay},
 };
@@ -333,17 +334,6 @@ impl Body {
     }
 }
 
-/// Settings of the broad phase. Changes take effect at the next tick.
-#[derive(Resource, Clone, Debug, Default, PartialEq, Reflect)]
-#[reflect(Resource, Debug, Default, PartialEq)]
-pub struct BroadPhaseSettings {
-    /// How overlapping boxes are searched for.
-    pub method: Method,
-    /// Which kinds of pairs are sought at all, by which of the two is a
-    /// [`StaticCollider`](crate::filters::StaticCollider). Contacts of a kind that is no longer sought end.
-    pub pair_kinds: PairKinds,
-}
-
 /// The pairs that the exact tests look at in this tick: those whose boxes overlap and of which at least one entity
 /// moved. The verdict on all other pairs is still that of the last tick.
 ///
@@ -357,20 +347,19 @@ pub struct BroadPhaseSettings {
 pub struct CandidatePairs(pub Vec<Pair>);
 
 /// Octree maintenance and the search for candidate pairs.
-#[derive(Clone, Debug)]
-pub struct BroadPhasePlugin(pub(crate) InternedScheduleLabel);
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BroadPhasePlugin;
 
 impl Plugin for BroadPhasePlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Upkeep>().add_systems(
-            self.0,
-            (
-                (watch_disabling.run_if(some_new_disabling), mend, maintain)
-                    .chain()
-                    .in_set(CollisionSystems::Maintenance),
-                find_candidates.in_set(CollisionSystems::BroadPhase),
-            ),
-        );
+        app.init_resource::<Upkeep>();
+        add_to_tick(app, |app, schedule| {
+            let maintain = (watch_disabling.run_if(some_new_disabling), mend, maintain).chain();
+            app.add_systems(
+                schedule,
+                (maintain.in_set(CollisionSystems::Maintenance), find_candidates.in_set(CollisionSystems::BroadPhase)),
+            );
+        });
     }
 }
 
@@ -502,11 +491,5 @@ fn on_enabled(event: On<Remove>, mut world: DeferredWorld) {
     }
     if let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(event.entity) {
         proxy.set_changed();
-    }
-}
-
-impl NarrowPhaseSettings {
-    pub(crate) const fn tests(&self) -> &NarrowPhase {
-        &self.0
     }
 }

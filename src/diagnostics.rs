@@ -4,26 +4,25 @@ use std::time::{Duration, Instant};
 
 use bevy::{
     diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic},
-    ecs::schedule::{InternedScheduleLabel, ScheduleLabel},
     prelude::*,
 };
 
 use crate::{
     collision_index::CollisionIndex,
     counters::{CollisionCounters, TickCounters},
-    plugin::CollisionSystems,
+    schedule::{CollisionSystems, add_to_tick, expect_ticks},
 };
 
 /// Measures what a tick takes, and hands it to Bevy's diagnostics, once per tick: the times of the stages as the
-/// resource [`StageTimes`] too. Not part of [`OctreePlugins`](crate::OctreePlugins); add it after them, with the same
-/// schedule.
+/// resource [`StageTimes`] too. Not part of [`OctreePlugins`](crate::OctreePlugins): add it beside
+/// them, in any order.
 ///
 /// ```
 /// use bevy::{diagnostic::{DiagnosticsStore, LogDiagnosticsPlugin}, prelude::*};
 /// use bevy_octree::{diagnostics::CollisionDiagnosticsPlugin, prelude::*};
 ///
 /// let mut app = App::new();
-/// app.add_plugins((MinimalPlugins, OctreePlugins::new(Update), CollisionDiagnosticsPlugin::new(Update)))
+/// app.add_plugins((MinimalPlugins, OctreePlugins::new(Update), CollisionDiagnosticsPlugin))
 ///     .add_plugins(LogDiagnosticsPlugin::default());
 /// app.update();
 /// let store = app.world().resource::<DiagnosticsStore>();
@@ -33,8 +32,8 @@ use crate::{
 /// A diagnostic that is disabled is not measured. Any of [`NODES`](Self::NODES), [`LEAVES`](Self::LEAVES),
 /// [`DEPTH`](Self::DEPTH), [`FILL`](Self::FILL) and [`BYTES`](Self::BYTES) takes a walk over all nodes of the N-objects
 /// octree, one per tick for all of them; for other broad phases they cost next to nothing.
-#[derive(Clone, Debug)]
-pub struct CollisionDiagnosticsPlugin(InternedScheduleLabel);
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CollisionDiagnosticsPlugin;
 
 impl CollisionDiagnosticsPlugin {
     /// Entities in the index.
@@ -69,19 +68,6 @@ impl CollisionDiagnosticsPlugin {
         DiagnosticPath::const_new("bevy_octree/time/response"),
         DiagnosticPath::const_new("bevy_octree/time/report"),
     ];
-
-    /// Measures the ticks in `schedule`: that of the [`OctreePlugins`](crate::OctreePlugins).
-    #[must_use]
-    pub fn new(schedule: impl ScheduleLabel) -> Self {
-        Self(schedule.intern())
-    }
-}
-
-/// Of [`FixedPostUpdate`].
-impl Default for CollisionDiagnosticsPlugin {
-    fn default() -> Self {
-        Self::new(FixedPostUpdate)
-    }
 }
 
 impl Plugin for CollisionDiagnosticsPlugin {
@@ -98,15 +84,20 @@ impl Plugin for CollisionDiagnosticsPlugin {
         for path in Self::STAGE_TIMES {
             app.register_diagnostic(Diagnostic::new(path).with_suffix(" ms"));
         }
-        app.init_resource::<StageTimes>()
-            .register_type::<StageTimes>()
-            .add_systems(self.0, begin.in_set(CollisionSystems::First))
-            .add_systems(self.0, measure.after(CollisionSystems::Last).before(CollisionCounters::end_tick));
-        let ends = STAGES.into_iter().skip(1).chain([CollisionSystems::Last]);
-        for (stage, (set, next)) in STAGES.into_iter().zip(ends).enumerate() {
-            let end = move |mut times: ResMut<StageTimes>| times.end(stage);
-            app.add_systems(self.0, end.after(set).before(next));
-        }
+        app.init_resource::<StageTimes>().register_type::<StageTimes>();
+        add_to_tick(app, |app, schedule| {
+            app.add_systems(schedule, begin.in_set(CollisionSystems::First));
+            let ends = STAGES.into_iter().skip(1).chain([CollisionSystems::Last]);
+            for (stage, (set, next)) in STAGES.into_iter().zip(ends).enumerate() {
+                let end = move |mut times: ResMut<StageTimes>| times.end(stage);
+                app.add_systems(schedule, end.after(set).before(next));
+            }
+            app.add_systems(schedule, measure.after(CollisionSystems::Last).before(CollisionCounters::end_tick));
+        });
+    }
+
+    fn finish(&self, app: &mut App) {
+        expect_ticks(app, "CollisionDiagnosticsPlugin");
     }
 }
 

@@ -28,14 +28,13 @@
 //! ```
 //!
 //! Layers, static entities and [worlds] are looked at in the broad phase, as are the kinds of pairs in its
-//! [settings](crate::collision_index::BroadPhaseSettings::pair_kinds): a pair that they rule out is gone before anything
+//! [settings](crate::settings::BroadPhaseSettings::pair_kinds): a pair that they rule out is gone before anything
 //! else sees it. Lists and hooks are asked about candidate pairs, before the exact tests.
 
 use bevy::{
     ecs::{
         entity::EntityHashSet,
         lifecycle::HookContext,
-        schedule::InternedScheduleLabel,
         system::{ReadOnlySystemParam, RegisteredSystemError, StaticSystemParam, SystemId, SystemParamItem},
         world::DeferredWorld,
     },
@@ -46,7 +45,7 @@ use crate::{
     broad_phase::{Pair, PairFilter},
     collision_index::{CandidatePairs, CollisionIndex, in_index},
     components::BroadPhaseProxy,
-    plugin::CollisionSystems,
+    schedule::{CollisionSystems, PairFilterSystems, add_to_tick, expect_ticks},
     worlds::{self, CollisionWorld, InCollisionWorld},
 };
 
@@ -103,7 +102,7 @@ impl CollisionLayers {
 
 /// An entity that does not meet others of its kind: walls, floors, scenery. Two static entities make no pair, however
 /// they overlap, and however they are moved; unless the
-/// [`PairKinds`](crate::collision_index::BroadPhaseSettings::pair_kinds) say otherwise.
+/// [`PairKinds`](crate::settings::BroadPhaseSettings::pair_kinds) say otherwise.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[component(on_insert = is_static, on_remove = is_not_static)]
@@ -163,7 +162,7 @@ pub trait PairHook: ReadOnlySystemParam + 'static {
     fn admits(hook: &SystemParamItem<'_, '_, Self>, a: Entity, b: Entity) -> bool;
 }
 
-/// Asks a [`PairHook`] about every candidate pair. Add it after [`OctreePlugins`](crate::OctreePlugins).
+/// Asks a [`PairHook`] about every candidate pair. Add it beside [`OctreePlugins`](crate::OctreePlugins), in any order.
 ///
 /// ```
 /// use bevy::{ecs::system::SystemParam, prelude::*};
@@ -188,32 +187,27 @@ pub trait PairHook: ReadOnlySystemParam + 'static {
 /// app.world_mut().run_schedule(FixedPostUpdate);
 /// assert!(app.world().resource::<Contacts>().is_empty());
 /// ```
-#[derive(Clone, Debug)]
-pub struct PairHookPlugin<H> {
-    schedule: InternedScheduleLabel,
-    hook: std::marker::PhantomData<fn() -> H>,
-}
+#[derive(Clone, Copy, Debug)]
+pub struct PairHookPlugin<H>(std::marker::PhantomData<fn() -> H>);
 
-impl<H> PairHookPlugin<H> {
-    /// For plugins that run in this schedule.
-    pub fn new(schedule: impl bevy::ecs::schedule::ScheduleLabel) -> Self {
-        Self { schedule: schedule.intern(), hook: std::marker::PhantomData }
-    }
-}
-
-/// For plugins that run in `FixedPostUpdate`, as they do by default.
 impl<H> Default for PairHookPlugin<H> {
     fn default() -> Self {
-        Self::new(FixedPostUpdate)
+        Self(std::marker::PhantomData)
     }
 }
 
 impl<H: PairHook> Plugin for PairHookPlugin<H> {
     fn build(&self, app: &mut App) {
         let hook = app.register_system(ask_about::<H>);
-        // Filters take pairs out, and none looks at what others took: in any order, the same are left.
-        app.add_systems(self.schedule, ask::<H>.in_set(PairFilterSystems).ambiguous_with(PairFilterSystems));
         app.world_mut().get_resource_or_init::<PairHooks>().0.push(hook);
+        add_to_tick(app, |app, schedule| {
+            // Filters take pairs out, and none looks at what others took: in any order, the same are left.
+            app.add_systems(schedule, ask::<H>.in_set(PairFilterSystems).ambiguous_with(PairFilterSystems));
+        });
+    }
+
+    fn finish(&self, app: &mut App) {
+        expect_ticks(app, "PairHookPlugin");
     }
 }
 
@@ -251,35 +245,28 @@ pub(crate) fn may_meet(world: &mut World, pair: Pair) -> bool {
     true
 }
 
-/// Systems that take pairs out of the [`CandidatePairs`]: after [`BroadPhase`](CollisionSystems::BroadPhase), before
-/// [`NarrowPhase`](CollisionSystems::NarrowPhase).
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct PairFilterSystems;
-
 /// Layers, static entities, lists of entities to ignore, and worlds.
-#[derive(Clone, Debug)]
-pub struct FilterPlugin(pub(crate) InternedScheduleLabel);
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FilterPlugin;
 
 impl Plugin for FilterPlugin {
     fn build(&self, app: &mut App) {
         let some_ignore = |lists: Query<(), With<IgnoreCollisions>>| !lists.is_empty();
-        app.configure_sets(
-            self.0,
-            PairFilterSystems.after(CollisionSystems::BroadPhase).before(CollisionSystems::NarrowPhase),
-        )
-        .add_systems(
-            self.0,
-            (
-                follow_layers.after(CollisionSystems::Bounds).before(CollisionSystems::Maintenance),
-                ignore.in_set(PairFilterSystems).run_if(some_ignore),
-            ),
-        )
-        .register_type::<CollisionLayers>()
-        .register_type::<StaticCollider>()
-        .register_type::<Sensor>()
-        .register_type::<IgnoreCollisions>()
-        .register_type::<InCollisionWorld>()
-        .register_type::<CollisionWorld>();
+        app.register_type::<CollisionLayers>()
+            .register_type::<StaticCollider>()
+            .register_type::<Sensor>()
+            .register_type::<IgnoreCollisions>()
+            .register_type::<InCollisionWorld>()
+            .register_type::<CollisionWorld>();
+        add_to_tick(app, move |app, schedule| {
+            app.add_systems(
+                schedule,
+                (
+                    follow_layers.after(CollisionSystems::Bounds).before(CollisionSystems::Maintenance),
+                    ignore.in_set(PairFilterSystems).run_if(some_ignore),
+                ),
+            );
+        });
     }
 }
 

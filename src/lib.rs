@@ -86,6 +86,8 @@ pub mod plugin;
 pub mod rapier;
 pub mod response;
 pub mod scene;
+pub mod schedule;
+pub mod settings;
 mod shear;
 pub mod spatial_query;
 pub mod swept;
@@ -93,7 +95,8 @@ pub mod trace;
 pub mod worlds;
 
 pub use bounds::BoundsPlugin;
-pub use plugin::{CollisionSystems, OctreePlugins};
+pub use plugin::OctreePlugins;
+pub use schedule::CollisionSystems;
 
 /// What most users need.
 pub mod prelude {
@@ -105,7 +108,7 @@ pub mod prelude {
     pub use crate::rapier::{RapierInteropPlugin, ShapeFromRapier};
     pub use crate::{
         broad_phase::{Method, ObjectOctreeSettings, PairKinds},
-        collision_index::{BroadPhaseSettings, CandidatePairs, CollisionIndex},
+        collision_index::{CandidatePairs, CollisionIndex},
         components::{CollisionShape, Cube, WorldAabb},
         contacts::{
             CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted,
@@ -117,8 +120,10 @@ pub mod prelude {
         },
         motion::{CollisionClock, MotionSettings, MovedElsewhere, PositionTrack, Step, Velocity},
         narrow_phase::Shape,
-        plugin::{CollisionSystems, NarrowPhaseSettings, OctreePlugins},
+        plugin::OctreePlugins,
         response::{Bounce, BouncePlugin},
+        schedule::CollisionSystems,
+        settings::{BroadPhaseSettings, NarrowPhaseSettings},
         spatial_query::{PairHit, PointHit, RayHit, ShapeHit, SpatialQuery, SpatialQueryFilter, update_spatial_index},
         swept::Swept,
         worlds::{CollisionWorld, InCollisionWorld},

@@ -1,4 +1,4 @@
-//! The plugins and the sets of systems.
+//! The plugin group.
 
 use bevy::{
     app::PluginGroupBuilder,
@@ -8,7 +8,7 @@ use bevy::{
 
 use crate::{
     bounds::BoundsPlugin,
-    collision_index::{BroadPhasePlugin, BroadPhaseSettings, CandidatePairs, CollisionIndex},
+    collision_index::{BroadPhasePlugin, CandidatePairs, CollisionIndex},
     components::{BroadPhaseProxy, CollisionShape, Cube, WorldAabb},
     contacts::{
         CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted, Contacts,
@@ -17,9 +17,10 @@ use crate::{
     counters::CollisionCounters,
     filters::FilterPlugin,
     motion::{CollisionClock, MotionPlugin, MotionSettings, Velocity},
-    narrow_phase::NarrowPhase,
     response::{Bounce, BouncePlugin},
     scene::{SceneDescription, TestSet},
+    schedule::{CollisionSchedulePlugin, CollisionSystems, add_to_tick},
+    settings::{BroadPhaseSettings, NarrowPhaseSettings},
     swept::SweptPlugin,
 };
 
@@ -65,69 +66,28 @@ impl Default for OctreePlugins {
 impl PluginGroup for OctreePlugins {
     fn build(self) -> PluginGroupBuilder {
         let group = PluginGroupBuilder::start::<Self>()
-            .add(CollisionCorePlugin(self.schedule))
-            .add(MotionPlugin(self.schedule))
-            .add(BoundsPlugin(self.schedule))
-            .add(BroadPhasePlugin(self.schedule))
-            .add(FilterPlugin(self.schedule))
-            .add(SweptPlugin(self.schedule))
-            .add(NarrowPhasePlugin(self.schedule))
-            .add(BouncePlugin(self.schedule))
-            .add(ReportPlugin(self.schedule));
+            .add(CollisionSchedulePlugin::new(self.schedule))
+            .add(CollisionCorePlugin)
+            .add(MotionPlugin)
+            .add(BoundsPlugin)
+            .add(BroadPhasePlugin)
+            .add(FilterPlugin)
+            .add(SweptPlugin)
+            .add(NarrowPhasePlugin)
+            .add(BouncePlugin)
+            .add(ReportPlugin);
         #[cfg(feature = "asset")]
         let group = group.add(crate::scene::SceneAssetPlugin);
         group
     }
 }
 
-/// The sets of systems, in the order in which they run. Systems of one's own go before or after any of them.
-///
-/// | set | reads → writes |
-/// |---|---|
-/// | `First` | nothing of ours: a place for systems that must run before all others |
-/// | `Motion` | `Velocity` or `PositionTrack` → `Transform` |
-/// | `Bounds` | changed `Transform`s and shapes → [`WorldAabb`] |
-/// | `Maintenance` | changed [`WorldAabb`]s → [`CollisionIndex`] |
-/// | `BroadPhase` | [`CollisionIndex`] → [`CandidatePairs`] |
-/// | `NarrowPhase` | [`CandidatePairs`] → [`Contacts`] |
-/// | `Response` | [`Contacts`] → [`Velocity`]; the [`Transform`] of what bounces on its way ([`Swept`](crate::swept::Swept)) |
-/// | `Report` | [`Contacts`] → [`CollisionStarted`], [`CollisionEnded`], [`CollidingEntities`]; observers of these run here |
-/// | `Last` | a place for systems that must run after all others |
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum CollisionSystems {
-    /// Before everything.
-    First,
-    /// Entities move.
-    Motion,
-    /// World boxes follow them.
-    Bounds,
-    /// The broad phase takes up the boxes that changed.
-    Maintenance,
-    /// Pairs of overlapping boxes are searched for.
-    BroadPhase,
-    /// Exact tests decide which of them are in contact.
-    NarrowPhase,
-    /// Velocities answer to contacts.
-    Response,
-    /// Contacts that started or ended are reported.
-    Report,
-    /// After everything.
-    Last,
-}
-
-/// Settings of the exact tests: see [`NarrowPhase`]. Changes take effect at the next tick, for all pairs.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
-#[reflect(opaque)]
-#[reflect(Resource, Debug, Default, PartialEq)]
-pub struct NarrowPhaseSettings(pub NarrowPhase);
-
-/// What the other plugins share: the order of the sets, the clock, the resources, and type registration.
-#[derive(Clone, Debug)]
-pub struct CollisionCorePlugin(InternedScheduleLabel);
+/// What the other plugins share: the clock, the resources, and type registration.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CollisionCorePlugin;
 
 impl Plugin for CollisionCorePlugin {
     fn build(&self, app: &mut App) {
-        use CollisionSystems as Set;
         app.init_resource::<CollisionClock>()
             .init_resource::<MotionSettings>()
             .init_resource::<BroadPhaseSettings>()
@@ -137,22 +97,6 @@ impl Plugin for CollisionCorePlugin {
             .init_resource::<Contacts>()
             .init_resource::<CollisionEventSettings>()
             .init_resource::<CollisionCounters>()
-            .configure_sets(
-                self.0,
-                (
-                    (Set::First, Set::Motion, Set::Bounds, Set::Maintenance, Set::BroadPhase).chain(),
-                    (Set::NarrowPhase, Set::Response, Set::Report, Set::Last).chain(),
-                )
-                    .chain()
-                    .before(TransformSystems::Propagate),
-            )
-            .add_systems(
-                self.0,
-                (
-                    CollisionCounters::begin_tick.before(Set::First),
-                    (CollisionCounters::end_tick, CollisionClock::advance).after(Set::Last),
-                ),
-            )
             .register_type::<CollisionShape>()
             .register_type::<WorldAabb>()
             .register_type::<BroadPhaseProxy>()
@@ -174,5 +118,14 @@ impl Plugin for CollisionCorePlugin {
             .register_type::<CollisionEventSettings>()
             .register_type::<CollisionEventsEnabled>()
             .register_type::<CollidingEntities>();
+        add_to_tick(app, |app, schedule| {
+            app.add_systems(
+                schedule,
+                (
+                    CollisionCounters::begin_tick.before(CollisionSystems::First),
+                    (CollisionCounters::end_tick, CollisionClock::advance).after(CollisionSystems::Last),
+                ),
+            );
+        });
     }
 }

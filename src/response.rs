@@ -1,20 +1,17 @@
 //! What contacts do to velocities.
 
-use bevy::{
-    ecs::{entity_disabling::Disabled, schedule::InternedScheduleLabel},
-    math::DVec3,
-    prelude::*,
-};
+use bevy::{ecs::entity_disabling::Disabled, math::DVec3, prelude::*};
 
 use crate::{
     collision_index::CollisionIndex,
-    contacts::{ContactPair, Contacts, ImpactSystems},
+    contacts::{ContactPair, Contacts},
     counters::CollisionCounters,
     filters::Sensor,
     frame::{Ancestor, Frame},
     motion::Velocity,
     narrow_phase::{Placed, Workspace},
-    plugin::{CollisionSystems, NarrowPhaseSettings},
+    schedule::{CollisionSystems, ImpactSystems, add_to_tick},
+    settings::NarrowPhaseSettings,
     swept::{Outcomes, apply_outcomes, clear_outcomes, resolve_impacts},
 };
 
@@ -47,29 +44,25 @@ pub enum Bounce {
 }
 
 /// Bounce response: contacts to velocities.
-#[derive(Clone, Debug)]
-pub struct BouncePlugin(pub(crate) InternedScheduleLabel);
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BouncePlugin;
 
 impl Plugin for BouncePlugin {
     fn build(&self, app: &mut App) {
-        // Where nothing bounces, contacts are not looked at.
-        let something_bounces = any_with_component::<Bounce>;
-        let some_impacts = |contacts: Res<Contacts>| !contacts.impacts().is_empty();
-        let some_outcomes = |outcomes: Res<Outcomes>| !outcomes.is_empty();
-        let at_rest = (reverse, reflect).chain().run_if(something_bounces);
-        let answer = (apply_outcomes.run_if(some_outcomes), at_rest, clear_outcomes.run_if(some_outcomes)).chain();
-        app.init_resource::<Outcomes>().add_systems(
-            self.0,
-            (
-                // What was not applied in its tick comes too late.
-                clear_outcomes
-                    .after(CollisionSystems::BroadPhase)
-                    .before(CollisionSystems::NarrowPhase)
-                    .run_if(some_outcomes),
-                resolve_impacts.in_set(ImpactSystems).run_if(some_impacts).run_if(something_bounces),
-                answer.in_set(CollisionSystems::Response),
-            ),
-        );
+        app.init_resource::<Outcomes>();
+        add_to_tick(app, |app, schedule| {
+            // Where nothing bounces, contacts are not looked at.
+            let something_bounces = any_with_component::<Bounce>;
+            let some_impacts = |contacts: Res<Contacts>| !contacts.impacts().is_empty();
+            let some_outcomes = |outcomes: Res<Outcomes>| !outcomes.is_empty();
+            // What was not applied in its tick comes too late.
+            let clear = clear_outcomes.after(CollisionSystems::BroadPhase).before(CollisionSystems::NarrowPhase);
+            let resolve = resolve_impacts.in_set(ImpactSystems).run_if(some_impacts).run_if(something_bounces);
+            let at_rest = (reverse, reflect).chain().run_if(something_bounces);
+            let answer = (apply_outcomes.run_if(some_outcomes), at_rest, clear_outcomes.run_if(some_outcomes));
+            let answer = answer.chain().in_set(CollisionSystems::Response);
+            app.add_systems(schedule, (clear.run_if(some_outcomes), resolve, answer));
+        });
     }
 }
 

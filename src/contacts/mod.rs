@@ -24,7 +24,6 @@ use tracking::{TrackedContact, Tracking};
 pub use colliding_entities::CollidingEntities;
 pub use collisions::{Collision, Collisions};
 pub use events::{CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted, EventScope};
-pub(crate) use narrow::ImpactSystems;
 pub use narrow::NarrowPhasePlugin;
 pub use report::ReportPlugin;
 

@@ -1,6 +1,6 @@
 //! The exact tests of all candidate pairs.
 
-use bevy::{ecs::schedule::InternedScheduleLabel, prelude::*};
+use bevy::prelude::*;
 
 use super::{CollisionEventSettings, CollisionEventsEnabled, Contacts, SweptContact};
 use crate::{
@@ -9,23 +9,26 @@ use crate::{
     components::BroadPhaseProxy,
     counters::CollisionCounters,
     narrow_phase::{NarrowPhase, Placed, TimedContact, Workspace},
-    plugin::{CollisionSystems, NarrowPhaseSettings},
+    schedule::{CollisionSystems, ImpactSystems, add_to_tick},
+    settings::NarrowPhaseSettings,
 };
 
 /// The exact tests of all candidate pairs.
-#[derive(Clone, Debug)]
-pub struct NarrowPhasePlugin(pub(crate) InternedScheduleLabel);
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NarrowPhasePlugin;
 
 impl Plugin for NarrowPhasePlugin {
     fn build(&self, app: &mut App) {
-        app.configure_sets(self.0, ImpactSystems.in_set(CollisionSystems::NarrowPhase)).add_systems(
-            self.0,
-            (
-                search_all.in_set(CollisionSystems::BroadPhase).before(find_candidates).run_if(is_out_of_step),
-                (test_candidates.before(ImpactSystems), take_up_verdicts.after(ImpactSystems))
-                    .in_set(CollisionSystems::NarrowPhase),
-            ),
-        );
+        add_to_tick(app, |app, schedule| {
+            app.add_systems(
+                schedule,
+                (
+                    search_all.in_set(CollisionSystems::BroadPhase).before(find_candidates).run_if(is_out_of_step),
+                    (test_candidates.before(ImpactSystems), take_up_verdicts.after(ImpactSystems))
+                        .in_set(CollisionSystems::NarrowPhase),
+                ),
+            );
+        });
     }
 }
 
@@ -38,10 +41,6 @@ fn is_out_of_step(contacts: Option<Res<Contacts>>, index: Option<Res<CollisionIn
 fn search_all(mut index: ResMut<CollisionIndex>) {
     index.search_all();
 }
-
-/// What happens to verdicts before they are taken up: impacts on the way change what comes after them.
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct ImpactSystems;
 
 /// The two shapes of a pair, where they are. Entities may have gone since the pair was found.
 fn placed(index: &CollisionIndex, pair: Pair) -> Option<[Placed<'_>; 2]> {

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use bevy::{ecs::schedule::InternedScheduleLabel, prelude::*};
+use bevy::prelude::*;
 
 use super::{
     Collision, CollisionEnded, CollisionEventSettings, CollisionStarted, ContactPair, Contacts, EventScope,
@@ -10,21 +10,25 @@ use super::{
     compare,
     tracking::{self, TrackedContact},
 };
-use crate::{counters::CollisionCounters, plugin::CollisionSystems};
+use crate::{
+    counters::CollisionCounters,
+    schedule::{CollisionSystems, add_to_tick},
+};
 
 /// Messages and events about contacts that started and ended, and [`CollidingEntities`](super::CollidingEntities).
-#[derive(Clone, Debug)]
-pub struct ReportPlugin(pub(crate) InternedScheduleLabel);
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ReportPlugin;
 
 impl Plugin for ReportPlugin {
     fn build(&self, app: &mut App) {
-        // Observers come last, so that they find everything else up to date, and see no change but their own.
-        let report = (write_messages, follow_contacts.run_if(is_in_use), trigger_events.run_if(anything_tracked));
-        // Each change is told once, though the exact tests or this may be skipped in a tick.
-        let report = report.chain().run_if(|contacts: Res<Contacts>| contacts.has_news);
-        app.add_message::<CollisionStarted>()
-            .add_message::<CollisionEnded>()
-            .add_systems(self.0, report.in_set(CollisionSystems::Report));
+        app.add_message::<CollisionStarted>().add_message::<CollisionEnded>();
+        add_to_tick(app, |app, schedule| {
+            // Observers come last, so that they find everything else up to date, and see no change but their own.
+            let report = (write_messages, follow_contacts.run_if(is_in_use), trigger_events.run_if(anything_tracked));
+            // Each change is told once, though the exact tests or this may be skipped in a tick.
+            let report = report.chain().run_if(|contacts: Res<Contacts>| contacts.has_news);
+            app.add_systems(schedule, report.in_set(CollisionSystems::Report));
+        });
     }
 }
 

@@ -39,7 +39,7 @@ pub use boxes::DebugDraw;
 pub use leaves::LeafColors;
 pub use queries::QueryGizmos;
 
-use crate::plugin::CollisionSystems;
+use crate::schedule::CollisionSystems;
 
 /// Draws by the gizmo group [`CollisionGizmos`], at the end of each frame, what the last tick found. Not part of
 /// [`OctreePlugins`](crate::OctreePlugins): add it after them and after Bevy's `GizmoPlugin`, which `DefaultPlugins` have.

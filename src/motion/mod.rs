@@ -3,9 +3,9 @@
 mod clip;
 mod track;
 
-use bevy::{ecs::schedule::InternedScheduleLabel, prelude::*};
+use bevy::prelude::*;
 
-use crate::plugin::CollisionSystems;
+use crate::schedule::{CollisionSystems, add_to_tick};
 pub use clip::{CollisionReport, Interval, PairContacts, TickOutOfOrder};
 pub use track::{Interpolation, Outside, PositionTrack, TrackError};
 
@@ -82,14 +82,16 @@ impl Step {
 }
 
 /// Moves entities, each tick.
-#[derive(Clone, Debug)]
-pub struct MotionPlugin(pub(crate) InternedScheduleLabel);
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MotionPlugin;
 
 impl Plugin for MotionPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<PositionTrack>()
-            .register_type::<MovedElsewhere>()
-            .add_systems(self.0, (move_by_velocity, follow_tracks).chain().in_set(CollisionSystems::Motion));
+        app.register_type::<PositionTrack>().register_type::<MovedElsewhere>();
+        add_to_tick(app, |app, schedule| {
+            let move_all = (move_by_velocity, follow_tracks).chain();
+            app.add_systems(schedule, move_all.in_set(CollisionSystems::Motion));
+        });
     }
 }
 

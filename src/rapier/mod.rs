@@ -13,7 +13,7 @@
 //! app.add_plugins((MinimalPlugins, TransformPlugin))
 //!     .insert_resource(rapier::TimestepMode::Fixed { dt: 0.5, substeps: 1 })
 //!     .add_plugins(rapier::RapierPhysicsPlugin::<()>::default())
-//!     .add_plugins((OctreePlugins::new(PostUpdate), RapierInteropPlugin::new(PostUpdate)));
+//!     .add_plugins((OctreePlugins::new(PostUpdate), RapierInteropPlugin::default()));
 //!
 //! let gate = (rapier::Collider::cuboid(1.0, 1.0, 1.0), rapier::Sensor, ShapeFromRapier);
 //! app.world_mut().spawn((gate, Transform::default()));
@@ -63,11 +63,7 @@
 mod velocity;
 
 use bevy::{
-    ecs::{
-        lifecycle::HookContext,
-        schedule::{InternedScheduleLabel, ScheduleLabel},
-        world::DeferredWorld,
-    },
+    ecs::{lifecycle::HookContext, world::DeferredWorld},
     prelude::*,
 };
 use bevy_rapier3d::{
@@ -76,7 +72,12 @@ use bevy_rapier3d::{
 };
 use std::sync::Arc;
 
-use crate::{components::CollisionShape, hierarchy, narrow_phase::Shape, plugin::CollisionSystems};
+use crate::{
+    components::CollisionShape,
+    hierarchy,
+    narrow_phase::Shape,
+    schedule::{CollisionSystems, add_to_tick, expect_ticks},
+};
 
 /// Gives an entity the shape of its Rapier `Collider`.
 ///
@@ -91,30 +92,17 @@ pub struct ShapeFromRapier;
 ///
 /// Add it beside [`OctreePlugins`](crate::OctreePlugins) and `RapierPhysicsPlugin`, in any order. Colliders without
 /// [`ShapeFromRapier`] cost nothing per tick.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct RapierInteropPlugin {
-    schedule: InternedScheduleLabel,
     all: bool,
 }
 
 impl RapierInteropPlugin {
-    /// For [`OctreePlugins`](crate::OctreePlugins) that run in this schedule.
-    pub fn new(schedule: impl ScheduleLabel) -> Self {
-        Self { schedule: schedule.intern(), all: false }
-    }
-
     /// Gives [`ShapeFromRapier`] to every entity that gets a `Collider` from now on. Remove it from those that are not
     /// to take part.
     #[must_use]
     pub const fn for_all_colliders(self) -> Self {
-        Self { all: true, ..self }
-    }
-}
-
-/// For plugins that run in `FixedPostUpdate`, as they do by default.
-impl Default for RapierInteropPlugin {
-    fn default() -> Self {
-        Self::new(FixedPostUpdate)
+        Self { all: true }
     }
 }
 
@@ -125,19 +113,19 @@ impl Plugin for RapierInteropPlugin {
         {
             tracing::warn!("colliders do not become shapes by themselves: {error}");
         }
-        // Where Rapier runs in another schedule, its set is empty here, and orders nothing.
-        let follow_colliders = hierarchy::see_disabled(app.world_mut(), follow_colliders);
-        app.configure_sets(self.schedule, CollisionSystems::First.after(PhysicsSet::Writeback))
-            .add_systems(
-                self.schedule,
-                follow_colliders.after(CollisionSystems::Motion).before(CollisionSystems::Bounds),
-            )
-            .add_observer(on_collider_removed)
-            .register_type::<ShapeFromRapier>();
-        velocity::add_systems(app, self.schedule);
+        app.add_observer(on_collider_removed).register_type::<ShapeFromRapier>();
+        add_to_tick(app, |app, schedule| {
+            let follow = hierarchy::see_disabled(app.world_mut(), follow_colliders);
+            let follow = follow.after(CollisionSystems::Motion).before(CollisionSystems::Bounds);
+            // Where Rapier runs in another schedule, its set is empty here, and orders nothing.
+            app.configure_sets(schedule, CollisionSystems::First.after(PhysicsSet::Writeback))
+                .add_systems(schedule, follow);
+            velocity::add_systems(app, schedule);
+        });
     }
 
     fn finish(&self, app: &mut App) {
+        expect_ticks(app, "RapierInteropPlugin");
         if !app.world().contains_resource::<RapierContextInitialization>() {
             tracing::warn!("there is no `RapierPhysicsPlugin`: no collider becomes a shape");
         }

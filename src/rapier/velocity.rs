@@ -9,8 +9,8 @@ use bevy_rapier3d::dynamics::{RigidBody, RigidBodyDisabled, Velocity as RapierVe
 use super::ShapeFromRapier;
 use crate::{
     motion::{MovedElsewhere, Velocity},
-    plugin::CollisionSystems,
     response::Bounce,
+    schedule::CollisionSystems,
 };
 
 /// The entity's [`Velocity`] mirrors that of Rapier.

@@ -24,7 +24,7 @@ use crate::{
     broad_phase::ProxyId,
     collision_index::{Body, CollisionIndex},
     narrow_phase::{NarrowPhase, Placed, Shape},
-    plugin::NarrowPhaseSettings,
+    settings::NarrowPhaseSettings,
 };
 
 /// Asks about entities with a [`CollisionShape`](crate::components::CollisionShape): what a ray or a moving shape meets,

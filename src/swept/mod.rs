@@ -45,10 +45,7 @@ mod resolve;
 mod track;
 
 use bevy::{
-    ecs::{
-        entity_disabling::Disabled, lifecycle::HookContext, schedule::InternedScheduleLabel,
-        system::RegisteredSystemError, world::DeferredWorld,
-    },
+    ecs::{entity_disabling::Disabled, lifecycle::HookContext, system::RegisteredSystemError, world::DeferredWorld},
     math::primitives::HalfSpace,
     prelude::*,
 };
@@ -61,7 +58,8 @@ use crate::{
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     hierarchy::{self, Ancestor},
     narrow_phase::{Moving, NarrowPhase, Placed},
-    plugin::{CollisionSystems, NarrowPhaseSettings},
+    schedule::{CollisionSystems, add_to_tick},
+    settings::NarrowPhaseSettings,
     shear::{self, Sheared},
 };
 
@@ -178,18 +176,19 @@ fn shrink_box(mut world: DeferredWorld, context: HookContext) {
 }
 
 /// Continuous detection: where the ways of entities with [`Swept`] begin and end.
-#[derive(Clone, Debug)]
-pub struct SweptPlugin(pub(crate) InternedScheduleLabel);
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SweptPlugin;
 
 impl Plugin for SweptPlugin {
     fn build(&self, app: &mut App) {
-        let begin_ways = hierarchy::see_disabled(app.world_mut(), begin_ways);
-        let begin = begin_ways.after(CollisionSystems::First).before(CollisionSystems::Motion);
-        let stretch = stretch_boxes.in_set(CollisionSystems::Bounds).after(bounds::update_children);
-        let end = end_ways.after(CollisionSystems::Response).before(CollisionSystems::Report);
-        app.add_systems(self.0, (begin, stretch, end).run_if(any_with_component::<Swept>))
-            .register_type::<Swept>()
-            .register_type::<SweptWay>();
+        app.register_type::<Swept>().register_type::<SweptWay>();
+        add_to_tick(app, |app, schedule| {
+            let begin_ways = hierarchy::see_disabled(app.world_mut(), begin_ways);
+            let begin = begin_ways.after(CollisionSystems::First).before(CollisionSystems::Motion);
+            let stretch = stretch_boxes.in_set(CollisionSystems::Bounds).after(bounds::update_children);
+            let end = end_ways.after(CollisionSystems::Response).before(CollisionSystems::Report);
+            app.add_systems(schedule, (begin, stretch, end).run_if(any_with_component::<Swept>));
+        });
     }
 }
 

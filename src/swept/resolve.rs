@@ -18,7 +18,7 @@ use crate::{
     frame::{Ancestor, Frame},
     motion::{MotionSettings, Velocity},
     narrow_phase::{Contact, Moving, NarrowPhase, Placed, TimedContact, Workspace},
-    plugin::NarrowPhaseSettings,
+    settings::NarrowPhaseSettings,
 };
 
 /// Two bodies meet, if neither changes course before.

@@ -4,7 +4,7 @@ use crate::common;
 
 use bevy::{ecs::system::RunSystemOnce, prelude::*};
 use bevy_octree::{
-    broad_phase::Pair, components::BroadPhaseProxy, filters::PairFilterSystems, narrow_phase::Contact, prelude::*,
+    broad_phase::Pair, components::BroadPhaseProxy, narrow_phase::Contact, prelude::*, schedule::PairFilterSystems,
 };
 use common::*;
 

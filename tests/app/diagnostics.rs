@@ -29,7 +29,7 @@ fn value(app: &App, path: &DiagnosticPath) -> Option<f64> {
 fn diagnostics_are_the_counters_of_the_last_tick() {
     for method in [Method::default(), Method::Octree(ObjectOctreeSettings::with_max_objects(1)), Method::Exhaustive] {
         let mut app = app(method);
-        app.add_plugins(Paths::default());
+        app.add_plugins(Paths);
         assert_eq!(value(&app, &Paths::OBJECTS), None);
         for x in 0..40 {
             app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(0.9 * x as f32, 0.0, 0.0)));
@@ -62,7 +62,7 @@ fn time_goes_to_the_stage_that_took_it() {
     const NAP: Duration = Duration::from_millis(2);
     for (stage, path) in STAGES.into_iter().zip(Paths::STAGE_TIMES) {
         let mut app = app(Method::default());
-        app.add_plugins(Paths::default());
+        app.add_plugins(Paths);
         app.add_systems(FixedPostUpdate, (|| std::thread::sleep(NAP)).in_set(stage));
         tick(&mut app, 1);
         let times = app.world().resource::<StageTimes>();
@@ -78,7 +78,7 @@ fn time_goes_to_the_stage_that_took_it() {
 #[test]
 fn fill_counts_an_object_once_for_each_leaf_that_lists_it() {
     let mut app = app(Method::Octree(ObjectOctreeSettings::with_max_objects(2)));
-    app.add_plugins(Paths::default());
+    app.add_plugins(Paths);
     tick(&mut app, 1);
     assert_eq!(value(&app, &Paths::FILL), Some(0.0));
     let mut spawn = |at: Vec3| {
@@ -127,7 +127,7 @@ fn figures_that_nobody_wants_cost_nothing() {
     app.world_mut().resource_mut::<CollisionIndex>().set_engine(Box::new(engine));
     tick(&mut app, 1);
     assert_eq!(times(), 0, "without the plugin");
-    app.add_plugins(Paths::default());
+    app.add_plugins(Paths);
     tick(&mut app, 1);
     assert_eq!(times(), 1);
     for (disabled, path) in (1..).zip(&OF_THE_TREE) {
@@ -140,7 +140,7 @@ fn figures_that_nobody_wants_cost_nothing() {
 #[test]
 fn a_disabled_diagnostic_is_not_measured() {
     let mut app = app(Method::default());
-    app.add_plugins(Paths::default());
+    app.add_plugins(Paths);
     let mut store = app.world_mut().resource_mut::<DiagnosticsStore>();
     store.get_mut(&Paths::NODES).unwrap().is_enabled = false;
     tick(&mut app, 3);

@@ -203,7 +203,7 @@ fn nothing_bounces_off_a_sensor() {
 #[test]
 fn a_hook_has_the_last_word() {
     let mut app = app();
-    app.add_plugins(PairHookPlugin::<NoGhosts>::new(Update));
+    app.add_plugins(PairHookPlugin::<NoGhosts>::default());
     cube(&mut app, Ghost);
     cubes(&mut app, 3, ());
     assert_eq!(contacts(&mut app), 3);

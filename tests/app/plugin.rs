@@ -329,14 +329,14 @@ fn everything_is_registered_for_reflection() {
     ];
     // All but the index, which makes no sense without the entities behind it.
     let resources = [
-        "collision_index::BroadPhaseSettings",
+        "settings::BroadPhaseSettings",
         "collision_index::CandidatePairs",
         "contacts::Contacts",
         "contacts::events::CollisionEventSettings",
         "counters::CollisionCounters",
         "motion::CollisionClock",
         "motion::MotionSettings",
-        "plugin::NarrowPhaseSettings",
+        "settings::NarrowPhaseSettings",
     ];
     // The index is not made from reflected values: it makes no sense without the entities behind it.
     let others =

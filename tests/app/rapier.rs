@@ -22,7 +22,7 @@ const STEP: f32 = 1.0 / TICKS_PER_SECOND;
 
 /// An app in which Rapier and this crate make one step per update.
 fn app_in(rapier: impl ScheduleLabel, ours: impl ScheduleLabel + Clone) -> App {
-    app_of(rapier, ours.clone(), RapierInteropPlugin::new(ours))
+    app_of(rapier, ours.clone(), RapierInteropPlugin::default())
 }
 
 fn app_of(rapier: impl ScheduleLabel, ours: impl ScheduleLabel + Clone, interop: RapierInteropPlugin) -> App {
@@ -231,7 +231,7 @@ fn a_collider_that_is_as_it_was_is_no_change() {
 
 #[test]
 fn every_collider_takes_part_if_told_so() {
-    let mut app = app_of(PostUpdate, PostUpdate, RapierInteropPlugin::new(PostUpdate).for_all_colliders());
+    let mut app = app_of(PostUpdate, PostUpdate, RapierInteropPlugin::default().for_all_colliders());
     let [a, b, c] =
         [0.0, 1.0, 1.5].map(|x| app.world_mut().spawn((Collider::ball(1.0), Transform::from_xyz(x, 0.0, 0.0))).id());
     app.world_mut().entity_mut(c).remove::<ShapeFromRapier>();

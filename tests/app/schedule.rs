@@ -23,21 +23,21 @@ impl PairHook for Nobody {
 }
 
 /// An app with all that runs in a tick, in `schedule`.
-fn app_in(schedule: impl ScheduleLabel + Clone) -> App {
+fn app_in(schedule: impl ScheduleLabel) -> App {
     let mut app = App::new();
     app.add_plugins((
         MinimalPlugins,
         TransformPlugin,
-        OctreePlugins::new(schedule.clone()),
-        CollisionDiagnosticsPlugin::new(schedule.clone()),
-        PairHookPlugin::<NoGhosts>::new(schedule.clone()),
-        PairHookPlugin::<Nobody>::new(schedule),
+        OctreePlugins::new(schedule),
+        CollisionDiagnosticsPlugin,
+        PairHookPlugin::<NoGhosts>::default(),
+        PairHookPlugin::<Nobody>::default(),
     ));
     app
 }
 
 /// Builds a schedule, and fails if there are two systems of which either may run first, to another effect.
-fn assert_in_order(app: &mut App, schedule: impl ScheduleLabel + Clone) {
+fn assert_in_order(app: &mut App, schedule: impl ScheduleLabel) {
     app.finish();
     app.cleanup();
     // Bevy's own, in no set: it lets messages age, and touches nothing else. What has the world to itself may run before it
@@ -76,7 +76,7 @@ fn with_rapier_too() {
         let mut app = app_in(schedule);
         app.add_plugins((
             RapierPhysicsPlugin::<()>::default().in_schedule(FixedUpdate),
-            RapierInteropPlugin::new(schedule),
+            RapierInteropPlugin::default(),
         ));
         assert_in_order(&mut app, schedule);
     }

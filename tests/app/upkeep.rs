@@ -357,7 +357,7 @@ fn an_update_takes_up_a_new_tolerance() {
 fn a_collider_that_changed_while_its_entity_was_disabled_is_taken_up() {
     use bevy_rapier3d::prelude::{Collider, RapierPhysicsPlugin, TimestepMode};
 
-    let plugins = (TransformPlugin, OctreePlugins::new(PostUpdate), RapierInteropPlugin::new(PostUpdate));
+    let plugins = (TransformPlugin, OctreePlugins::new(PostUpdate), RapierInteropPlugin::default());
     let mut app = app_with(plugins, PostUpdate);
     app.insert_resource(TimestepMode::Fixed { dt: 1.0 / TICKS_PER_SECOND, substeps: 1 })
         .add_plugins(RapierPhysicsPlugin::<()>::default());

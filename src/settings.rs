@@ -1,0 +1,31 @@
+//! Settings of the stages, as resources.
+
+use bevy::prelude::*;
+
+use crate::{
+    broad_phase::{Method, PairKinds},
+    narrow_phase::NarrowPhase,
+};
+
+/// Settings of the broad phase. Changes take effect at the next tick.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Reflect)]
+#[reflect(Resource, Debug, Default, PartialEq)]
+pub struct BroadPhaseSettings {
+    /// How overlapping boxes are searched for.
+    pub method: Method,
+    /// Which kinds of pairs are sought at all, by which of the two is a
+    /// [`StaticCollider`](crate::filters::StaticCollider). Contacts of a kind that is no longer sought end.
+    pub pair_kinds: PairKinds,
+}
+
+/// Settings of the exact tests: see [`NarrowPhase`]. Changes take effect at the next tick, for all pairs.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
+#[reflect(opaque)]
+#[reflect(Resource, Debug, Default, PartialEq)]
+pub struct NarrowPhaseSettings(pub NarrowPhase);
+
+impl NarrowPhaseSettings {
+    pub(crate) const fn tests(&self) -> &NarrowPhase {
+        &self.0
+    }
+}
