@@ -12,9 +12,8 @@ use std::{
 use arguments::Arguments;
 use bevy::prelude::*;
 use bevy_octree::{
-    motion::CollisionReport,
     prelude::*,
-    scene::{Motion, SceneDescription},
+    scene::{CollisionReport, Motion, SceneDescription},
 };
 use outcome::{Outcome, exit};
 use progress::Progress;
@@ -41,7 +40,7 @@ Arguments:
 Options:
   --ticks <TICKS>    How many ticks to play; to the last keyframe if not given
   --out <FOLDER>     The folder to write to [default: target/animation_report]
-  --method <METHOD>  How overlapping boxes are searched for: `auto`, `linear`, `octree` or `exhaustive` [default: auto]
+  --method <METHOD>  How overlapping boxes are searched for: `auto`, `linear`, `object` or `exhaustive` [default: auto]
   -h, --help         Print help
 ";
 
@@ -94,7 +93,7 @@ fn last_keyframe(scene: &SceneDescription) -> u64 {
 }
 
 /// Plays the clip in a headless app, and notes the contacts of each tick.
-fn play(scene: &SceneDescription, ticks: u64, method: Method) -> Outcome<CollisionReport> {
+fn play(scene: &SceneDescription, ticks: u64, method: BroadPhaseMethod) -> Outcome<CollisionReport> {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
         .insert_resource(BroadPhaseSettings { method, ..default() })

@@ -63,7 +63,7 @@ fn run(mut arguments: Arguments) -> Outcome {
     // What `DefaultPlugins` have; to see gizmos in a window, the app needs no more than these, and a camera.
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), MeshPlugin, GizmoPlugin))
         .add_plugins((OctreePlugins::new(Update), CollisionDebugPlugin))
-        .insert_resource(BroadPhaseSettings { method: Method::Octree(settings), ..default() })
+        .insert_resource(BroadPhaseSettings { method: BroadPhaseMethod::ObjectOctree(settings), ..default() })
         .insert_resource(MotionSettings { step: Step::Seconds(1.0 / 64.0) })
         // Contacts are drawn with their normals where these are known: here, everywhere.
         .insert_resource(CollisionEventSettings { geometry: EventScope::All, ..default() })
@@ -121,10 +121,10 @@ fn spawn(world: &mut World, objects: u16) -> Outcome {
 /// Casts a ray and a box across the field, and draws how far they come.
 fn ask(spatial: SpatialQuery, mut gizmos: Gizmos<CollisionGizmos>) {
     let ray = Ray3d::new(Vec3::new(9.0, 6.0, -4.0), Dir3::new(Vec3::new(-0.75, -0.4, 0.4)).unwrap_or(Dir3::NEG_X));
-    gizmos.ray_hit(ray, spatial.cast_ray(ray, 100.0, &SpatialQueryFilter::ALL));
+    gizmos.ray_hit(ray, spatial.cast_ray(ray, 100.0, &SpatialQueryFilter::DEFAULT));
 
     let start = Aabb3d::new(Vec3::new(10.5, 1.8, 4.5), Vec3::splat(0.5));
-    if let Some(hit) = spatial.cast_box(&start, Dir3::NEG_X, 100.0, &SpatialQueryFilter::ALL) {
+    if let Some(hit) = spatial.cast_box(&start, Dir3::NEG_X, 100.0, &SpatialQueryFilter::DEFAULT) {
         let way = Vec3A::NEG_X * hit.distance;
         gizmos.swept_box(&start, &Aabb3d { min: start.min + way, max: start.max + way });
     }

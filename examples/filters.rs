@@ -4,17 +4,12 @@
 use bevy::{ecs::system::SystemParam, prelude::*};
 use bevy_octree::prelude::*;
 
-/// The layers of this game.
-#[derive(Clone, Copy)]
-enum Layer {
-    Ship,
-    Bullet,
-    Zone,
-}
-
-impl CollisionLayer for Layer {
-    fn index(self) -> u32 {
-        self as u32
+collision_layers! {
+    /// The layers of this game.
+    enum Layer {
+        Ship,
+        Bullet,
+        Zone,
     }
 }
 
@@ -48,7 +43,7 @@ fn main() {
 
 fn spawn(mut commands: Commands) {
     // Ships meet everything but other ships; the zone is entered by ships only, and nothing bounces off it.
-    let ship = CollisionLayers::new([Layer::Ship], [Layer::Bullet, Layer::Zone]);
+    let ship = CollisionLayers::new(Layer::Ship, Layer::Bullet | Layer::Zone);
     let cube = CollisionShape::default();
     let shooter = commands.spawn((Name::new("shooter"), cube.clone(), ship)).id();
     let target = Transform::from_xyz(8.0, 0.0, 0.0);
@@ -58,7 +53,7 @@ fn spawn(mut commands: Commands) {
     commands.spawn((
         Name::new("zone"),
         cube.clone(),
-        CollisionLayers::new([Layer::Zone], [Layer::Ship]),
+        CollisionLayers::new(Layer::Zone, Layer::Ship),
         Sensor,
         Transform::from_xyz(8.0, 0.0, 0.0).with_scale(Vec3::splat(3.0)),
     ));
@@ -67,7 +62,7 @@ fn spawn(mut commands: Commands) {
         commands.spawn((
             Name::new("bullet"),
             CollisionShape::sphere(0.125).expect("a positive radius"),
-            CollisionLayers::new([Layer::Bullet], [Layer::Ship]),
+            CollisionLayers::new(Layer::Bullet, Layer::Ship),
             IgnoreCollisions::from([shooter]),
             Velocity(Vec3::X),
             Transform::from_xyz(0.0, height, 0.0),

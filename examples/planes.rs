@@ -37,8 +37,8 @@ Options:
   --rings <RINGS>    Rings of cubes around the central cube of each plane; r rings make 2·(2r + 1)² cubes [default: 10]
   --max-objects <N>  How many objects a leaf of the octree may list before it splits [default: 64]
   --steps <STEPS>    How many ticks to run [default: 200]
-  --method <METHOD>  How overlapping boxes are searched for: `octree` or `exhaustive`. Both, one after the other, if not
-                     given
+  --method <METHOD>  How overlapping boxes are searched for: `auto`, `linear`, `object` or `exhaustive`. The last two, one
+                     after the other, if not given
   --scene <FILE>     A scene file to run instead of a test set, such as assets/scenes/mixed_shapes.scene.ron; needs a
                      build with --features scene_files
   -h, --help         Print help
@@ -52,7 +52,7 @@ fn run(mut arguments: Arguments) -> Outcome {
     let rings: Option<u32> = arguments.option("--rings")?;
     let max_objects = arguments.option("--max-objects")?.unwrap_or(ObjectOctreeSettings::default().max_objects);
     let steps = arguments.option("--steps")?.unwrap_or(200);
-    let method: Option<Method> = arguments.option("--method")?;
+    let method: Option<BroadPhaseMethod> = arguments.option("--method")?;
     let file: Option<PathBuf> = arguments.option("--scene")?;
     let [] = arguments.rest([])?;
 
@@ -64,9 +64,9 @@ fn run(mut arguments: Arguments) -> Outcome {
     let octree = ObjectOctreeSettings::with_max_objects(max_objects);
     octree.check()?;
     let methods = match method {
-        Some(Method::Octree(_)) => vec![Method::Octree(octree)],
+        Some(BroadPhaseMethod::ObjectOctree(_)) => vec![BroadPhaseMethod::ObjectOctree(octree)],
         Some(method) => vec![method],
-        None => vec![Method::Octree(octree), Method::Exhaustive],
+        None => vec![BroadPhaseMethod::ObjectOctree(octree), BroadPhaseMethod::Exhaustive],
     };
     let mut totals = Vec::new();
     for method in &methods {
@@ -91,7 +91,7 @@ fn load(_: &Path) -> Outcome<SceneDescription> {
 }
 
 /// Runs a scene by one method, and prints its line.
-fn measure(scene: &SceneDescription, method: &Method, steps: u32, max_objects: u32) -> Outcome<TickCounters> {
+fn measure(scene: &SceneDescription, method: &BroadPhaseMethod, steps: u32, max_objects: u32) -> Outcome<TickCounters> {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
         .insert_resource(BroadPhaseSettings { method: method.clone(), ..default() })

@@ -24,7 +24,7 @@ fn spawn(mut commands: Commands) {
 
 /// Rays: the first hit, all hits, and what is hit if some are not seen.
 fn look(spatial: SpatialQuery, names: Query<&Name>) -> Result {
-    let (ray, all) = (Ray3d::new(Vec3::ZERO, Dir3::X), SpatialQueryFilter::ALL);
+    let (ray, all) = (Ray3d::new(Vec3::ZERO, Dir3::X), SpatialQueryFilter::DEFAULT);
     let Some(first) = spatial.cast_ray(ray, 100.0, &all) else { return Ok(()) };
     println!("a ray along x meets the {} at {:.3}", names.get(first.entity)?, first.distance);
 
@@ -45,7 +45,7 @@ fn look(spatial: SpatialQuery, names: Query<&Name>) -> Result {
 
 /// Moving shapes: how far can they go?
 fn sweep(spatial: SpatialQuery, names: Query<&Name>) -> Result {
-    let all = SpatialQueryFilter::ALL;
+    let all = SpatialQueryFilter::DEFAULT;
     if let Some(hit) = spatial.cast_sphere(Vec3::Y, 0.5, Dir3::X, 100.0, &all) {
         println!("a ball that rolls along x touches the {} after {:.3}", names.get(hit.entity)?, hit.distance);
     }
@@ -59,8 +59,7 @@ fn sweep(spatial: SpatialQuery, names: Query<&Name>) -> Result {
 /// Parts of space: who is in them?
 fn overlap(spatial: SpatialQuery, names: Query<&Name>) {
     let mut hurt = Vec::new();
-    spatial.sphere_intersections(Vec3::new(7.5, 0.0, 0.0), 2.0, &SpatialQueryFilter::ALL, |entity| hurt.push(entity));
-    hurt.sort();
+    spatial.sphere_intersections(Vec3::new(7.5, 0.0, 0.0), 2.0, &SpatialQueryFilter::DEFAULT, &mut hurt);
     let hurt: Vec<_> = hurt.iter().filter_map(|entity| names.get(*entity).ok()).map(Name::as_str).collect();
     println!("a blast at 7.5 with a radius of 2 hurts: {}", hurt.join(", "));
 }
@@ -68,7 +67,7 @@ fn overlap(spatial: SpatialQuery, names: Query<&Name>) {
 /// Neighbours, by the distance of their surfaces.
 fn near(spatial: SpatialQuery, names: Query<&Name>) -> Result {
     let mut hits = Vec::new();
-    spatial.k_nearest(Vec3::X * 8.0, 2, f32::INFINITY, &SpatialQueryFilter::ALL, &mut hits);
+    spatial.k_nearest(Vec3::X * 8.0, 2, f32::INFINITY, &SpatialQueryFilter::DEFAULT, &mut hits);
     println!("the two nearest to 8:");
     for hit in hits {
         println!("  {:6.3}  {}, closest at {:.2}", hit.distance, names.get(hit.entity)?, hit.point);
@@ -81,6 +80,6 @@ fn many(spatial: SpatialQuery) {
     let across = |i: u16| Ray3d::new(Vec3::new(0.0, f32::from(i) * 0.01 - 10.0, 0.0), Dir3::X);
     let rays: Vec<_> = (0..2000).map(across).collect();
     let mut hits = Vec::new();
-    spatial.cast_rays(&rays, 100.0, &SpatialQueryFilter::ALL, &mut hits);
+    spatial.cast_rays(&rays, 100.0, &SpatialQueryFilter::DEFAULT, &mut hits);
     println!("of {} parallel rays, {} meet something", rays.len(), hits.iter().flatten().count());
 }

@@ -95,7 +95,7 @@ fn play(scene: &Path, max_objects: u32, steps: u32) -> Outcome<[Frame; 3]> {
     settings.check()?;
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-        .insert_resource(BroadPhaseSettings { method: Method::Octree(settings), ..default() })
+        .insert_resource(BroadPhaseSettings { method: BroadPhaseMethod::ObjectOctree(settings), ..default() })
         .insert_resource(MotionSettings { step: Step::Seconds(scene.tick_length()?.as_secs_f32()) });
     scene.spawn(&mut app.world_mut().commands())?;
     app.world_mut().flush();

@@ -19,7 +19,7 @@ use crate::{
 ///
 /// An entity whose box cannot be computed is left out of collision detection until that changes, with a warning in the
 /// log: one with a transform that is not finite, its own or an ancestor's, and one that is its own ancestor. So is one
-/// that has lost its `Transform`, without a warning. One whose shape has no end has an [endless](WorldAabb::ENDLESS) box.
+/// that has lost its `Transform`, without a warning. One whose shape is unbounded has an [unbounded](WorldAabb::UNBOUNDED) box.
 ///
 /// # Sheared shapes
 ///
@@ -118,7 +118,7 @@ pub(crate) fn update_children(
 pub(crate) fn world_aabb(tests: &NarrowPhase, entity: Entity, shape: &Shape, transform: &Transform) -> WorldAabb {
     match tests.world_aabb(Placed::new(shape, transform)) {
         Ok(aabb) => WorldAabb(aabb),
-        Err(BoundsError::Unbounded) => WorldAabb::ENDLESS,
+        Err(BoundsError::Unbounded) => WorldAabb::UNBOUNDED,
         Err(error) => {
             tracing::warn!("{entity} is left out of collision detection: {error}");
             WorldAabb::NONE

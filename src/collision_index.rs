@@ -11,7 +11,7 @@ use bevy::{
 };
 
 use crate::{
-    broad_phase::{BroadPhase, Method, Pair, PairFilter, ProxyId, SpatialIndex},
+    broad_phase::{BroadPhase, BroadPhaseMethod, Pair, PairFilter, ProxyId, SpatialIndex},
     components::{self, BroadPhaseProxy, CollisionShape, WorldAabb},
     counters::CollisionCounters,
     filters::{self, FilterParts},
@@ -32,7 +32,7 @@ pub struct CollisionIndex {
     #[reflect(ignore)]
     index: SpatialIndex,
     /// The method that was asked for last.
-    method: Method,
+    method: BroadPhaseMethod,
     /// By proxy index. Entries of removed proxies stay until the proxy is handed out again.
     #[reflect(ignore)]
     bodies: Vec<Body>,
@@ -59,7 +59,7 @@ impl Default for CollisionIndex {
         static NUMBER: AtomicU64 = AtomicU64::new(1);
         Self {
             index: SpatialIndex::default(),
-            method: Method::default(),
+            method: BroadPhaseMethod::default(),
             bodies: Vec::new(),
             starts: Vec::new(),
             search: 0,
@@ -264,7 +264,7 @@ impl CollisionIndex {
     /// Removes all whose entities do not say that the entry is theirs.
     fn remove_strays(&mut self, is_entry: impl Fn(ProxyId, Entity) -> bool) {
         let proxies = self.index.proxies();
-        let all = proxies.iter().map(|(id, _)| id).chain(proxies.endless());
+        let all = proxies.iter().map(|(id, _)| id).chain(proxies.unbounded());
         let strays: Vec<_> = all.filter(|id| !is_entry(*id, self.bodies[id.index()].entity)).collect();
         strays.into_iter().for_each(|id| self.remove(id));
     }
@@ -294,7 +294,7 @@ impl CollisionIndex {
     ) -> Option<ProxyId> {
         let own = proxy.id.filter(|id| self.is_entry_of(*id, entity));
         // What fills all the space there is has no end: where it is, is up to its shape.
-        let side = (*aabb == WorldAabb::ENDLESS).then(|| {
+        let side = (*aabb == WorldAabb::UNBOUNDED).then(|| {
             let moving = match start {
                 Some(start) => Moving::new(shape, start, &proxy.pose),
                 None => Moving::resting(Placed::new(shape, &proxy.pose)),
@@ -303,7 +303,7 @@ impl CollisionIndex {
         });
         let body = Body { entity, pose: proxy.pose, shape: shape.clone(), reshaped: Tick::default() };
         if let (Some(id), Some(side)) = (own, side)
-            && self.index.set_endless(id, side).is_ok()
+            && self.index.set_unbounded(id, side).is_ok()
         {
             self.index.touch(id);
             self.bodies[id.index()] = body;
@@ -313,7 +313,7 @@ impl CollisionIndex {
             self.index.remove(old);
         }
         let filter = filter?;
-        let id = self.index.insert(aabb.0).ok().or_else(|| self.index.insert_endless(side?).ok())?;
+        let id = self.index.insert(aabb.0).ok().or_else(|| self.index.insert_unbounded(side?).ok())?;
         self.change_filter(id, |old| *old = filter);
         match self.bodies.get_mut(id.index()) {
             Some(place) => *place = body,
@@ -437,7 +437,7 @@ fn maintain(
     }
     index.index.update();
     let proxies = index.index.proxies();
-    counters.tick.objects = (proxies.len() + proxies.endless().count()) as u64;
+    counters.tick.objects = (proxies.len() + proxies.unbounded().count()) as u64;
     counters.tick.moved = proxies.moved().len() as u64;
 }
 

@@ -98,7 +98,7 @@ impl WorldAabb {
 
     /// The box of an entity whose shape has no end, as a half-space: all of space. The index keeps such entities apart
     /// from the broad phase.
-    pub const ENDLESS: Self = Self(EVERYWHERE);
+    pub const UNBOUNDED: Self = Self(EVERYWHERE);
 }
 
 impl Default for WorldAabb {

@@ -36,26 +36,26 @@ use crate::{
 pub struct CollisionDiagnosticsPlugin;
 
 impl CollisionDiagnosticsPlugin {
-    /// Entities in the index.
+    /// The number of entities in the index.
     pub const OBJECTS: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/objects");
-    /// Entities that moved, came or went.
+    /// The number of entities that moved, came or went.
     pub const MOVED: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/moved");
-    /// Pairs given to the exact tests.
+    /// The number of pairs given to the exact tests.
     pub const CANDIDATES: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/candidates");
-    /// Pairs in contact.
+    /// The number of pairs in contact.
     pub const CONTACTS: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/contacts");
-    /// Contacts that began, and contacts that ended, together.
+    /// The number of contacts that began, and contacts that ended, together.
     pub const EVENTS: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/events");
-    /// Nodes of the broad phase's tree.
+    /// The number of nodes of the broad phase's tree.
     pub const NODES: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/nodes");
-    /// Leaves of that tree.
+    /// The number of leaves of that tree.
     pub const LEAVES: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/leaves");
     /// The largest generation of a node.
     pub const DEPTH: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/depth");
-    /// How full the leaves are, in entries per leaf (mean): an object counts once for each leaf that lists it. 0 where
-    /// there are no leaves.
+    /// The mean number of entries per leaf: an object counts once for each leaf that lists it. 0 where there are no
+    /// leaves.
     pub const FILL: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/fill");
-    /// Memory that the broad phase takes, in bytes.
+    /// The memory that the broad phase takes, in bytes.
     pub const BYTES: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/bytes");
 
     /// The time of each stage, in milliseconds, in the order in which they run.
@@ -112,10 +112,11 @@ pub const STAGES: [CollisionSystems; 7] = [
     CollisionSystems::Report,
 ];
 
-/// How long the stages of the last tick took, wall-clock: whatever runs between the end of a stage and that of the one
-/// before it counts.
+/// The times that the stages of the last tick took, wall-clock: whatever runs between the end of a stage and that of the
+/// one before it counts.
 #[derive(Resource, Clone, Debug, Default, Reflect)]
 #[reflect(Resource, Debug, Default)]
+#[type_path = "bevy_octree"]
 pub struct StageTimes {
     times: [Duration; STAGES.len()],
     /// The end of the stage before.
@@ -124,18 +125,18 @@ pub struct StageTimes {
 }
 
 impl StageTimes {
-    /// The stages and their times, in the order in which they run.
+    /// Returns the stages and their times, in the order in which they run.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (CollisionSystems, Duration)> {
         STAGES.into_iter().zip(self.times)
     }
 
-    /// The time of one stage; `None` for a set that is not one of the [`STAGES`].
+    /// Returns the time of one stage; `None` for a set that is not one of the [`STAGES`].
     #[must_use]
     pub fn get(&self, stage: CollisionSystems) -> Option<Duration> {
         self.iter().find(|(other, _)| *other == stage).map(|(_, time)| time)
     }
 
-    /// That of all stages together.
+    /// Returns the time of all stages together.
     #[must_use]
     pub fn sum(&self) -> Duration {
         self.times.iter().sum()

@@ -107,8 +107,9 @@ pub mod prelude {
     #[cfg(feature = "rapier")]
     pub use crate::rapier::{RapierInteropPlugin, ShapeFromRapier};
     pub use crate::{
-        broad_phase::{Method, ObjectOctreeSettings, PairKinds},
+        broad_phase::{BroadPhaseMethod, ObjectOctreeSettings, PairKinds},
         collision_index::{CandidatePairs, CollisionIndex},
+        collision_layers,
         components::{CollisionShape, Cube, WorldAabb},
         contacts::{
             CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted,
@@ -116,7 +117,8 @@ pub mod prelude {
         },
         counters::CollisionCounters,
         filters::{
-            CollisionLayer, CollisionLayers, IgnoreCollisions, PairHook, PairHookPlugin, Sensor, StaticCollider,
+            CollisionLayer, CollisionLayers, IgnoreCollisions, LayerMask, PairHook, PairHookPlugin, Sensor,
+            StaticCollider,
         },
         motion::{CollisionClock, MotionSettings, MovedElsewhere, PositionTrack, Step, Velocity},
         narrow_phase::Shape,

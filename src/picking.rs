@@ -58,9 +58,10 @@ impl Plugin for CollisionPickingPlugin {
     }
 }
 
-/// Which entities can be picked at all. May be changed at any time.
+/// The settings of picking: which entities can be picked at all. May be changed at any time.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Clone, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct CollisionPickingSettings {
     /// Only entities with a [`CollisionPickable`], and only through cameras with one. By default, all.
     pub require_markers: bool,
@@ -70,6 +71,7 @@ pub struct CollisionPickingSettings {
 /// [`require_markers`](CollisionPickingSettings::require_markers) is set. Without that it has no meaning.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct CollisionPickable;
 
 /// What a camera says about what can be picked through it.
@@ -98,9 +100,9 @@ fn pick(
             let pickable = targets.get(hit.entity).ok().and_then(|(pickable, _)| pickable);
             pickable.is_none_or(|pickable| pickable.should_block_lower)
         };
-        let all = SpatialQueryFilter::ALL;
+        let all = SpatialQueryFilter::DEFAULT;
         let all = world.map_or(all.in_any_world(), |world| all.in_world(world.0));
-        let filter = layers.map_or(all, |layers| all.on_mask(layers.filters)).only(&is_seen);
+        let filter = layers.map_or(all, |layers| all.on(layers.filters)).only(&is_seen);
         let Some(first) = spatial.cast_ray(ray, f32::INFINITY, &filter) else { continue };
         found.clear();
         if blocks(&first) {

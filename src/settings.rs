@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use crate::{
-    broad_phase::{Method, PairKinds},
+    broad_phase::{BroadPhaseMethod, PairKinds},
     narrow_phase::NarrowPhase,
 };
 
@@ -12,7 +12,7 @@ use crate::{
 #[reflect(Resource, Debug, Default, PartialEq)]
 pub struct BroadPhaseSettings {
     /// How overlapping boxes are searched for.
-    pub method: Method,
+    pub method: BroadPhaseMethod,
     /// Which kinds of pairs are sought at all, by which of the two is a
     /// [`StaticCollider`](crate::filters::StaticCollider). Contacts of a kind that is no longer sought end.
     pub pair_kinds: PairKinds,

@@ -56,6 +56,7 @@ use crate::{broad_phase::PairFilter, filters::change_filter};
 /// It is about this entity alone: its children say for themselves which world they are in.
 #[derive(Component, FromTemplate, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, FromWorld, PartialEq)]
+#[type_path = "bevy_octree"]
 #[relationship(relationship_target = CollisionWorld)]
 #[component(on_insert = enter, on_remove = leave)]
 pub struct InCollisionWorld(#[entities] pub Entity);
@@ -73,11 +74,12 @@ impl FromWorld for InCollisionWorld {
 /// When it is despawned, so are they; when only this component is removed, they are in the default world.
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 #[relationship_target(relationship = InCollisionWorld, linked_spawn)]
 pub struct CollisionWorld(EntityHashSet);
 
 impl CollisionWorld {
-    /// All of them, in no particular order.
+    /// Returns all of them, in no particular order.
     #[must_use]
     pub const fn entities(&self) -> &EntityHashSet {
         &self.0
@@ -97,4 +99,8 @@ fn enter(world: DeferredWorld, context: HookContext) {
 
 fn leave(world: DeferredWorld, context: HookContext) {
     change_filter(world, context, |filter| filter.world = PairFilter::DEFAULT_WORLD);
+}
+
+pub(crate) fn register(app: &mut App) {
+    app.register_type::<InCollisionWorld>().register_type::<CollisionWorld>();
 }

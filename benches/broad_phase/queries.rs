@@ -21,7 +21,7 @@ const REACH: f32 = 2.0;
 pub fn bench(criterion: &mut Criterion) {
     bench_query(criterion, "overlapping", |index, place, _| {
         let mut found = 0_u32;
-        index.overlapping(&Aabb3d::new(place, Vec3::splat(REACH)), |_| found += 1);
+        index.for_each_overlapping(&Aabb3d::new(place, Vec3::splat(REACH)), |_| found += 1);
         black_box(found);
     });
     bench_query(criterion, "cast", |index, origin, direction| {

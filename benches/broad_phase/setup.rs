@@ -7,7 +7,7 @@ use std::{
 
 use bevy::math::bounding::Aabb3d;
 use bevy_octree::{
-    broad_phase::{Method, ObjectOctreeSettings, ProxyId, SpatialIndex},
+    broad_phase::{BroadPhaseMethod, ObjectOctreeSettings, ProxyId, SpatialIndex},
     scene::stress::{StressScene, StressSimulation},
 };
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput, measurement::WallTime};
@@ -40,11 +40,11 @@ pub fn group<'a>(criterion: &'a mut Criterion, what: &str, scene: StressScene) -
 /// Calls `bench` with each size, and each method that is worth measuring at it.
 pub fn each_method(
     group: &mut BenchmarkGroup<WallTime>,
-    mut bench: impl FnMut(&mut BenchmarkGroup<WallTime>, BenchmarkId, &Method, usize),
+    mut bench: impl FnMut(&mut BenchmarkGroup<WallTime>, BenchmarkId, &BroadPhaseMethod, usize),
 ) {
     for objects in SIZES {
         group.throughput(Throughput::Elements(objects as u64));
-        let exhaustive = (objects <= FEW).then_some(Method::Exhaustive);
+        let exhaustive = (objects <= FEW).then_some(BroadPhaseMethod::Exhaustive);
         for method in methods().into_iter().chain(exhaustive) {
             bench(group, BenchmarkId::new(method.to_string(), objects), &method, objects);
         }
@@ -52,8 +52,8 @@ pub fn each_method(
 }
 
 /// The methods for many objects.
-pub fn methods() -> [Method; 2] {
-    [Method::Linear, Method::Octree(ObjectOctreeSettings::default())]
+pub fn methods() -> [BroadPhaseMethod; 2] {
+    [BroadPhaseMethod::LinearOctree, BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::default())]
 }
 
 /// The scene at its start.
@@ -84,7 +84,7 @@ pub struct Tick {
 
 impl Follower {
     /// Some ticks after the start, when what is made once has been made.
-    pub fn new(method: &Method, scene: StressScene, objects: usize) -> Self {
+    pub fn new(method: &BroadPhaseMethod, scene: StressScene, objects: usize) -> Self {
         let simulation = simulation(scene, objects);
         let mut index = SpatialIndex::new(method);
         let ids = insert(&mut index, simulation.boxes());

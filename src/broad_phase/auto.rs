@@ -1,6 +1,12 @@
 //! The broad phase that chooses by itself.
 
-use super::{BroadPhase, BroadPhaseStats, Exhaustive, Leaf, LinearOctree, Pair, Proxies, Visitor};
+use super::{
+    engine::{BroadPhase, BroadPhaseStats, Leaf, Visitor},
+    exhaustive::Exhaustive,
+    linear_octree::LinearOctree,
+    pairs::Pair,
+    proxy::Proxies,
+};
 
 /// With more objects than this, a sorted index is worth its upkeep.
 const MANY: usize = 64;
@@ -59,8 +65,8 @@ impl BroadPhase for Auto {
         self.engine().for_each_leaf(found);
     }
 
-    fn as_linear(&self) -> Option<&LinearOctree> {
-        self.linear.as_ref()
+    fn inner(&self) -> Option<&dyn BroadPhase> {
+        Some(self.engine())
     }
 
     fn stats(&self) -> BroadPhaseStats {

@@ -56,15 +56,15 @@ fn brute_force(proxies: &Proxies) -> Vec<Pair> {
             }
         }
     }
-    for endless in proxies.endless() {
-        let side = proxies.endless.iter().find(|other| other.id == endless).and_then(|endless| endless.side);
+    for unbounded in proxies.unbounded() {
+        let side = proxies.unbounded.iter().find(|other| other.id == unbounded).and_then(|unbounded| unbounded.side);
         // Heights are in units that floats add without rounding.
         let reaches = |aabb: &Aabb3d| {
             let above = |side: HalfSpace, y: f32| side.normal().y * y + side.d() >= 0.0;
             side.is_none_or(|side| above(side, aabb.min.y) || above(side, aabb.max.y))
         };
-        let meets = |(id, aabb): &&(ProxyId, &Aabb3d)| reaches(aabb) && proxies.admits(endless, *id);
-        pairs.extend(all.iter().filter(meets).map(|(id, _)| Pair::new(endless, *id)));
+        let meets = |(id, aabb): &&(ProxyId, &Aabb3d)| reaches(aabb) && proxies.admits(unbounded, *id);
+        pairs.extend(all.iter().filter(meets).map(|(id, _)| Pair::new(unbounded, *id)));
     }
     pairs.sort_unstable();
     pairs
@@ -91,8 +91,8 @@ pub(super) enum Step {
     Filter { which: usize, bits: u8 },
     Kinds { bits: u8 },
     Remove { which: usize },
-    Endless { which: usize, side: Option<(bool, i16)> },
-    RemoveEndless { which: usize },
+    Unbounded { which: usize, side: Option<(bool, i16)> },
+    RemoveUnbounded { which: usize },
     Tick,
 }
 
@@ -111,8 +111,8 @@ pub(super) fn a_step() -> impl Strategy<Value = Step> {
         1 => (0_u8..16).prop_map(|bits| Step::Kinds { bits: if bits < 8 { bits } else { 3 } }),
         2 => any::<usize>().prop_map(|which| Step::Remove { which }),
         1 => (any::<usize>(), prop::option::of((any::<bool>(), -640_i16..640)))
-            .prop_map(|(which, side)| Step::Endless { which, side }),
-        1 => any::<usize>().prop_map(|which| Step::RemoveEndless { which }),
+            .prop_map(|(which, side)| Step::Unbounded { which, side }),
+        1 => any::<usize>().prop_map(|which| Step::RemoveUnbounded { which }),
         4 => Just(Step::Tick),
     ]
 }
@@ -122,11 +122,11 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
     const UNIT: f32 = 1.0 / 64.0;
     let place = |at: [i16; 3]| Vec3::from(at.map(f32::from)) * UNIT;
     let mut objects: Vec<(ProxyId, Vec3, f32)> = Vec::new();
-    let mut endless: Vec<ProxyId> = Vec::new();
+    let mut unbounded: Vec<ProxyId> = Vec::new();
     for step in steps {
         let count = objects.len().max(1);
         let any = |which: &usize, objects: &[(ProxyId, Vec3, f32)]| {
-            let ids: Vec<_> = objects.iter().map(|(id, ..)| *id).chain(endless.iter().copied()).collect();
+            let ids: Vec<_> = objects.iter().map(|(id, ..)| *id).chain(unbounded.iter().copied()).collect();
             ids.get(which % ids.len().max(1)).copied()
         };
         let mut change = |which: &usize, f: &mut dyn FnMut(&mut Vec3, &mut f32)| {
@@ -169,20 +169,20 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
                     assert!(checked.index.remove(id));
                 }
             }
-            Step::Endless { which, side } => {
+            Step::Unbounded { which, side } => {
                 // Below a height, or above it.
                 let side = side.map(|(below, height)| {
                     let y = if below { -1.0 } else { 1.0 };
                     HalfSpace::new(Vec3::new(0.0, y, 0.0).extend(f32::from(height) * UNIT))
                 });
-                match endless.get(which % 4) {
-                    Some(id) => checked.index.set_endless(*id, side).unwrap(),
-                    None => endless.push(checked.index.insert_endless(side).unwrap()),
+                match unbounded.get(which % 4) {
+                    Some(id) => checked.index.set_unbounded(*id, side).unwrap(),
+                    None => unbounded.push(checked.index.insert_unbounded(side).unwrap()),
                 }
             }
-            Step::RemoveEndless { which } => {
-                if !endless.is_empty() {
-                    assert!(checked.index.remove(endless.swap_remove(which % endless.len())));
+            Step::RemoveUnbounded { which } => {
+                if !unbounded.is_empty() {
+                    assert!(checked.index.remove(unbounded.swap_remove(which % unbounded.len())));
                 }
             }
             Step::Tick => checked.step(),

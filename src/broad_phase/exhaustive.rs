@@ -3,7 +3,13 @@
 use bevy::math::Vec3A;
 use fearless_simd::{Level, dispatch};
 
-use super::{BroadPhase, BroadPhaseStats, EVERYWHERE, Pair, Proxies, Visitor, group::Group};
+use super::{
+    boxes::EVERYWHERE,
+    engine::{BroadPhase, BroadPhaseStats, Visitor},
+    group::Group,
+    pairs::Pair,
+    proxy::Proxies,
+};
 
 /// Exhaustive search (Swan 1994, section 1.4): every moved box against every other.
 ///

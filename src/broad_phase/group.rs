@@ -4,8 +4,12 @@ use bevy::math::Vec3A;
 use fearless_simd::{Level, prelude::*, u32x8};
 
 use super::{
-    Pair, PairFilter, PairKinds, Proxies, ProxyId,
-    linear_octree::{Block, Crowd, WIDTH},
+    block::{Block, WIDTH},
+    boxes::ProxyId,
+    filter::{PairFilter, PairKinds},
+    linear_octree::Crowd,
+    pairs::Pair,
+    proxy::Proxies,
 };
 
 /// So many objects that moved in one leaf are a crowd, which is put in order before its boxes are compared.
@@ -89,10 +93,10 @@ impl Group {
         self.moved = self.ids.len();
         if !proxies.all_moved() {
             self.moved = 0;
-            for place in 0..self.ids.len() {
+            for index in 0..self.ids.len() {
                 // Without a branch, which would be mispredicted often: to swap two that rest does no harm.
-                let moved = proxies.is_moved(self.ids[place]);
-                self.ids.swap(self.moved, place);
+                let moved = proxies.is_moved(self.ids[index]);
+                self.ids.swap(self.moved, index);
                 self.moved += usize::from(moved);
             }
         }
@@ -119,7 +123,7 @@ impl Group {
         }
     }
 
-    /// Are there so many objects that they had better be put in order?
+    /// Returns `true` if there are so many objects that they had better be put in order.
     #[inline]
     pub(super) const fn is_crowd(&self) -> bool {
         self.moved >= CROWD
@@ -141,16 +145,16 @@ impl Group {
             let (min, max) = (aabb.min.to_array(), aabb.max.to_array());
             // In its own block, those that follow.
             let mut lanes = !1 << lane;
-            for (place, block) in self.blocks.iter().enumerate().skip(own) {
+            for (number, block) in self.blocks.iter().enumerate().skip(own) {
                 let mut hits = block.overlaps(simd, min, max) & lanes;
                 lanes = !0;
                 if hits != 0
-                    && let Some(filters) = self.filters.get(place)
+                    && let Some(filters) = self.filters.get(number)
                 {
                     hits &= filters.admit(simd, &self.filters[own].get(lane), self.kinds);
                 }
                 while hits != 0 {
-                    let other = place * WIDTH + hits.trailing_zeros() as usize;
+                    let other = number * WIDTH + hits.trailing_zeros() as usize;
                     hits &= hits - 1;
                     if self.begins[first] | self.begins[other] == ALL_AXES {
                         pairs.push(Pair::new(self.ids[first], self.ids[other]));
@@ -165,7 +169,7 @@ impl Group {
     /// are told apart by the bounds of many boxes do not count as compared.
     pub(super) fn overlaps_in_crowd(&mut self, level: Level, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {
         let Self { ids, blocks, begins, moved, crowd, .. } = self;
-        let boxes = (0..ids.len()).map(|place| blocks[place / WIDTH].get(place % WIDTH));
+        let boxes = (0..ids.len()).map(|index| blocks[index / WIDTH].get(index % WIDTH));
         let is_filtered = proxies.are_filtered();
         let keep = |a: usize, b: usize| {
             a.min(b) < *moved && begins[a] | begins[b] == ALL_AXES && (!is_filtered || proxies.admits(ids[a], ids[b]))

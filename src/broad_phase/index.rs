@@ -5,12 +5,19 @@ use std::{any::Any, fmt};
 use bevy::math::{bounding::Aabb3d, primitives::HalfSpace};
 
 use super::{
-    BoxError, BroadPhase, BroadPhaseStats, Leaf, Method, PairFilter, PairKinds, PairSet, Proxies, ProxyId, Visitor,
+    boxes::{BoxError, ProxyId},
+    engine::{BroadPhase, BroadPhaseStats, Leaf, Visitor},
+    filter::{PairFilter, PairKinds},
+    method::BroadPhaseMethod,
+    pairs::{Pair, PairSet},
+    proxy::Proxies,
 };
 
 /// An index over the boxes of objects: boxes in, overlapping pairs out, queries on the side.
 ///
 /// See the [module's documentation](super) for an example.
+#[doc(alias = "aabb tree")]
+#[doc(alias = "bvh")]
 pub struct SpatialIndex {
     proxies: Proxies,
     engine: Box<dyn BroadPhase>,
@@ -23,13 +30,13 @@ pub struct SpatialIndex {
 }
 
 impl SpatialIndex {
-    /// An empty index that searches by `method`.
+    /// Creates an empty index that searches by `method`.
     #[must_use]
-    pub fn new(method: &Method) -> Self {
+    pub fn new(method: &BroadPhaseMethod) -> Self {
         Self::with_engine(method.engine())
     }
 
-    /// An empty index around an implementation of [`BroadPhase`], which must be empty too.
+    /// Creates an empty index around an implementation of [`BroadPhase`], which must be empty too.
     #[must_use]
     pub fn with_engine(engine: Box<dyn BroadPhase>) -> Self {
         Self {
@@ -44,7 +51,7 @@ impl SpatialIndex {
 
     /// Searches by another method from now on. All objects stay, and take part in the next update as if they had
     /// just been inserted.
-    pub fn set_method(&mut self, method: &Method) {
+    pub fn set_method(&mut self, method: &BroadPhaseMethod) {
         self.set_engine(method.engine());
     }
 
@@ -54,21 +61,21 @@ impl SpatialIndex {
         self.proxies.touch_all();
     }
 
-    /// The broad phase at work.
+    /// Returns the broad phase at work.
     #[must_use]
     pub fn engine(&self) -> &dyn BroadPhase {
         &*self.engine
     }
 
-    /// The broad phase at work, if it is of this type: to look into an
-    /// [`ObjectOctree`](super::ObjectOctree), say.
+    /// Returns the broad phase at work, if it is of this type: to look into an [`ObjectOctree`](super::ObjectOctree),
+    /// say.
     #[must_use]
     pub fn engine_as<E: BroadPhase>(&self) -> Option<&E> {
         let engine: &dyn Any = &*self.engine;
         engine.downcast_ref()
     }
 
-    /// The boxes, as of now: changes that await an update included.
+    /// Returns the boxes, as of now: changes that await an update included.
     #[must_use]
     pub const fn proxies(&self) -> &Proxies {
         &self.proxies
@@ -91,24 +98,24 @@ impl SpatialIndex {
         self.proxies.set(id, aabb)
     }
 
-    /// Adds an object without an end, which has no box: a ground plane, with the half-space that it fills; or `None` for
+    /// Adds an unbounded object, one without an end and so without a box: a ground plane, with the half-space that it fills; or `None` for
     /// one that may be anywhere. It makes a pair with every box that has a part in the half-space, and with no other
-    /// endless object; queries find it at a distance of 0, wherever they look, and leave the rest to the caller.
+    /// unbounded object; queries find it at a distance of 0, wherever they look, and leave the rest to the caller.
     ///
     /// Meant for a handful: each costs its look at every object that moves, and at all when it moves itself.
     ///
     /// # Errors
     /// [`BoxError::Full`].
-    pub fn insert_endless(&mut self, side: Option<HalfSpace>) -> Result<ProxyId, BoxError> {
-        self.proxies.insert_endless(side)
+    pub fn insert_unbounded(&mut self, side: Option<HalfSpace>) -> Result<ProxyId, BoxError> {
+        self.proxies.insert_unbounded(side)
     }
 
-    /// Says where an endless object is in this tick. O(endless objects).
+    /// Says where an unbounded object is in this tick. O(unbounded objects).
     ///
     /// # Errors
-    /// A handle that is not that of an endless object is refused, and nothing changes.
-    pub fn set_endless(&mut self, id: ProxyId, side: Option<HalfSpace>) -> Result<(), BoxError> {
-        self.proxies.set_endless(id, side)
+    /// A handle that is not that of an unbounded object is refused, and nothing changes.
+    pub fn set_unbounded(&mut self, id: ProxyId, side: Option<HalfSpace>) -> Result<(), BoxError> {
+        self.proxies.set_unbounded(id, side)
     }
 
     /// Counts an object as moved though its box stays: it may have turned inside it. False if there is none.
@@ -156,7 +163,7 @@ impl SpatialIndex {
         self.engine.maintain(&self.proxies);
     }
 
-    /// Every pair of boxes that overlapped at the last [`update`](Self::update), touching included, each once.
+    /// Returns every pair of boxes that overlapped at the last [`update`](Self::update), touching included, each once.
     /// Searched for at the first call after an update; further calls cost nothing. If boxes changed since, an update
     /// comes first.
     pub fn find_pairs(&mut self) -> &PairSet {
@@ -173,7 +180,7 @@ impl SpatialIndex {
         if !self.searched {
             let found = self.pairs.begin(&self.proxies);
             self.pairs_tested = self.engine.find_pairs(&self.proxies, found);
-            self.pairs_tested += self.proxies.find_endless_pairs(found);
+            self.pairs_tested += self.proxies.find_unbounded_pairs(found);
             if self.proxies.are_filtered() && !self.engine.asks_filters() {
                 self.pairs.filter(&self.proxies);
             }
@@ -182,13 +189,13 @@ impl SpatialIndex {
         &self.pairs
     }
 
-    /// The pairs that the last [`find_pairs`](Self::find_pairs) gave.
+    /// Returns the pairs that the last [`find_pairs`](Self::find_pairs) gave.
     #[must_use]
     pub const fn pairs(&self) -> &PairSet {
         &self.pairs
     }
 
-    /// How many pairs of boxes the last search compared.
+    /// Returns how many pairs of boxes the last search compared.
     #[must_use]
     pub const fn pairs_tested(&self) -> u64 {
         self.pairs_tested
@@ -205,22 +212,48 @@ impl SpatialIndex {
         self.engine.for_each_leaf(&mut found);
     }
 
-    /// Figures about the broad phase. Takes time linear in its size.
+    /// Returns figures about the broad phase. Takes time linear in its size.
     #[must_use]
     pub fn stats(&self) -> BroadPhaseStats {
         self.engine.stats()
     }
 
-    /// The memory taken by boxes, broad phase and pairs, in bytes.
+    /// Returns the memory taken by boxes, broad phase and pairs, in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         self.proxies.memory_bytes() + self.stats().bytes + self.pairs.memory_bytes()
     }
 }
 
+impl Proxies {
+    /// Appends every pair of an unbounded object and a box that may meet, of which at least one moved, and which admit each
+    /// other; each once. Returns the number of pairs compared. For each unbounded object, linear in those that moved, or
+    /// in all if it moved itself.
+    fn find_unbounded_pairs(&self, pairs: &mut Vec<Pair>) -> u64 {
+        let mut compared = 0;
+        for unbounded in &self.unbounded {
+            let mut compare = |id, aabb| {
+                compared += 1;
+                if unbounded.may_meet(aabb) && self.admits(unbounded.id, id) {
+                    pairs.push(Pair::new(unbounded.id, id));
+                }
+            };
+            if self.is_moved(unbounded.id) {
+                self.iter().for_each(|(id, aabb)| compare(id, aabb));
+            } else {
+                self.moved()
+                    .iter()
+                    .filter_map(|id| Some((*id, self.get(*id)?)))
+                    .for_each(|(id, aabb)| compare(id, aabb));
+            }
+        }
+        compared
+    }
+}
+
 impl Default for SpatialIndex {
     fn default() -> Self {
-        Self::new(&Method::default())
+        Self::new(&BroadPhaseMethod::default())
     }
 }
 

@@ -5,71 +5,100 @@ use std::{fmt, str::FromStr};
 use bevy::prelude::*;
 use thiserror::Error;
 
-use super::{Auto, BroadPhase, Exhaustive, LinearOctree, ObjectOctree, ObjectOctreeSettings, SettingsError};
+use super::{
+    auto::Auto,
+    engine::BroadPhase,
+    exhaustive::Exhaustive,
+    linear_octree::LinearOctree,
+    object_octree::{ObjectOctree, ObjectOctreeSettings, SettingsError},
+};
 
-/// How overlapping boxes are searched for.
+/// The way in which overlapping boxes are searched for.
+///
+/// It has one name in text, which [`FromStr`] reads in either case, `Display` prints, and the broad phase itself
+/// [tells](BroadPhase::name):
+///
+/// | name | method |
+/// |---|---|
+/// | `auto` | [`Auto`](Self::Auto), the default |
+/// | `linear` | [`LinearOctree`](Self::LinearOctree) |
+/// | `object` | [`ObjectOctree`](Self::ObjectOctree), with default settings where it is read |
+/// | `exhaustive` | [`Exhaustive`](Self::Exhaustive) |
+///
+/// ```
+/// use bevy_octree::broad_phase::{BroadPhaseMethod, SpatialIndex};
+///
+/// let method: BroadPhaseMethod = "object".parse()?;
+/// assert_eq!(method.to_string(), "object");
+/// assert_eq!(SpatialIndex::new(&method).engine().name(), "object");
+/// # Ok::<(), bevy_octree::broad_phase::UnknownMethod>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Reflect)]
-pub enum Method {
-    /// Exhaustive search for a handful of objects, the pointerless octree beyond: see [`Auto`].
+#[type_path = "bevy_octree::broad_phase"]
+pub enum BroadPhaseMethod {
+    /// Exhaustive search for a handful of objects, the pointerless octree beyond: see [`Auto`]. The name that the broad
+    /// phase tells is that of the method at work.
     #[default]
     Auto,
     /// The pointerless octree: see [`LinearOctree`].
-    Linear,
-    /// The report's N-objects octree.
-    Octree(ObjectOctreeSettings),
-    /// Every box against every other.
+    #[doc(alias = "bvh")]
+    LinearOctree,
+    /// The report's N-objects octree: see [`ObjectOctree`].
+    ObjectOctree(ObjectOctreeSettings),
+    /// Every box against every other: see [`Exhaustive`].
+    #[doc(alias = "brute force")]
     Exhaustive,
 }
 
-impl Method {
+impl BroadPhaseMethod {
     /// Checks the settings.
     ///
     /// # Errors
     /// Those of [`ObjectOctreeSettings::check`].
     pub fn check(&self) -> Result<(), SettingsError> {
         match self {
-            Self::Octree(settings) => settings.check(),
-            Self::Auto | Self::Linear | Self::Exhaustive => Ok(()),
+            Self::ObjectOctree(settings) => settings.check(),
+            Self::Auto | Self::LinearOctree | Self::Exhaustive => Ok(()),
         }
     }
 
-    /// A new, empty broad phase of this kind. Settings out of range are taken as the nearest that is in range, with a
-    /// warning in the log; [`check`](Self::check) first for an error instead.
+    /// Creates a new, empty broad phase of this kind. Settings out of range are taken as the nearest that is in range,
+    /// with a warning in the log; [`check`](Self::check) first for an error instead.
     #[must_use]
     pub fn engine(&self) -> Box<dyn BroadPhase> {
         match self {
             Self::Auto => Box::new(Auto::default()),
-            Self::Linear => Box::new(LinearOctree::default()),
-            Self::Octree(settings) => Box::new(ObjectOctree::new(settings.clamped())),
+            Self::LinearOctree => Box::new(LinearOctree::default()),
+            Self::ObjectOctree(settings) => Box::new(ObjectOctree::new(settings.clamped())),
             Self::Exhaustive => Box::new(Exhaustive::default()),
         }
     }
 }
 
-impl fmt::Display for Method {
+impl fmt::Display for BroadPhaseMethod {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
             Self::Auto => "auto",
-            Self::Linear => "linear",
-            Self::Octree(_) => "octree",
+            Self::LinearOctree => "linear",
+            Self::ObjectOctree(_) => "object",
             Self::Exhaustive => "exhaustive",
         })
     }
 }
 
-/// The name of a method that does not exist.
+/// The error of a name that is that of no [`BroadPhaseMethod`].
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("unknown method `{0}`: expected `auto`, `linear`, `octree` or `exhaustive`")]
+#[error("unknown method `{0}`: expected `auto`, `linear`, `object` or `exhaustive`")]
 pub struct UnknownMethod(pub String);
 
-impl FromStr for Method {
+impl FromStr for BroadPhaseMethod {
     type Err = UnknownMethod;
 
     fn from_str(name: &str) -> Result<Self, Self::Err> {
         match name.to_ascii_lowercase().as_str() {
             "auto" => Ok(Self::Auto),
-            "linear" => Ok(Self::Linear),
-            "octree" | "object" => Ok(Self::Octree(ObjectOctreeSettings::default())),
+            "linear" => Ok(Self::LinearOctree),
+            "object" => Ok(Self::ObjectOctree(ObjectOctreeSettings::default())),
             "exhaustive" => Ok(Self::Exhaustive),
             _ => Err(UnknownMethod(name.to_owned())),
         }
@@ -78,15 +107,36 @@ impl FromStr for Method {
 
 #[cfg(test)]
 mod tests {
+    use bevy::reflect::TypePath;
+
     use super::*;
+    use crate::broad_phase::{Pair, PairFilter, PairKinds, ProxyId, RootPolicy};
+
+    /// What is saved by reflection is found again wherever the types' files are.
+    #[test]
+    fn reflected_paths_are_those_that_users_write() {
+        let paths = [
+            BroadPhaseMethod::type_path(),
+            ObjectOctreeSettings::type_path(),
+            RootPolicy::type_path(),
+            Pair::type_path(),
+            PairFilter::type_path(),
+            PairKinds::type_path(),
+            ProxyId::type_path(),
+        ];
+        for path in paths {
+            let name = path.strip_prefix("bevy_octree::broad_phase::").unwrap();
+            assert!(!name.contains("::"), "{path}");
+        }
+    }
 
     #[test]
     fn names_go_in_and_out() {
-        let octree = Method::Octree(ObjectOctreeSettings::default());
-        for method in [Method::Auto, Method::Linear, octree, Method::Exhaustive] {
+        let octree = BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::default());
+        for method in [BroadPhaseMethod::Auto, BroadPhaseMethod::LinearOctree, octree, BroadPhaseMethod::Exhaustive] {
             assert_eq!(method.to_string().to_uppercase().parse(), Ok(method));
         }
-        let error = "quadtree".parse::<Method>().unwrap_err();
+        let error = "quadtree".parse::<BroadPhaseMethod>().unwrap_err();
         assert!(error.to_string().contains("`quadtree`"));
     }
 }

@@ -2,10 +2,11 @@
 
 use bevy::prelude::Reflect;
 
-use super::{Proxies, ProxyId};
+use super::{boxes::ProxyId, proxy::Proxies};
 
 /// Two objects whose boxes overlap; the lower handle first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
+#[type_path = "bevy_octree::broad_phase"]
 pub struct Pair {
     /// The lower handle.
     pub a: ProxyId,
@@ -14,7 +15,7 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// The pair of two distinct objects, in any order.
+    /// Returns the pair of two distinct objects, in any order.
     ///
     /// # Panics
     /// In builds with debug assertions, if they are the same.
@@ -25,7 +26,7 @@ impl Pair {
         if a < b { Self { a, b } } else { Self { a: b, b: a } }
     }
 
-    /// A number that orders pairs as the pairs themselves are ordered.
+    /// Returns a number that orders pairs as the pairs themselves are ordered.
     #[inline]
     #[must_use]
     pub const fn key(self) -> u64 {
@@ -45,33 +46,33 @@ pub struct PairSet {
 }
 
 impl PairSet {
-    /// The pairs with an object that moved, in an order that depends on nothing but the history of the boxes.
+    /// Returns the pairs with an object that moved, in an order that depends on nothing but the history of the boxes.
     #[inline]
     #[must_use]
     pub fn moving(&self) -> &[Pair] {
         &self.moving
     }
 
-    /// The pairs of which neither object moved.
+    /// Returns the pairs of which neither object moved.
     #[inline]
     #[must_use]
     pub fn resting(&self) -> &[Pair] {
         &self.resting
     }
 
-    /// All pairs, the moving ones first.
+    /// Returns all pairs, the moving ones first.
     pub fn iter(&self) -> impl Iterator<Item = Pair> {
         self.moving.iter().chain(&self.resting).copied()
     }
 
-    /// The number of pairs.
+    /// Returns the number of pairs.
     #[inline]
     #[must_use]
     pub const fn len(&self) -> usize {
         self.moving.len() + self.resting.len()
     }
 
-    /// Is there no pair?
+    /// Returns `true` if there is no pair.
     #[inline]
     #[must_use]
     pub const fn is_empty(&self) -> bool {
@@ -84,7 +85,7 @@ impl PairSet {
         self.resting.clear();
     }
 
-    /// The memory taken, in bytes.
+    /// Returns the memory taken, in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         (self.moving.capacity() + self.resting.capacity()) * size_of::<Pair>()

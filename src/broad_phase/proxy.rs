@@ -1,147 +1,87 @@
 //! Proxies: the boxes of the objects, behind stable handles.
 
-use bevy::{
-    math::{Vec3A, bounding::Aabb3d, primitives::HalfSpace},
-    prelude::Reflect,
+use bevy::math::{bounding::Aabb3d, primitives::HalfSpace};
+
+use super::{
+    boxes::{BoxError, EVERYWHERE, ProxyId, check_box, is_box},
+    filter::{PairFilter, PairKinds},
+    flags::Flags,
+    unbounded::Unbounded,
 };
-use thiserror::Error;
-
-use super::{EVERYWHERE, PairFilter, PairKinds, endless::Endless};
-
-/// The handle of one object's box in a [`SpatialIndex`](super::SpatialIndex).
-///
-/// Handles are dense, from 0 up. A handle stays the same until its object is removed; after that it is not handed
-/// out again before two more updates have passed, so that whoever compares one tick with the next never takes one
-/// object for another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
-pub struct ProxyId(u32);
-
-impl ProxyId {
-    /// The handle with this index.
-    #[inline]
-    #[must_use]
-    pub const fn new(index: u32) -> Self {
-        Self(index)
-    }
-
-    /// The position in arrays that run parallel to the proxies.
-    #[inline]
-    #[must_use]
-    pub const fn index(self) -> usize {
-        self.0 as usize
-    }
-
-    /// The index as the 32-bit number that it is stored as.
-    #[inline]
-    #[must_use]
-    pub const fn get(self) -> u32 {
-        self.0
-    }
-}
-
-/// Why a box cannot be indexed.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum BoxError {
-    /// A corner is NaN or infinite.
-    #[error("the box has a corner that is not finite: min {:?}, max {:?}", .0.min, .0.max)]
-    NotFinite(Aabb3d),
-    /// A minimum lies above its maximum.
-    #[error("the box is inverted: min {:?}, max {:?}", .0.min, .0.max)]
-    Inverted(Aabb3d),
-    /// There is no such object, or no longer.
-    #[error("no object has the handle {0:?}")]
-    UnknownProxy(ProxyId),
-    /// All of the 2³² − 1 handles are in use.
-    #[error("the index is full: it holds {} objects", u32::MAX)]
-    Full,
-}
-
-/// Refuses boxes that are not finite, or inverted. A box without extent (a point) is fine.
-///
-/// # Errors
-/// [`BoxError::NotFinite`] and [`BoxError::Inverted`].
-#[inline]
-pub fn check_box(aabb: &Aabb3d) -> Result<(), BoxError> {
-    if is_box(aabb) {
-        return Ok(());
-    }
-    if aabb.min.is_finite() && aabb.max.is_finite() {
-        Err(BoxError::Inverted(*aabb))
-    } else {
-        Err(BoxError::NotFinite(*aabb))
-    }
-}
-
-/// Is a box finite and not inverted? A NaN fails every comparison.
-#[inline]
-fn is_box(aabb: &Aabb3d) -> bool {
-    let least = Vec3A::splat(f32::MIN);
-    let most = Vec3A::splat(f32::MAX);
-    (aabb.min.cmple(aabb.max) & aabb.min.cmpge(least) & aabb.max.cmple(most)).all()
-}
-
-/// Do two boxes overlap? Touching counts, as in [`Aabb3d`]'s own `intersects`.
-#[inline]
-#[must_use]
-pub fn overlap(a: &Aabb3d, b: &Aabb3d) -> bool {
-    (a.min.cmple(b.max) & a.max.cmpge(b.min)).all()
-}
-
-const ALIVE: u8 = 1;
-/// Changed since the last update.
-const PENDING: u8 = 2;
-/// Changed between the last two updates: what the current pairs are about.
-const MOVED: u8 = 4;
-/// Without an end, and so without a box.
-const ENDLESS: u8 = 8;
-/// The filter changed since the last update.
-const REFILTERED: u8 = 16;
 
 /// The boxes of all objects, and which of them changed.
 ///
-/// Objects without an end have a handle too, but no box: they are in none of the lists, and no concern of a broad phase.
+/// Unbounded objects have a handle too, but no box: they are in none of the lists, and no concern of a broad phase.
 ///
 /// An implementation of [`BroadPhase`](super::BroadPhase) reads this and never writes it.
 #[derive(Clone, Debug, Default)]
 pub struct Proxies {
     boxes: Vec<Aabb3d>,
-    flags: Vec<u8>,
+    flags: Vec<Flags>,
     /// Empty as long as no filter was set.
     filters: Vec<PairFilter>,
     kinds: PairKinds,
-    /// Whose filter changed since the last update, and between the last two.
-    pending_filters: Vec<ProxyId>,
-    changed_filters: Vec<ProxyId>,
-    pending: Vec<ProxyId>,
-    moved: Vec<ProxyId>,
-    /// Removed since the last update, removed before it, and free.
-    dying: Vec<ProxyId>,
-    dead: Vec<ProxyId>,
-    free: Vec<ProxyId>,
+    /// Objects with a box that were inserted, moved, touched or removed.
+    moved: Changes,
+    /// Objects with a box whose filter changed.
+    refiltered: Changes,
+    handles: Handles,
+    /// How many objects there are that have a box, and how many of these have moved.
     alive: usize,
-    /// How many of `moved` are still there.
     alive_moved: usize,
-    /// Did an object come or go between the last two updates?
-    population_changed: bool,
-    /// And since the last update?
+    /// Did an object come or go since the last update, and between the last two?
     population_is_changing: bool,
+    population_changed: bool,
     /// Did an object move, or go, that had not moved in the update before? And the other way round?
     some_woke: bool,
     some_slept: bool,
-    /// Those without an end, and those of them that were removed since the last update.
-    pub(super) endless: Vec<Endless>,
-    endless_pending: bool,
+    /// The unbounded objects, and those of them that were removed since the last update.
+    pub(super) unbounded: Vec<Unbounded>,
+    unbounded_pending: bool,
+}
+
+/// A list of what changed since the last update, and one of what changed between the last two.
+#[derive(Clone, Debug, Default)]
+struct Changes {
+    pending: Vec<ProxyId>,
+    current: Vec<ProxyId>,
+}
+
+impl Changes {
+    /// Makes the pending changes the current ones.
+    fn advance(&mut self) {
+        self.current.clear();
+        std::mem::swap(&mut self.current, &mut self.pending);
+    }
+}
+
+/// Handles that no object has.
+#[derive(Clone, Debug, Default)]
+struct Handles {
+    /// Those whose objects were removed since the last update.
+    dying: Vec<ProxyId>,
+    /// Those whose objects were removed between the last two updates.
+    dead: Vec<ProxyId>,
+    /// Those that may be handed out again.
+    free: Vec<ProxyId>,
+}
+
+impl Handles {
+    fn advance(&mut self) {
+        self.free.append(&mut self.dead);
+        std::mem::swap(&mut self.dead, &mut self.dying);
+    }
 }
 
 impl Proxies {
-    /// The number of objects that have a box.
+    /// Returns the number of objects that have a box.
     #[inline]
     #[must_use]
     pub const fn len(&self) -> usize {
         self.alive
     }
 
-    /// Is there no object that has a box?
+    /// Returns `true` if there is no object that has a box.
     #[inline]
     #[must_use]
     pub const fn is_empty(&self) -> bool {
@@ -155,48 +95,49 @@ impl Proxies {
         self.boxes.len()
     }
 
-    /// Is there an object with this handle?
+    /// Returns `true` if there is an object with this handle.
     #[inline]
     #[must_use]
     pub fn contains(&self, id: ProxyId) -> bool {
-        self.flags.get(id.index()).is_some_and(|f| f & ALIVE != 0)
+        self.flags.get(id.index()).is_some_and(|flags| flags.has(Flags::ALIVE))
     }
 
-    /// The box of an object, or `None` if there is no such object, or it is without an end.
+    /// Returns the box of an object, or `None` if there is no such object, or it is unbounded.
     #[inline]
     #[must_use]
     pub fn get(&self, id: ProxyId) -> Option<&Aabb3d> {
-        let has_box = self.flags.get(id.index()).is_some_and(|f| f & (ALIVE | ENDLESS) == ALIVE);
+        let has_box = self.flags.get(id.index()).is_some_and(|flags| flags.has_box());
         has_box.then(|| &self.boxes[id.index()])
     }
 
-    /// The objects without an end.
-    pub fn endless(&self) -> impl Iterator<Item = ProxyId> {
-        self.endless.iter().map(|endless| endless.id).filter(|id| self.contains(*id))
+    /// Returns the unbounded objects.
+    pub fn unbounded(&self) -> impl Iterator<Item = ProxyId> {
+        self.unbounded.iter().map(|unbounded| unbounded.id).filter(|id| self.contains(*id))
     }
 
-    /// All boxes by index, those of removed objects included: for the inner loops of a broad phase.
+    /// Returns all boxes by index, those of removed objects included: for the inner loops of a broad phase.
     #[inline]
     #[must_use]
     pub fn boxes(&self) -> &[Aabb3d] {
         &self.boxes
     }
 
-    /// What the object is, and what it may meet.
+    /// Returns what the object is, and what it may meet.
     #[inline]
     #[must_use]
     pub fn filter(&self, id: ProxyId) -> PairFilter {
         self.filters.get(id.index()).copied().unwrap_or_default()
     }
 
-    /// The kinds of pairs that are sought.
+    /// Returns the kinds of pairs that are sought.
     #[inline]
     #[must_use]
     pub const fn pair_kinds(&self) -> PairKinds {
         self.kinds
     }
 
-    /// Do two objects make a pair, if their boxes overlap? They admit each other, and are of a kind that is sought.
+    /// Returns `true` if two objects make a pair, should their boxes overlap. They admit each other, and are of a kind
+    /// that is sought.
     #[inline]
     #[must_use]
     pub fn admits(&self, a: ProxyId, b: ProxyId) -> bool {
@@ -204,115 +145,124 @@ impl Proxies {
         a.admits(&b) & self.kinds.include(&a, &b)
     }
 
-    /// The objects whose filter changed between the last two updates; some may be gone, or listed more than once. All
-    /// objects, if the [kinds of pairs](Self::pair_kinds) changed.
+    /// Returns the objects whose filter changed between the last two updates; some may be gone, or listed more than
+    /// once. All objects, if the [kinds of pairs](Self::pair_kinds) changed.
     #[inline]
     #[must_use]
     pub fn changed_filters(&self) -> &[ProxyId] {
-        &self.changed_filters
+        &self.refiltered.current
     }
 
-    /// Need pairs be asked whether they [admit](Self::admits) each other? Not as long as no filter was set, for then all
-    /// objects are alike.
+    /// Returns `true` if pairs must be asked whether they [admit](Self::admits) each other. Not as long as no filter
+    /// was set, for then all objects are alike.
     #[inline]
     #[must_use]
     pub const fn are_filtered(&self) -> bool {
         !self.filters.is_empty() || !self.kinds.moving_moving
     }
 
-    /// Was the object inserted, moved or touched between the last two updates?
+    /// Returns `true` if the object was inserted, moved or touched between the last two updates.
     #[inline]
     #[must_use]
     pub fn is_moved(&self, id: ProxyId) -> bool {
-        self.flags.get(id.index()).is_some_and(|f| f & (ALIVE | MOVED) == ALIVE | MOVED)
+        self.flags.get(id.index()).is_some_and(|flags| flags.is_moved())
     }
 
-    /// Has the object a part in the pairs of this tick without having moved?
+    /// Returns `true` if the object has a part in the pairs of this tick without having moved.
     #[inline]
     #[must_use]
     pub fn is_resting(&self, id: ProxyId) -> bool {
-        self.flags.get(id.index()).is_some_and(|f| f & (ALIVE | MOVED) == ALIVE)
+        self.flags.get(id.index()).is_some_and(|flags| flags.is_resting())
     }
 
-    /// The objects that were inserted, moved, touched or removed between the last two updates, each once, in the
-    /// order of their first change. Those for which [`contains`](Self::contains) is false were removed.
+    /// Returns the objects that were inserted, moved, touched or removed between the last two updates, each once, in
+    /// the order of their first change. Those for which [`contains`](Self::contains) is false were removed.
     #[inline]
     #[must_use]
     pub fn moved(&self) -> &[ProxyId] {
-        &self.moved
+        &self.moved.current
     }
 
-    /// Did every object move between the last two updates?
+    /// Returns `true` if every object moved between the last two updates.
     #[inline]
     #[must_use]
     pub const fn all_moved(&self) -> bool {
         self.alive_moved == self.alive
     }
 
-    /// Was an object inserted or removed between the last two updates?
+    /// Returns `true` if more than half of the objects moved between the last two updates.
+    pub(super) const fn most_moved(&self) -> bool {
+        self.moved.current.len() * 2 > self.alive
+    }
+
+    /// Returns `true` if an object was inserted or removed between the last two updates.
     #[inline]
     #[must_use]
     pub const fn population_changed(&self) -> bool {
         self.population_changed
     }
 
-    /// Did an object move between the last two updates that had not moved between the two before? Objects that came
-    /// or went count.
+    /// Returns `true` if an object moved between the last two updates that had not moved between the two before.
+    /// Objects that came or went count.
     #[inline]
     #[must_use]
     pub const fn some_woke(&self) -> bool {
         self.some_woke
     }
 
-    /// Did an object rest between the last two updates that had moved between the two before?
+    /// Returns `true` if an object rested between the last two updates that had moved between the two before.
     #[inline]
     #[must_use]
     pub const fn some_slept(&self) -> bool {
         self.some_slept
     }
 
-    /// Are there changes that no update has taken up yet?
+    /// Returns `true` if there are changes that no update has seen yet.
     #[inline]
     #[must_use]
     pub const fn has_pending(&self) -> bool {
-        !self.pending.is_empty() || self.endless_pending
+        !self.moved.pending.is_empty() || self.unbounded_pending
     }
 
-    /// All objects that have a box, by ascending handle. O(capacity).
+    /// Returns all objects that have a box, by ascending handle. O(capacity).
     pub fn iter(&self) -> impl Iterator<Item = (ProxyId, &Aabb3d)> + Clone {
-        let has_box = |flags: &u8| flags & (ALIVE | ENDLESS) == ALIVE;
-        (0..).map(ProxyId).zip(&self.boxes).zip(&self.flags).filter(move |(_, f)| has_box(f)).map(|(item, _)| item)
+        (0..)
+            .map(ProxyId::new)
+            .zip(&self.boxes)
+            .zip(&self.flags)
+            .filter(|(_, flags)| flags.has_box())
+            .map(|(item, _)| item)
     }
 
-    /// The memory taken, in bytes.
+    /// Returns the memory taken, in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
-        let filters = [&self.pending_filters, &self.changed_filters];
-        let lists = [&self.pending, &self.moved, &self.dying, &self.dead, &self.free].into_iter().chain(filters);
+        let changes = [&self.moved, &self.refiltered].into_iter().flat_map(|list| [&list.pending, &list.current]);
+        let lists = changes.chain([&self.handles.dying, &self.handles.dead, &self.handles.free]);
         self.boxes.capacity() * size_of::<Aabb3d>()
-            + self.flags.capacity()
+            + self.flags.capacity() * size_of::<Flags>()
             + self.filters.capacity() * size_of::<PairFilter>()
-            + self.endless.capacity() * size_of::<Endless>()
+            + self.unbounded.capacity() * size_of::<Unbounded>()
             + lists.map(|list| list.capacity() * size_of::<ProxyId>()).sum::<usize>()
     }
 
     pub(super) fn insert(&mut self, aabb: Aabb3d) -> Result<ProxyId, BoxError> {
         check_box(&aabb)?;
-        let id = self.allocate(aabb, ALIVE)?;
+        let id = self.allocate(aabb, Flags::ALIVE)?;
         self.alive += 1;
         self.population_is_changing = true;
         Ok(id)
     }
 
-    pub(super) fn insert_endless(&mut self, side: Option<HalfSpace>) -> Result<ProxyId, BoxError> {
-        let id = self.allocate(EVERYWHERE, ALIVE | ENDLESS)?;
-        self.endless.push(Endless { id, side });
+    pub(super) fn insert_unbounded(&mut self, side: Option<HalfSpace>) -> Result<ProxyId, BoxError> {
+        let id = self.allocate(EVERYWHERE, Flags::ALIVE.with(Flags::UNBOUNDED))?;
+        self.unbounded.push(Unbounded { id, side });
         Ok(id)
     }
 
     /// A handle for a new object.
-    fn allocate(&mut self, aabb: Aabb3d, flags: u8) -> Result<ProxyId, BoxError> {
-        let id = match self.free.pop() {
+    fn allocate(&mut self, aabb: Aabb3d, flags: Flags) -> Result<ProxyId, BoxError> {
+        let id = match self.handles.free.pop() {
             Some(id) => {
                 self.boxes[id.index()] = aabb;
                 id
@@ -320,8 +270,8 @@ impl Proxies {
             None => {
                 let index = u32::try_from(self.boxes.len()).ok().filter(|i| *i != u32::MAX).ok_or(BoxError::Full)?;
                 self.boxes.push(aabb);
-                self.flags.push(0);
-                ProxyId(index)
+                self.flags.push(Flags::default());
+                ProxyId::new(index)
             }
         };
         self.flags[id.index()] = flags;
@@ -339,7 +289,7 @@ impl Proxies {
         };
         // Most common first: the same box again, which is known to be a good one.
         let is_same = old.min.cmpeq(aabb.min) & old.max.cmpeq(aabb.max);
-        let has_box = *flags & (ALIVE | ENDLESS) == ALIVE;
+        let has_box = flags.has_box();
         if is_same.all() && has_box {
             return Ok(());
         }
@@ -347,9 +297,9 @@ impl Proxies {
             return Err(self.refusal(id, aabb));
         }
         *old = *aabb;
-        if *flags & PENDING == 0 {
-            *flags |= PENDING;
-            self.pending.push(id);
+        if !flags.has(Flags::PENDING) {
+            flags.set(Flags::PENDING);
+            self.moved.pending.push(id);
         }
         Ok(())
     }
@@ -360,14 +310,14 @@ impl Proxies {
         check_box(aabb).err().unwrap_or(BoxError::UnknownProxy(id))
     }
 
-    /// Says where an endless object is.
-    pub(super) fn set_endless(&mut self, id: ProxyId, side: Option<HalfSpace>) -> Result<(), BoxError> {
-        let place = self.endless.iter_mut().find(|endless| endless.id == id);
-        let Some(endless) = place.filter(|endless| self.flags[endless.id.index()] & ALIVE != 0) else {
+    /// Says where an unbounded object is.
+    pub(super) fn set_unbounded(&mut self, id: ProxyId, side: Option<HalfSpace>) -> Result<(), BoxError> {
+        let found = self.unbounded.iter_mut().find(|unbounded| unbounded.id == id);
+        let Some(unbounded) = found.filter(|_| self.flags[id.index()].has(Flags::ALIVE)) else {
             return Err(BoxError::UnknownProxy(id));
         };
-        if endless.side != side {
-            endless.side = side;
+        if unbounded.side != side {
+            unbounded.side = side;
             self.mark(id);
         }
         Ok(())
@@ -384,9 +334,9 @@ impl Proxies {
             }
             self.filters[id.index()] = filter;
             let flags = &mut self.flags[id.index()];
-            if *flags & (ENDLESS | REFILTERED) == 0 {
-                *flags |= REFILTERED;
-                self.pending_filters.push(id);
+            if !flags.has(Flags::UNBOUNDED.with(Flags::REFILTERED)) {
+                flags.set(Flags::REFILTERED);
+                self.refiltered.pending.push(id);
             }
             self.mark(id);
         }
@@ -398,7 +348,7 @@ impl Proxies {
         if kinds != self.kinds {
             self.kinds = kinds;
             self.touch_all();
-            self.pending_filters.clone_from(&self.pending);
+            self.refiltered.pending.clone_from(&self.moved.pending);
         }
     }
 
@@ -412,19 +362,19 @@ impl Proxies {
 
     pub(super) fn touch_all(&mut self) {
         for index in 0..self.boxes.len() {
-            if self.flags[index] & ALIVE != 0 {
-                self.mark(ProxyId(index as u32));
+            if self.flags[index].has(Flags::ALIVE) {
+                self.mark(ProxyId::new(index as u32));
             }
         }
     }
 
     /// Has what moved in the last update count as moved in the next one too.
     pub(super) fn touch_moved(&mut self) {
-        for place in 0..self.moved.len() {
-            self.touch(self.moved[place]);
+        for index in 0..self.moved.current.len() {
+            self.touch(self.moved.current[index]);
         }
-        for place in 0..self.endless.len() {
-            let id = self.endless[place].id;
+        for index in 0..self.unbounded.len() {
+            let id = self.unbounded[index].id;
             if self.is_moved(id) {
                 self.touch(id);
             }
@@ -436,54 +386,66 @@ impl Proxies {
             return false;
         }
         let flags = &mut self.flags[id.index()];
-        *flags &= !ALIVE;
-        if *flags & ENDLESS == 0 {
+        flags.clear_unless(false, Flags::ALIVE);
+        if !flags.has(Flags::UNBOUNDED) {
             self.alive -= 1;
             self.population_is_changing = true;
         }
         self.mark(id);
-        self.dying.push(id);
+        self.handles.dying.push(id);
         true
     }
 
     /// Makes the pending changes the current ones.
     pub(super) fn begin_update(&mut self) {
-        let mut slept = 0;
-        for id in self.moved.drain(..) {
-            let flags = &mut self.flags[id.index()];
-            let goes_on = *flags & PENDING != 0;
-            slept |= *flags & ALIVE & !u8::from(goes_on);
-            *flags &= if goes_on { !0 } else { !MOVED };
-        }
-        self.some_slept = slept != 0;
-        std::mem::swap(&mut self.moved, &mut self.pending);
-        self.alive_moved = 0;
-        let mut moved_before = MOVED;
-        for id in &self.moved {
-            let flags = &mut self.flags[id.index()];
-            moved_before &= *flags;
-            *flags = *flags & ALIVE | MOVED;
-            self.alive_moved += usize::from(*flags & ALIVE);
-        }
-        self.some_woke = moved_before == 0;
-        self.update_endless();
-        self.changed_filters.clear();
-        std::mem::swap(&mut self.changed_filters, &mut self.pending_filters);
+        self.some_slept = self.end_moves();
+        self.moved.advance();
+        self.some_woke = self.begin_moves();
+        self.update_unbounded();
+        self.refiltered.advance();
         self.population_changed = std::mem::take(&mut self.population_is_changing);
-        self.free.append(&mut self.dead);
-        std::mem::swap(&mut self.dead, &mut self.dying);
+        self.handles.advance();
     }
 
-    fn update_endless(&mut self) {
-        self.endless_pending = false;
-        self.endless.retain(|endless| {
-            let flags = &mut self.flags[endless.id.index()];
-            let (moved_before, moves) = (*flags & MOVED != 0, *flags & PENDING != 0);
-            let is_alive = *flags & ALIVE != 0;
+    /// Sees who moved until now, and rests from now on. Returns `true` if somebody does. Without a branch.
+    fn end_moves(&mut self) -> bool {
+        let mut some_slept = false;
+        for id in &self.moved.current {
+            let flags = &mut self.flags[id.index()];
+            debug_assert!(flags.has(Flags::MOVED) && !flags.has(Flags::UNBOUNDED));
+            let goes_on = flags.has(Flags::PENDING);
+            some_slept |= flags.has(Flags::ALIVE) & !goes_on;
+            flags.clear_unless(goes_on, Flags::MOVED);
+        }
+        some_slept
+    }
+
+    /// Sees who moves from now on, and counts them. Returns `true` if somebody did not before. Without a branch.
+    fn begin_moves(&mut self) -> bool {
+        let (mut some_woke, mut alive_moved) = (false, 0);
+        for id in &self.moved.current {
+            let flags = &mut self.flags[id.index()];
+            debug_assert!(flags.has(Flags::PENDING) && !flags.has(Flags::UNBOUNDED));
+            some_woke |= !flags.has(Flags::MOVED);
+            *flags = flags.among(Flags::ALIVE).with(Flags::MOVED);
+            alive_moved += usize::from(flags.has(Flags::ALIVE));
+        }
+        debug_assert!(alive_moved <= self.alive);
+        self.alive_moved = alive_moved;
+        some_woke
+    }
+
+    fn update_unbounded(&mut self) {
+        self.unbounded_pending = false;
+        self.unbounded.retain(|unbounded| {
+            let flags = &mut self.flags[unbounded.id.index()];
+            let (moved_before, moves) = (flags.has(Flags::MOVED), flags.has(Flags::PENDING));
+            let is_alive = flags.has(Flags::ALIVE);
             // Of a removed one, no pair rests any longer.
-            self.some_woke |= !is_alive || moves && !moved_before;
+            self.some_woke |= !is_alive || (moves && !moved_before);
             self.some_slept |= moved_before && !moves;
-            *flags = *flags & (ALIVE | ENDLESS) | if moves { MOVED } else { 0 };
+            let stays = flags.among(Flags::ALIVE.with(Flags::UNBOUNDED));
+            *flags = if moves { stays.with(Flags::MOVED) } else { stays };
             is_alive
         });
     }
@@ -491,89 +453,16 @@ impl Proxies {
     #[inline]
     fn mark(&mut self, id: ProxyId) {
         let flags = &mut self.flags[id.index()];
-        if *flags & PENDING == 0 {
-            *flags |= PENDING;
-            if *flags & ENDLESS == 0 {
-                self.pending.push(id);
+        if !flags.has(Flags::PENDING) {
+            flags.set(Flags::PENDING);
+            if !flags.has(Flags::UNBOUNDED) {
+                self.moved.pending.push(id);
             } else {
-                self.endless_pending = true;
+                self.unbounded_pending = true;
             }
         }
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use bevy::math::Vec3;
-
-    fn unit(x: f32) -> Aabb3d {
-        Aabb3d::new(Vec3::new(x, 0.0, 0.0), Vec3::splat(0.5))
-    }
-
-    #[test]
-    fn bad_boxes_are_refused_by_name() {
-        let mut proxies = Proxies::default();
-        let nan = Aabb3d { min: Vec3::NAN.into(), max: Vec3::ONE.into() };
-        assert!(matches!(proxies.insert(nan), Err(BoxError::NotFinite(_))));
-        let endless = Aabb3d { min: Vec3::ZERO.into(), max: Vec3::INFINITY.into() };
-        assert!(matches!(proxies.insert(endless), Err(BoxError::NotFinite(_))));
-        let inverted = Aabb3d { min: Vec3::ONE.into(), max: Vec3::ZERO.into() };
-        assert!(matches!(proxies.insert(inverted), Err(BoxError::Inverted(_))));
-        assert!(proxies.is_empty());
-        let point = Aabb3d { min: Vec3::ONE.into(), max: Vec3::ONE.into() };
-        let id = proxies.insert(point).unwrap();
-        assert!(matches!(proxies.set(id, &nan), Err(BoxError::NotFinite(_))));
-        assert_eq!(proxies.get(id), Some(&point));
-        assert_eq!(proxies.set(ProxyId(7), &point), Err(BoxError::UnknownProxy(ProxyId(7))));
-    }
-
-    #[test]
-    fn a_foreign_handle_is_that_of_no_object() {
-        let mut proxies = Proxies::default();
-        let own = proxies.insert(unit(0.0)).unwrap();
-        proxies.begin_update();
-        for foreign in [ProxyId(1), ProxyId(u32::MAX)] {
-            assert!(!proxies.contains(foreign) && !proxies.is_moved(foreign) && !proxies.is_resting(foreign));
-            assert_eq!((proxies.get(foreign), proxies.filter(foreign)), (None, PairFilter::default()));
-            assert!(proxies.admits(own, foreign));
-            assert!(!proxies.touch(foreign) && !proxies.remove(foreign));
-            let unknown = Err(BoxError::UnknownProxy(foreign));
-            assert_eq!(proxies.set(foreign, &unit(1.0)), unknown);
-            assert_eq!(proxies.set_endless(foreign, None), unknown);
-            assert_eq!(proxies.set_filter(foreign, PairFilter::default()), unknown);
-        }
-        assert!(proxies.is_moved(own));
-    }
-
-    #[test]
-    fn a_handle_is_reused_only_after_two_updates() {
-        let mut proxies = Proxies::default();
-        let first = proxies.insert(unit(0.0)).unwrap();
-        proxies.begin_update();
-        assert!(proxies.remove(first));
-        assert!(!proxies.remove(first));
-        for _ in 0..2 {
-            assert_ne!(proxies.insert(unit(1.0)).unwrap(), first);
-            proxies.begin_update();
-        }
-        assert_eq!(proxies.insert(unit(2.0)).unwrap(), first);
-    }
-
-    #[test]
-    fn moved_lists_each_change_once_and_unchanged_boxes_never() {
-        let mut proxies = Proxies::default();
-        let [a, b, c] = [0.0, 1.0, 2.0].map(|x| proxies.insert(unit(x)).unwrap());
-        proxies.begin_update();
-        assert_eq!(proxies.moved(), [a, b, c]);
-        proxies.set(b, &unit(5.0)).unwrap();
-        proxies.set(b, &unit(6.0)).unwrap();
-        proxies.set(a, &unit(0.0)).unwrap();
-        proxies.touch(c);
-        proxies.begin_update();
-        assert_eq!(proxies.moved(), [b, c]);
-        assert!(proxies.is_resting(a) && proxies.is_moved(b) && proxies.is_moved(c));
-        proxies.begin_update();
-        assert!(proxies.moved().is_empty() && proxies.is_resting(b));
-    }
-}
+mod tests;

@@ -2,15 +2,17 @@
 
 use bevy::prelude::*;
 
-use super::CollisionGizmos;
+use super::gizmos::CollisionGizmos;
 use crate::{
     collision_index::CollisionIndex,
     components::{BroadPhaseProxy, WorldAabb},
 };
 
-/// How the box of one entity is drawn, and its way if it is [swept](crate::swept::Swept), whatever the [`CollisionGizmos`] say about others.
+/// Says how the box of one entity is drawn, and its way if it is [swept](crate::swept::Swept), whatever the
+/// [`CollisionGizmos`] say about others.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 pub enum DebugDraw {
     /// Not at all.
     #[default]
@@ -32,7 +34,7 @@ impl DebugDraw {
 
 type Boxes<'a, M> = (&'a WorldAabb, &'a BroadPhaseProxy, M);
 
-/// Draws the boxes of all entities that are in the index, but endless ones.
+/// Draws the boxes of all entities that are in the index, but unbounded ones.
 pub(super) fn draw_boxes(
     mut gizmos: Gizmos<CollisionGizmos>,
     index: Res<CollisionIndex>,
@@ -44,7 +46,7 @@ pub(super) fn draw_boxes(
     let mut draw = |aabb: &WorldAabb, proxy: &BroadPhaseProxy, own: Option<&DebugDraw>| {
         let Some(id) = proxy.id() else { return };
         let others = if proxies.is_resting(id) { resting } else { moving };
-        if let Some(color) = DebugDraw::color(own, others).filter(|_| *aabb != WorldAabb::ENDLESS) {
+        if let Some(color) = DebugDraw::color(own, others).filter(|_| *aabb != WorldAabb::UNBOUNDED) {
             gizmos.aabb_3d(aabb.0, Transform::IDENTITY, color);
         }
     };
@@ -53,4 +55,8 @@ pub(super) fn draw_boxes(
     } else {
         marked.iter().for_each(|(aabb, proxy, own)| draw(aabb, proxy, Some(own)));
     }
+}
+
+pub(super) fn register(app: &mut App) {
+    app.register_type::<DebugDraw>();
 }

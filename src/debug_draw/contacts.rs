@@ -2,7 +2,7 @@
 
 use bevy::{math::bounding::BoundingVolume, prelude::*};
 
-use super::{CollisionGizmos, surface_point};
+use super::gizmos::{CollisionGizmos, surface_point};
 use crate::{
     components::WorldAabb,
     contacts::{Collision, Collisions},
@@ -16,7 +16,7 @@ pub(super) fn draw_contacts(mut gizmos: Gizmos<CollisionGizmos>, collisions: Col
         if let Some(Contact { normal, point, .. }) = contact {
             surface_point(&mut gizmos, point, normal, color);
         } else if let Ok(boxes) = boxes.get_many([a, b])
-            && !boxes.contains(&&WorldAabb::ENDLESS)
+            && !boxes.contains(&&WorldAabb::UNBOUNDED)
         {
             let [a, b] = boxes.map(|aabb| aabb.center().into());
             gizmos.line(a, b, color);

@@ -2,7 +2,10 @@
 
 use bevy::{math::bounding::Aabb3d, prelude::*};
 
-use super::{CollisionGizmos, surface_point, sweep::swept_box};
+use super::{
+    gizmos::{CollisionGizmos, surface_point},
+    sweep::swept_box,
+};
 use crate::spatial_query::RayHit;
 
 /// Draws what queries asked, and what they found, in the colours of the [`CollisionGizmos`]. Answers are not kept
@@ -16,7 +19,7 @@ use crate::spatial_query::RayHit;
 /// fn look_ahead(viewers: Query<&Transform>, spatial: SpatialQuery, mut gizmos: Option<Gizmos<CollisionGizmos>>) {
 ///     for transform in &viewers {
 ///         let ray = Ray3d::new(transform.translation, transform.forward());
-///         let hit = spatial.cast_ray(ray, 100.0, &SpatialQueryFilter::ALL);
+///         let hit = spatial.cast_ray(ray, 100.0, &SpatialQueryFilter::DEFAULT);
 ///         if let Some(gizmos) = &mut gizmos {
 ///             gizmos.ray_hit(ray, hit);
 ///         }

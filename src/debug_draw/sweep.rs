@@ -6,7 +6,7 @@ use bevy::{
     prelude::*,
 };
 
-use super::{CollisionGizmos, DebugDraw};
+use super::{boxes::DebugDraw, gizmos::CollisionGizmos};
 use crate::{
     components::{BroadPhaseProxy, CollisionShape},
     shear::{self, Sheared},

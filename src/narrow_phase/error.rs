@@ -1,4 +1,4 @@
-//! What can be wrong with a shape, and with the place it is put.
+//! What can be wrong with a shape, and with where it is put.
 
 use bevy::math::Vec3;
 use thiserror::Error;
@@ -106,7 +106,7 @@ pub enum ShapeError {
     NoAccess(String),
 }
 
-/// Why a shape at a place has no bounding box or sphere.
+/// Why a placed shape has no bounding box or sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum BoundsError {

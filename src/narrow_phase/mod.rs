@@ -50,14 +50,14 @@
 //!
 //! # Numbers
 //!
-//! Everything is computed relative to the place of one of the two, so that a pair far from the
-//! origin gets the verdict it would get close to it, for the places as 32-bit floats hold them.
+//! Everything is computed relative to the position of one of the two, so that a pair far from the
+//! origin gets the verdict it would get close to it, for the positions as 32-bit floats hold them.
 //! Verdicts do not depend on the order of the two. Early stages reject only at twice the tolerance,
 //! and [`Stage::Boxes`] accepts cuboids only if it is sure that they overlap, so that the last
 //! stage has the last word where it could differ: [`Exactness::EdgePolygon`] forces it, and agrees.
 //!
 //! Whatever is finite is decided, however large: what is beyond 10⁹ is looked at at a smaller scale, by a power of two.
-//! Where even a place or a sum of sizes exceeds the range of 32-bit floats, there are [no bounds](BoundsError::NonFinite)
+//! Where even a position or a sum of sizes exceeds the range of 32-bit floats, there are [no bounds](BoundsError::NonFinite)
 //! and no contacts.
 //!
 //! Nothing is allocated per pair once the buffers of the [`Workspace`] have grown to the largest
@@ -90,71 +90,39 @@
 //! the first one that is tested in an app logs a warning with both entities. A shape without an end has
 //! [no bounds](BoundsError::Unbounded) for a broad phase, but perhaps a [side](NarrowPhase::side), and can be tested.
 
-#[cfg(feature = "mesh")]
-mod bevy_mesh;
-mod box_proximity;
-mod closest;
+mod answer;
+mod bounds;
+mod cast;
+mod construct;
 mod contact;
-#[cfg(feature = "rapier")]
-mod convex;
-mod convex_contact;
-mod convex_mesh;
 mod decide;
-mod edge_polygon;
 mod error;
-#[cfg(feature = "rapier")]
-mod gjk;
-mod large;
-mod oriented_box;
-mod pair;
+mod frame;
+mod length;
+mod mesh;
 #[cfg(feature = "rapier")]
 mod parry;
-#[cfg(feature = "rapier")]
-mod parts;
-mod passing;
-mod polygon_mesh;
-mod polygon_proximity;
+#[cfg(not(feature = "rapier"))]
+#[path = "parry/absent.rs"]
+mod parry;
 mod proximity;
-mod ray;
-mod separation;
+mod settings;
 mod shape;
 mod stage;
-mod surface;
-mod sweep;
-mod time_of_impact;
-mod topology;
-#[cfg(feature = "rapier")]
-mod triangulate;
-mod turned;
-mod workspace;
-
-#[cfg(test)]
-mod cast_tests;
-#[cfg(test)]
-mod impact_tests;
-#[cfg(all(test, feature = "rapier"))]
-mod parry_tests;
-#[cfg(test)]
-mod proximity_tests;
-#[cfg(all(test, feature = "rapier"))]
-mod rapier_cast_tests;
-#[cfg(all(test, feature = "rapier"))]
-mod rapier_tests;
 #[cfg(test)]
 mod tests;
+mod turned;
 
-pub use contact::Contact;
-pub use convex_mesh::ConvexMesh;
-pub use decide::{Exactness, NarrowPhase};
+pub use answer::{Contact, Impact, Proximity, TimedContact};
+pub use cast::moving::Moving;
 pub use error::{BoundsError, ShapeError, ToleranceError};
-pub use pair::Placed;
+pub(crate) use frame::approach::approach;
+pub use frame::placed::Placed;
+pub use frame::workspace::Workspace;
+pub use mesh::convex_mesh::ConvexMesh;
+pub use mesh::polygon_mesh::PolygonMesh;
 #[cfg(feature = "rapier")]
 pub(crate) use parry::is_known;
-pub use polygon_mesh::PolygonMesh;
-pub use proximity::Proximity;
-pub use ray::Impact;
+pub use settings::{Exactness, NarrowPhase};
 pub use shape::Shape;
 pub use stage::{Stage, StageCount, StageCounters};
-pub(crate) use time_of_impact::approach;
-pub use time_of_impact::{Moving, TimedContact};
-pub use workspace::Workspace;

@@ -2,17 +2,21 @@
 
 use std::sync::Arc;
 
-use bevy::math::bounding::{Aabb3d, BoundingSphere};
-use bevy::math::{Vec3, Vec3A, primitives};
-use bevy::transform::components::Transform;
+use bevy::math::{Vec3, Vec3A};
+#[cfg(feature = "rapier")]
+use bevy_rapier3d::parry::shape::SharedShape;
 
-use super::large::length;
-use super::oriented_box::OrientedBox;
-use super::{BoundsError, ConvexMesh, PolygonMesh, ShapeError};
+use super::error::BoundsError;
+use super::length::length;
+use super::mesh::{convex_mesh::ConvexMesh, cube::CUBE, polygon_mesh::PolygonMesh};
 
-/// What an object is made of, in its own coordinates. Cheap to clone: meshes are shared.
+/// Half extents beyond this stand for infinity: parry gives endless shapes boxes of this order.
+#[cfg(feature = "rapier")]
+const ENDLESS: f32 = f32::MAX / 8.0;
+
+/// The form of an object, in its own coordinates. Cheap to clone: meshes are shared.
 ///
-/// A [`Transform`] places it: scale first, then rotation, then translation.
+/// A [`Transform`](bevy::transform::components::Transform) places it: scale first, then rotation, then translation.
 ///
 /// * The scale of a cuboid or mesh works along its own axes; a negative one mirrors.
 /// * A sphere stays a sphere: of a scale that differs by axis, the largest absolute component
@@ -34,6 +38,7 @@ use super::{BoundsError, ConvexMesh, PolygonMesh, ShapeError};
 /// # let _ = brick;
 /// # Ok::<(), ShapeError>(())
 /// ```
+#[doc(alias = "collider")]
 #[derive(Clone, Debug)]
 pub enum Shape {
     /// A box around the origin.
@@ -52,79 +57,45 @@ pub enum Shape {
     Mesh(Arc<PolygonMesh>),
     /// A shape of `bevy_rapier3d`.
     #[cfg(feature = "rapier")]
-    Rapier(bevy_rapier3d::parry::shape::SharedShape),
+    Rapier(SharedShape),
 }
 
+// All that the exact tests have to know of a kind of shape, but for its row in the table of `frame::case`: a new kind is
+// added here.
 impl Shape {
-    /// A box around the origin, by its half extents along its own axes.
-    ///
-    /// # Errors
-    /// [`ShapeError::HalfSize`] if one is negative, NaN or infinite. Zero is allowed.
-    pub fn cuboid(half_size: Vec3) -> Result<Self, ShapeError> {
-        if half_size.is_finite() && half_size.min_element() >= 0.0 {
-            Ok(Self::Cuboid { half_size })
-        } else {
-            Err(ShapeError::HalfSize(half_size))
+    /// Which of the kinds it is.
+    #[inline]
+    pub(super) const fn kind(&self) -> Kind {
+        match self {
+            Self::Cuboid { .. } => Kind::Cuboid,
+            Self::Sphere { .. } => Kind::Sphere,
+            Self::Convex(_) => Kind::Convex,
+            Self::Mesh(_) => Kind::Mesh,
+            #[cfg(feature = "rapier")]
+            Self::Rapier(_) => Kind::Foreign,
         }
     }
 
-    /// A solid ball around the origin.
-    ///
-    /// # Errors
-    /// [`ShapeError::Radius`] if the radius is negative, NaN or infinite. Zero is allowed.
-    pub fn sphere(radius: f32) -> Result<Self, ShapeError> {
-        if radius.is_finite() && radius >= 0.0 { Ok(Self::Sphere { radius }) } else { Err(ShapeError::Radius(radius)) }
+    /// The polygons that bound it, and their scale; `None` if it is not made of polygons.
+    #[inline]
+    pub(super) fn polygons(&self) -> Option<(&PolygonMesh, Vec3A)> {
+        match self {
+            Self::Cuboid { half_size } => Some((&CUBE, (*half_size).into())),
+            Self::Convex(mesh) => Some((mesh, Vec3A::ONE)),
+            Self::Mesh(mesh) => Some((mesh, Vec3A::ONE)),
+            _ => None,
+        }
     }
 
-    /// A solid bounded by polygons, checked to be convex. See [`ConvexMesh::new`].
-    ///
-    /// # Errors
-    /// Those of [`PolygonMesh::new`] and [`ConvexMesh::new`].
-    pub fn convex<P: AsRef<[u32]>>(
-        vertices: impl Into<Vec<Vec3>>,
-        polygons: impl IntoIterator<Item = P>,
-    ) -> Result<Self, ShapeError> {
-        let mesh = PolygonMesh::new(vertices, polygons)?;
-        Ok(ConvexMesh::new(mesh)?.into())
-    }
-
-    /// A mesh of planar polygons, each a list of vertex indices. See [`PolygonMesh::new`].
-    ///
-    /// # Errors
-    /// Those of [`PolygonMesh::new`].
-    pub fn mesh<P: AsRef<[u32]>>(
-        vertices: impl Into<Vec<Vec3>>,
-        polygons: impl IntoIterator<Item = P>,
-    ) -> Result<Self, ShapeError> {
-        Ok(PolygonMesh::new(vertices, polygons)?.into())
-    }
-
-    /// An axis-aligned box around the shape in the world, in constant time. It is the smallest one
-    /// for cuboids and spheres, up to rounding; for meshes and Rapier shapes, it is the smallest
-    /// around their own box, turned and scaled with them.
-    ///
-    /// A broad phase should be fed the slightly larger [`NarrowPhase::world_aabb`], so that it
-    /// misses no pair which is in contact by tolerance.
-    ///
-    /// # Errors
-    /// [`BoundsError::NonFinite`] if the transform holds NaN or infinity or overflows;
-    /// [`BoundsError::Unbounded`] for an endless Rapier shape, such as a half-space.
-    ///
-    /// [`NarrowPhase::world_aabb`]: super::NarrowPhase::world_aabb
-    pub fn world_aabb(&self, transform: &Transform) -> Result<Aabb3d, BoundsError> {
-        let oriented = OrientedBox::of(self, transform, Vec3::ZERO)?;
-        let reach = oriented.reach();
-        Ok(Aabb3d { min: oriented.center - reach, max: oriented.center + reach })
-    }
-
-    /// A sphere around the shape in the world, centred on its box. The smallest one for cuboids and
-    /// spheres.
-    ///
-    /// # Errors
-    /// As for [`world_aabb`](Self::world_aabb).
-    pub fn bounding_sphere(&self, transform: &Transform) -> Result<BoundingSphere, BoundsError> {
-        let oriented = OrientedBox::of(self, transform, Vec3::ZERO)?;
-        Ok(BoundingSphere::new(oriented.center, oriented.radius))
+    /// The scale as the shape understands it; see [`Shape`].
+    #[inline]
+    pub(super) fn effective_scale(&self, scale: Vec3) -> Vec3A {
+        match self {
+            Self::Sphere { .. } => Vec3A::splat(scale.abs().max_element()),
+            #[cfg(feature = "rapier")]
+            Self::Rapier(_) => Vec3A::ONE,
+            _ => scale.into(),
+        }
     }
 
     /// Centre, half extents and bounding radius around that centre of the unplaced shape.
@@ -142,33 +113,72 @@ impl Shape {
             Self::Convex(mesh) => Ok(mesh.local_bounds()),
             Self::Mesh(mesh) => Ok(mesh.local_bounds()),
             #[cfg(feature = "rapier")]
-            Self::Rapier(shape) => super::parry::local_bounds(shape),
+            Self::Rapier(shape) => foreign_bounds(shape),
+        }
+    }
+
+    /// A number for its kind, and some for its size: by these, pairs have an order. Those of all Rapier shapes are equal.
+    #[inline]
+    pub(super) fn order_key(&self) -> [f32; 4] {
+        match self {
+            Self::Cuboid { half_size } => [0.0, half_size.x, half_size.y, half_size.z],
+            Self::Sphere { radius } => [1.0, *radius, 0.0, 0.0],
+            Self::Convex(mesh) => [2.0, mesh.local_bounds().2, 0.0, 0.0],
+            Self::Mesh(mesh) => [3.0, mesh.local_bounds().2, 0.0, 0.0],
+            #[cfg(feature = "rapier")]
+            Self::Rapier(_) => [4.0; 4],
+        }
+    }
+
+    /// Is it the very same: of the same size, or the same mesh?
+    #[inline]
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Cuboid { half_size: a }, Self::Cuboid { half_size: b }) => a == b,
+            (Self::Sphere { radius: a }, Self::Sphere { radius: b }) => a == b,
+            (Self::Convex(a), Self::Convex(b)) => Arc::ptr_eq(a, b),
+            (Self::Mesh(a), Self::Mesh(b)) => Arc::ptr_eq(a, b),
+            #[cfg(feature = "rapier")]
+            (Self::Rapier(a), Self::Rapier(b)) => Arc::ptr_eq(&a.0, &b.0),
+            _ => false,
         }
     }
 }
 
-impl From<primitives::Cuboid> for Shape {
-    /// Unchecked, as the primitive itself.
-    fn from(cuboid: primitives::Cuboid) -> Self {
-        Self::Cuboid { half_size: cuboid.half_size }
+/// The kinds of shapes: a [`Shape`] without its data. What is Rapier's is one of them, whatever it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Cuboid,
+    Sphere,
+    Convex,
+    Mesh,
+    /// A shape of Rapier's: with the feature `rapier` alone is there one.
+    #[cfg_attr(not(feature = "rapier"), expect(dead_code, reason = "there are no such shapes"))]
+    Foreign,
+}
+
+impl Kind {
+    /// Is there a plane between each two such that are apart?
+    #[inline]
+    pub(super) const fn is_convex(self) -> bool {
+        match self {
+            Self::Cuboid | Self::Sphere | Self::Convex => true,
+            Self::Mesh | Self::Foreign => false,
+        }
     }
 }
 
-impl From<primitives::Sphere> for Shape {
-    /// Unchecked, as the primitive itself.
-    fn from(sphere: primitives::Sphere) -> Self {
-        Self::Sphere { radius: sphere.radius }
+/// Centre, half extents and bounding radius of the unplaced shape.
+#[cfg(feature = "rapier")]
+fn foreign_bounds(shape: &SharedShape) -> Result<(Vec3A, Vec3A, f32), BoundsError> {
+    let aabb = shape.compute_local_aabb();
+    let (min, max) = (Vec3A::from(aabb.mins), Vec3A::from(aabb.maxs));
+    if min.is_nan() || max.is_nan() {
+        return Err(BoundsError::NonFinite);
     }
-}
-
-impl From<PolygonMesh> for Shape {
-    fn from(mesh: PolygonMesh) -> Self {
-        Self::Mesh(Arc::new(mesh))
+    let half = (max * 0.5 - min * 0.5).max(Vec3A::ZERO);
+    if half.max_element() > ENDLESS {
+        return Err(BoundsError::Unbounded);
     }
-}
-
-impl From<ConvexMesh> for Shape {
-    fn from(mesh: ConvexMesh) -> Self {
-        Self::Convex(Arc::new(mesh))
-    }
+    Ok((min * 0.5 + max * 0.5, half, length(half)))
 }

@@ -4,7 +4,7 @@ use std::ops::{AddAssign, Index, IndexMut};
 
 use bevy::prelude::Reflect;
 
-/// A step of the chain of decisions, from cheap to complete.
+/// A stage of the chain of decisions, from cheap to complete.
 ///
 /// Each rejects only pairs which every later stage would reject too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -27,7 +27,7 @@ impl Stage {
     pub const ALL: [Self; 4] = [Self::Bounds, Self::Spheres, Self::Boxes, Self::Complete];
 }
 
-/// How many pairs came to a stage, and how many left the chain there.
+/// The numbers of pairs that came to a stage and that left the chain there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 pub struct StageCount {
     /// Pairs that the stage has tested.
@@ -39,7 +39,7 @@ pub struct StageCount {
 }
 
 impl StageCount {
-    /// Pairs passed on to the next stage.
+    /// Returns how many pairs were passed on to the next stage.
     #[must_use]
     pub fn passed(&self) -> u64 {
         self.reached - self.rejected - self.accepted
@@ -83,13 +83,13 @@ impl StageCounters {
         verdict
     }
 
-    /// Pairs found to be in contact, whatever the stage.
+    /// Returns how many pairs were found to be in contact, whatever the stage.
     #[must_use]
     pub fn accepted(&self) -> u64 {
         self.0.iter().map(|count| count.accepted).sum()
     }
 
-    /// Pairs found to be apart, whatever the stage.
+    /// Returns how many pairs were found to be apart, whatever the stage.
     #[must_use]
     pub fn rejected(&self) -> u64 {
         self.0.iter().map(|count| count.rejected).sum()

@@ -5,8 +5,8 @@ use bevy::transform::components::Transform;
 use proptest::prelude::*;
 use std::f32::consts::FRAC_PI_4;
 
-use super::pair::{Pair, in_order};
-use super::polygon_mesh::tests::cube;
+use super::frame::placed::{PlacedPair, in_order};
+use super::mesh::polygon_mesh::tests::cube;
 use super::*;
 
 pub(super) fn box_of(x: f32, y: f32, z: f32) -> Shape {
@@ -368,7 +368,7 @@ proptest! {
         let (one, two) = (Placed::new(&a.0, &a.1), Placed::new(&b.0, &b.1));
         let tests = NarrowPhase::default();
         let (first, second, _) = in_order(one, two);
-        let pair = Pair::new(first, second, tests.tolerance()).unwrap();
+        let pair = PlacedPair::new(first, second, tests.tolerance()).unwrap();
         let ([bounds, spheres, boxes], complete) = decide::stages(&pair, &mut Workspace::default());
         if complete {
             prop_assert_eq!((bounds, spheres), (None, None));

@@ -94,29 +94,29 @@ macro_rules! direction_kind {
                 opposites
             };
 
-            #[doc = concat!("The place of this ", $kind, " in [`ALL`](Self::ALL).")]
+            #[doc = concat!("Returns the index of this ", $kind, " in [`ALL`](Self::ALL).")]
             #[inline]
             #[must_use]
             pub const fn index(self) -> usize {
                 self as usize
             }
 
-            /// The upper-case name.
+            /// Returns the upper-case name.
             #[inline]
             #[must_use]
             pub const fn name(self) -> &'static str {
                 Self::NAMES[self as usize]
             }
 
-            /// The signs along x, y and z: −1, 0 or 1 each.
+            /// Returns the signs along x, y and z: −1, 0 or 1 each.
             #[inline]
             #[must_use]
             pub const fn signs(self) -> [i8; 3] {
                 Self::SIGNS[self as usize]
             }
 
-            /// The step to the neighbouring cell of a unit lattice: [`signs`](Self::signs) as a
-            /// vector.
+            /// Returns the step to the neighbouring cell of a unit lattice: [`signs`](Self::signs)
+            /// as a vector.
             #[inline]
             #[must_use]
             pub const fn offset(self) -> IVec3 {
@@ -124,7 +124,7 @@ macro_rules! direction_kind {
                 IVec3::new(x as i32, y as i32, z as i32)
             }
 
-            #[doc = concat!("The ", $kind, " on the far side of the cube.")]
+            #[doc = concat!("Returns the ", $kind, " on the far side of the cube.")]
             #[inline]
             #[must_use]
             pub const fn opposite(self) -> Self {
@@ -237,15 +237,15 @@ direction_kind! {
 }
 
 impl Vertex {
-    /// The octant on the positive side of each axis whose bit (0 for x, 1 for y, 2 for z) is set in
-    /// `bits`. Higher bits are ignored.
+    /// Returns the octant on the positive side of each axis whose bit (0 for x, 1 for y, 2 for z)
+    /// is set in `bits`. Higher bits are ignored.
     #[inline]
     #[must_use]
     pub const fn from_bits(bits: u32) -> Self {
         Self::ALL[(bits & 7) as usize]
     }
 
-    /// The octant on the positive side of the axes that are true.
+    /// Returns the octant on the positive side of the axes that are true.
     #[inline]
     #[must_use]
     pub const fn from_sides(x: bool, y: bool, z: bool) -> Self {
@@ -304,13 +304,13 @@ impl Direction {
         let mut i = 0;
         while i < 26 {
             let [x, y, z] = Self::ALL[i].signs();
-            table[Self::place(x, y, z)] = Some(Self::ALL[i]);
+            table[Self::index_by_signs(x, y, z)] = Some(Self::ALL[i]);
             i += 1;
         }
         table
     };
 
-    /// The place of this direction in [`ALL`](Self::ALL).
+    /// Returns the index of this direction in [`ALL`](Self::ALL).
     #[inline]
     #[must_use]
     pub const fn index(self) -> usize {
@@ -321,7 +321,7 @@ impl Direction {
         }
     }
 
-    /// The upper-case name.
+    /// Returns the upper-case name.
     #[inline]
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -332,7 +332,7 @@ impl Direction {
         }
     }
 
-    /// The signs along x, y and z: −1, 0 or 1 each.
+    /// Returns the signs along x, y and z: −1, 0 or 1 each.
     #[inline]
     #[must_use]
     pub const fn signs(self) -> [i8; 3] {
@@ -343,7 +343,8 @@ impl Direction {
         }
     }
 
-    /// The step to the neighbouring cell of a unit lattice: [`signs`](Self::signs) as a vector.
+    /// Returns the step to the neighbouring cell of a unit lattice: [`signs`](Self::signs) as a
+    /// vector.
     #[inline]
     #[must_use]
     pub const fn offset(self) -> IVec3 {
@@ -354,8 +355,8 @@ impl Direction {
         }
     }
 
-    /// The direction whose [`offset`](Self::offset) this is: [`None`] for zero, and if a component
-    /// is not −1, 0 or 1.
+    /// Returns the direction whose [`offset`](Self::offset) this is: [`None`] for zero, and if a
+    /// component is not −1, 0 or 1.
     #[inline]
     #[must_use]
     pub fn from_offset(offset: IVec3) -> Option<Self> {
@@ -367,16 +368,16 @@ impl Direction {
     /// 0.
     #[inline]
     pub(super) const fn from_signs([x, y, z]: [i8; 3]) -> Option<Self> {
-        Self::BY_SIGNS[Self::place(x, y, z)]
+        Self::BY_SIGNS[Self::index_by_signs(x, y, z)]
     }
 
-    /// The place of these signs in [`BY_SIGNS`](Self::BY_SIGNS).
+    /// The index of these signs in [`BY_SIGNS`](Self::BY_SIGNS).
     #[inline]
-    const fn place(x: i8, y: i8, z: i8) -> usize {
+    const fn index_by_signs(x: i8, y: i8, z: i8) -> usize {
         ((x + 1) + (y + 1) * 3 + (z + 1) * 9) as usize
     }
 
-    /// The direction that points the other way.
+    /// Returns the direction that points the other way.
     #[inline]
     #[must_use]
     pub const fn opposite(self) -> Self {
@@ -407,94 +408,4 @@ impl FromStr for Direction {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_round_trip_in_either_case() {
-        for direction in Direction::ALL {
-            let name = direction.to_string();
-            assert_eq!(name, name.to_uppercase());
-            assert_eq!(name.parse(), Ok(direction));
-            assert_eq!(name.to_lowercase().parse(), Ok(direction));
-        }
-        assert_eq!("rUf".parse(), Ok(Vertex::RUF));
-    }
-
-    #[test]
-    fn kinds_read_only_their_own_names() {
-        assert_eq!("d".parse(), Ok(Face::D));
-        assert_eq!("UB".parse(), Ok(Edge::UB));
-        assert!("UB".parse::<Face>().is_err());
-        assert!("R".parse::<Edge>().is_err());
-        assert!("RU".parse::<Vertex>().is_err());
-    }
-
-    #[test]
-    fn unknown_names_are_named_in_the_error() {
-        for text in ["", "OMEGA", "UR", "LR", "RUFF", " R", "É"] {
-            let error = text.parse::<Direction>().unwrap_err();
-            assert_eq!(error.text, text);
-            assert!(error.to_string().contains(&format!("`{text}`")));
-        }
-    }
-
-    #[test]
-    fn offsets_follow_bevys_axes() {
-        assert_eq!(Face::R.offset(), IVec3::X);
-        assert_eq!(Face::L.offset(), IVec3::NEG_X);
-        assert_eq!(Face::U.offset(), IVec3::Y);
-        assert_eq!(Face::D.offset(), IVec3::NEG_Y);
-        assert_eq!(Face::F.offset(), IVec3::NEG_Z);
-        assert_eq!(Face::B.offset(), IVec3::Z);
-    }
-
-    #[test]
-    fn offset_is_the_sum_of_the_letters() {
-        for direction in Direction::ALL {
-            let letters = direction.name().chars().map(|c| c.to_string().parse::<Face>().unwrap().offset());
-            assert_eq!(letters.sum::<IVec3>(), direction.offset());
-        }
-    }
-
-    #[test]
-    fn from_offset_inverts_offset_and_refuses_the_rest() {
-        for x in -2..=2 {
-            for y in -2..=2 {
-                for z in -2..=2 {
-                    let offset = IVec3::new(x, y, z);
-                    let expected = Direction::ALL.into_iter().find(|d| d.offset() == offset);
-                    assert_eq!(Direction::from_offset(offset), expected);
-                }
-            }
-        }
-        assert_eq!(Direction::from_offset(IVec3::MAX), None);
-        assert_eq!(Direction::from_offset(IVec3::MIN), None);
-    }
-
-    #[test]
-    fn all_is_complete_ordered_and_indexed() {
-        for (i, direction) in Direction::ALL.into_iter().enumerate() {
-            assert_eq!(direction.index(), i);
-            assert_eq!(Direction::ALL.iter().filter(|d| d.offset() == direction.offset()).count(), 1);
-        }
-        assert!(Direction::ALL.is_sorted());
-    }
-
-    #[test]
-    fn opposite_negates_the_offset() {
-        for direction in Direction::ALL {
-            assert_eq!(direction.opposite().offset(), -direction.offset());
-        }
-    }
-
-    #[test]
-    fn a_vertex_counts_its_positive_sides_in_bits() {
-        for vertex in Vertex::ALL {
-            let positive = vertex.offset().cmpgt(IVec3::ZERO);
-            assert_eq!(vertex.bits(), positive.bitmask());
-            assert_eq!(Vertex::from_bits(vertex.bits()), vertex);
-            assert_eq!(Vertex::from_sides(positive.test(0), positive.test(1), positive.test(2)), vertex);
-        }
-    }
-}
+mod tests;

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use super::tree::{NodeId, Octree};
+use super::node::NodeId;
+use super::tree::Octree;
 
 /// A subtree to be printed. Made by [`Octree::display_with`].
 struct DisplaySubtree<'a, T, F> {
@@ -30,7 +31,7 @@ impl<T, F: Fn(&T, &mut fmt::Formatter<'_>) -> fmt::Result> fmt::Display for Disp
 }
 
 impl<T> Octree<T> {
-    /// The subtree at `node`, to be printed with `print` for each datum.
+    /// Returns the subtree at `node`, to be printed with `print` for each datum.
     ///
     /// There is a line for each node, in the order of [`subtree`](Self::subtree): the name of its
     /// octant, or `root`, whether it is split or a leaf, and its datum. Lines are indented by
@@ -53,8 +54,8 @@ impl<T> Octree<T> {
 }
 
 impl<T: fmt::Display> Octree<T> {
-    /// The subtree at `node`, to be printed as by [`display_with`](Self::display_with) with the
-    /// data's own [`Display`](fmt::Display), to which width and precision are passed on.
+    /// Returns the subtree at `node`, to be printed as by [`display_with`](Self::display_with) with
+    /// the data's own [`Display`](fmt::Display), to which width and precision are passed on.
     pub fn display(&self, node: NodeId) -> impl fmt::Display {
         self.display_with(node, T::fmt)
     }

@@ -46,7 +46,7 @@
 //! vector to directions.
 //!
 //! [`Octree`] is an arena. Siblings stand side by side in blocks of eight, and a [`NodeId`] is a
-//! block's number and a place in it, so that a node's octant is a part of its handle and its parent
+//! block's number and a slot in it, so that a node's octant is a part of its handle and its parent
 //! is kept once for all eight. Removed blocks wait in a list to be used again, which makes
 //! splitting and joining cheap, and free of allocation in a tree that has been as large before.
 //! Nothing recurses: trees may be as deep as memory allows.
@@ -89,6 +89,7 @@ mod direction;
 mod display;
 mod iter;
 mod neighbor;
+mod node;
 mod quantize;
 mod tables;
 #[cfg(test)]
@@ -97,6 +98,7 @@ mod tree;
 mod validate;
 
 pub use direction::{Direction, Edge, Face, ParseDirectionError, Vertex};
-pub use iter::{Children, Leaves, Subtree};
+pub use iter::{Leaves, Subtree};
+pub use node::{Children, NodeId};
 pub use quantize::directions_toward;
-pub use tree::{NodeId, Octree};
+pub use tree::Octree;

@@ -14,10 +14,12 @@
 use smallvec::SmallVec;
 
 use super::direction::{Direction, Edge, Face, Vertex};
-use super::tree::{NodeId, Octree};
+use super::node::NodeId;
+use super::tree::Octree;
 
 impl<T> Octree<T> {
-    /// The neighbour of greater or equal size in any direction, or [`None`] beyond the root.
+    /// Returns the neighbour of greater or equal size in any direction, or [`None`] beyond the
+    /// root.
     ///
     /// Takes time linear in the number of generations to the closest ancestor that contains both.
     /// On average over a full tree that is a constant; at worst, across the middle of the root or
@@ -61,21 +63,24 @@ impl<T> Octree<T> {
         Some(neighbor)
     }
 
-    /// The neighbour of greater or equal size across a face; as [`neighbor`](Self::neighbor).
+    /// Returns the neighbour of greater or equal size across a face; as
+    /// [`neighbor`](Self::neighbor).
     #[inline]
     #[must_use]
     pub fn face_neighbor(&self, node: NodeId, face: Face) -> Option<NodeId> {
         self.neighbor(node, face.into())
     }
 
-    /// The neighbour of greater or equal size across an edge; as [`neighbor`](Self::neighbor).
+    /// Returns the neighbour of greater or equal size across an edge; as
+    /// [`neighbor`](Self::neighbor).
     #[inline]
     #[must_use]
     pub fn edge_neighbor(&self, node: NodeId, edge: Edge) -> Option<NodeId> {
         self.neighbor(node, edge.into())
     }
 
-    /// The neighbour of greater or equal size across a vertex; as [`neighbor`](Self::neighbor).
+    /// Returns the neighbour of greater or equal size across a vertex; as
+    /// [`neighbor`](Self::neighbor).
     #[inline]
     #[must_use]
     pub fn vertex_neighbor(&self, node: NodeId, vertex: Vertex) -> Option<NodeId> {

@@ -27,8 +27,8 @@ const DIRECTIONS: [[Direction; 7]; 8] = {
 };
 
 impl Vertex {
-    /// The octant that a vector from the centre points into: `R` if x > 0, else `L`; `U` if y > 0,
-    /// else `D`; `F` if z < 0, else `B`.
+    /// Returns the octant that a vector from the centre points into: `R` if x > 0, else `L`; `U` if
+    /// y > 0, else `D`; `F` if z < 0, else `B`.
     ///
     /// A component that is zero, of either sign, or NaN thus counts as `L`, `D` or `B`.
     #[inline]
@@ -38,8 +38,8 @@ impl Vertex {
         Self::from_sides(v.x > 0.0, v.y > 0.0, !is_front)
     }
 
-    /// The directions of the faces, edges and vertex that meet at this vertex: the vertex, the
-    /// faces along x, y, z, then the edges along xy, xz, yz.
+    /// Returns the directions of the faces, edges and vertex that meet at this vertex: the vertex,
+    /// the faces along x, y, z, then the edges along xy, xz, yz.
     ///
     /// ```
     /// use bevy_octree::octree::Vertex;
@@ -54,7 +54,8 @@ impl Vertex {
     }
 }
 
-/// The seven directions that lie near a vector: [`Vertex::directions`] of [`Vertex::toward`] it.
+/// Returns the seven directions that lie near a vector: [`Vertex::directions`] of
+/// [`Vertex::toward`] it.
 ///
 /// ```
 /// use bevy::math::Vec3;

@@ -1,65 +1,9 @@
 //! The tree itself: an arena of nodes, and the operations of the data type.
 
 use std::mem;
-use std::num::NonZeroU32;
 
 use super::direction::Vertex;
-use super::iter::Children;
-
-/// A handle of a node of an [`Octree`].
-///
-/// It stays valid until the node is removed ([`join`](Octree::join) of an ancestor,
-/// [`reset`](Octree::reset)). Handles are small and cheap, and know nothing of the tree: a removed
-/// node's handle names whichever node is given its place later. [`Octree::contains`] tells whether
-/// some node has it now.
-///
-/// `Option<NodeId>` is no larger than `NodeId`.
-// Siblings stand in blocks of eight: the lower three bits are the child type, the others the block.
-// Block 0 is the root's, which takes slot 1 of it, so that no handle is zero.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct NodeId(NonZeroU32);
-
-impl NodeId {
-    /// The root of every octree.
-    pub const ROOT: Self = Self(NonZeroU32::MIN);
-
-    /// A small number that no other live node has, to find the node's entry in a table of one's
-    /// own: always less than [`Octree::index_bound`].
-    #[inline]
-    #[must_use]
-    pub const fn index(self) -> usize {
-        self.0.get() as usize
-    }
-
-    #[inline]
-    const fn block(self) -> usize {
-        self.index() >> 3
-    }
-
-    #[inline]
-    const fn octant(self) -> Vertex {
-        Vertex::from_bits(self.0.get())
-    }
-
-    /// The sibling in `slot`, seen from the first one.
-    #[inline]
-    pub(super) fn sibling(self, slot: u32) -> Self {
-        debug_assert!(self.0.get() & 7 == 0 && slot < 8);
-        Self(self.0 | slot)
-    }
-
-    #[inline]
-    pub(super) fn next_sibling(self) -> Option<Self> {
-        let is_last = self.0.get() & 7 == 7;
-        if is_last { None } else { self.0.checked_add(1).map(Self) }
-    }
-
-    /// The first node of `block`, unless it is block 0 or past the last handle.
-    #[inline]
-    fn first_of(block: usize) -> Option<Self> {
-        u32::try_from(block).ok()?.checked_mul(8).and_then(NonZeroU32::new).map(Self)
-    }
-}
+use super::node::{Children, NodeId};
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Node<T> {
@@ -108,21 +52,21 @@ impl<T: Default> Default for Octree<T> {
 }
 
 impl<T> Octree<T> {
-    /// The root.
+    /// Returns the root.
     #[inline]
     #[must_use]
     pub const fn root(&self) -> NodeId {
         NodeId::ROOT
     }
 
-    /// Whether the handle names a node of this tree.
+    /// Returns `true` if the handle names a node of this tree.
     #[inline]
     #[must_use]
     pub fn contains(&self, node: NodeId) -> bool {
         node == NodeId::ROOT || self.parents.get(node.block()).is_some_and(Option::is_some)
     }
 
-    /// The parent, or [`None`] of the root.
+    /// Returns the parent, or [`None`] of the root.
     #[inline]
     #[must_use]
     pub fn parent(&self, node: NodeId) -> Option<NodeId> {
@@ -130,21 +74,21 @@ impl<T> Octree<T> {
         self.parents[node.block()]
     }
 
-    /// The child in `octant`, or [`None`] of a leaf.
+    /// Returns the child in `octant`, or [`None`] of a leaf.
     #[inline]
     #[must_use]
     pub fn child(&self, node: NodeId, octant: Vertex) -> Option<NodeId> {
         self.node(node).first_child.map(|first| first.sibling(octant.bits()))
     }
 
-    /// The children in the order of [`Vertex::ALL`]; none of a leaf.
+    /// Returns the children in the order of [`Vertex::ALL`]; none of a leaf.
     #[inline]
     #[must_use]
     pub fn children(&self, node: NodeId) -> Children {
         Children::new(self.node(node).first_child)
     }
 
-    /// The octant of its parent that the node is, or [`None`] of the root.
+    /// Returns the octant of its parent that the node is, or [`None`] of the root.
     #[inline]
     #[must_use]
     pub fn child_type(&self, node: NodeId) -> Option<Vertex> {
@@ -152,22 +96,22 @@ impl<T> Octree<T> {
         (node != NodeId::ROOT).then(|| node.octant())
     }
 
-    /// Whether the node has children.
+    /// Returns `true` if the node has children.
     #[inline]
     #[must_use]
     pub fn is_split(&self, node: NodeId) -> bool {
         self.node(node).first_child.is_some()
     }
 
-    /// Whether the node has no children.
+    /// Returns `true` if the node has no children.
     #[inline]
     #[must_use]
     pub fn is_leaf(&self, node: NodeId) -> bool {
         !self.is_split(node)
     }
 
-    /// The number of ancestors: 0 for the root, 1 for its children, and so on. Takes time linear in
-    /// the result.
+    /// Returns the number of ancestors: 0 for the root, 1 for its children, and so on. Takes time
+    /// linear in the result.
     #[must_use]
     pub fn generation(&self, node: NodeId) -> u32 {
         let mut generation = 0;
@@ -179,21 +123,21 @@ impl<T> Octree<T> {
         generation
     }
 
-    /// The datum of the node.
+    /// Returns the datum of the node.
     #[inline]
     #[must_use]
     pub fn data(&self, node: NodeId) -> &T {
         &self.node(node).data
     }
 
-    /// The datum of the node, to be changed.
+    /// Returns the datum of the node, to be changed.
     #[inline]
     #[must_use]
     pub fn data_mut(&mut self, node: NodeId) -> &mut T {
         &mut self.node_mut(node).data
     }
 
-    /// The data of two different nodes, to be changed; [`None`] if the nodes are the same.
+    /// Returns the data of two different nodes, to be changed; [`None`] if the nodes are the same.
     #[inline]
     #[must_use]
     pub fn data_pair_mut(&mut self, a: NodeId, b: NodeId) -> Option<(&mut T, &mut T)> {
@@ -208,33 +152,48 @@ impl<T> Octree<T> {
         mem::replace(self.data_mut(node), data)
     }
 
-    /// The number of nodes.
+    /// Returns the number of nodes.
     #[inline]
     #[must_use]
     pub const fn node_count(&self) -> usize {
         1 + 8 * self.splits
     }
 
-    /// The number of leaves.
+    /// Returns the number of leaves.
     #[inline]
     #[must_use]
     pub const fn leaf_count(&self) -> usize {
         1 + 7 * self.splits
     }
 
-    /// The bound of [`NodeId::index`] over the nodes that the tree has and has had: the length that
-    /// a table indexed by it needs.
+    /// Returns the bound of [`NodeId::index`] over the nodes that the tree has and has had: the
+    /// length that a table indexed by it needs.
     #[inline]
     #[must_use]
     pub const fn index_bound(&self) -> usize {
         self.nodes.len()
     }
 
-    /// The bytes that the tree has allocated, without what its data have.
+    /// Returns the bytes that the tree has allocated, without what its data have.
     #[inline]
     #[must_use]
     pub const fn memory_bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<Node<T>>() + self.parents.capacity() * size_of::<Option<NodeId>>()
+    }
+
+    /// The node after `node` in a depth-first walk of the subtree at `top`.
+    #[inline]
+    pub(super) fn next_in_subtree(&self, mut node: NodeId, top: NodeId) -> Option<NodeId> {
+        if let Some(child) = self.child(node, Vertex::LDF) {
+            return Some(child);
+        }
+        while node != top {
+            if let Some(sibling) = node.next_sibling() {
+                return Some(sibling);
+            }
+            node = self.parent(node)?;
+        }
+        None
     }
 
     #[inline]
@@ -251,13 +210,13 @@ impl<T> Octree<T> {
 }
 
 impl<T: Default> Octree<T> {
-    /// A tree of one node, the root, with the given datum.
+    /// Creates a tree of one node, the root, with the given datum.
     #[must_use]
     pub fn new(data: T) -> Self {
         Self::with_capacity(data, 1)
     }
 
-    /// A tree of one node, with room for `nodes` of them before it allocates again.
+    /// Creates a tree of one node, with room for `nodes` of them before it allocates again.
     #[must_use]
     pub fn with_capacity(data: T, nodes: usize) -> Self {
         let blocks = 1 + nodes.saturating_sub(1).div_ceil(8);

@@ -1,6 +1,7 @@
 //! The check that an octree's links are consistent.
 
-use super::tree::{NodeId, Octree};
+use super::node::NodeId;
+use super::tree::Octree;
 
 impl<T> Octree<T> {
     /// Checks every link of the tree, in time linear in its largest size so far. For tests.
@@ -14,7 +15,7 @@ impl<T> Octree<T> {
         assert_eq!(self.parents[0], None, "the root has no parent");
         for (i, node) in self.nodes[..8].iter().enumerate() {
             let is_root = i == NodeId::ROOT.index();
-            assert!(is_root || node.first_child.is_none(), "unused place {i} has children");
+            assert!(is_root || node.first_child.is_none(), "unused slot {i} has children");
         }
 
         let mut reached = vec![false; self.parents.len()];

@@ -1,8 +1,9 @@
 //! Side by side with `bevy_rapier3d`: Rapier moves bodies, this crate detects contacts of its own. Needs the feature
 //! `rapier`.
 //!
-//! An entity opts in by [`ShapeFromRapier`]: the shape of its Rapier `Collider` is its [`CollisionShape`] from then on.
-//! All that this crate does for shapes it then does for the entity: contacts, events for observers, queries, bounces.
+//! An entity opts in by [`ShapeFromRapier`]: the shape of its Rapier `Collider` is its
+//! [`CollisionShape`](crate::components::CollisionShape) from then on. All that this crate does for shapes it then does for
+//! the entity: contacts, events for observers, queries, bounces.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -30,7 +31,7 @@
 //!
 //! # Which schedule
 //!
-//! The plugin has to be told the schedule of the [`OctreePlugins`](crate::OctreePlugins).
+//! The plugin is at work in the schedule of the [`OctreePlugins`](crate::OctreePlugins).
 //!
 //! | Rapier in | this crate in | contacts are those of |
 //! |---|---|---|
@@ -60,33 +61,18 @@
 //! Where there is a `Bounce` too, contacts change the linear velocity, by the same rules as all others. Rapier takes it up
 //! in its next step. Rapier itself parts bodies that are solid to it: bounces are for sensors and kinematic bodies.
 
+mod shape;
 mod velocity;
 
-use bevy::{
-    ecs::{lifecycle::HookContext, world::DeferredWorld},
-    prelude::*,
-};
+use bevy::prelude::*;
 use bevy_rapier3d::{
-    geometry::{Collider, RapierColliderHandle},
+    geometry::Collider,
     plugin::{PhysicsSet, RapierContextInitialization},
 };
-use std::sync::Arc;
 
-use crate::{
-    components::CollisionShape,
-    hierarchy,
-    narrow_phase::Shape,
-    schedule::{CollisionSystems, add_to_tick, expect_ticks},
-};
+pub use shape::ShapeFromRapier;
 
-/// Gives an entity the shape of its Rapier `Collider`.
-///
-/// Its [`CollisionShape`] comes with the collider, follows it when it changes or is scaled, and goes with it, or with
-/// this marker. A shape that others give to the entity is replaced.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Component, Clone, Debug, Default, PartialEq)]
-#[component(on_remove = drop_shape)]
-pub struct ShapeFromRapier;
+use crate::schedule::{CollisionSystems, add_to_tick, expect_ticks};
 
 /// Keeps shapes, order of systems and velocities in step with `bevy_rapier3d`: see the [module](self).
 ///
@@ -113,13 +99,11 @@ impl Plugin for RapierInteropPlugin {
         {
             tracing::warn!("colliders do not become shapes by themselves: {error}");
         }
-        app.add_observer(on_collider_removed).register_type::<ShapeFromRapier>();
+        shape::register(app);
         add_to_tick(app, |app, schedule| {
-            let follow = hierarchy::see_disabled(app.world_mut(), follow_colliders);
-            let follow = follow.after(CollisionSystems::Motion).before(CollisionSystems::Bounds);
             // Where Rapier runs in another schedule, its set is empty here, and orders nothing.
-            app.configure_sets(schedule, CollisionSystems::First.after(PhysicsSet::Writeback))
-                .add_systems(schedule, follow);
+            app.configure_sets(schedule, CollisionSystems::First.after(PhysicsSet::Writeback));
+            shape::add_systems(app, schedule);
             velocity::add_systems(app, schedule);
         });
     }
@@ -130,38 +114,4 @@ impl Plugin for RapierInteropPlugin {
             tracing::warn!("there is no `RapierPhysicsPlugin`: no collider becomes a shape");
         }
     }
-}
-
-type Followed<'a> = (Entity, &'a Collider, Option<&'a mut CollisionShape>);
-/// Colliders that Rapier has scaled: it does so right after it gave them a handle.
-type Known = (With<ShapeFromRapier>, With<RapierColliderHandle>);
-type Altered = Or<(Changed<Collider>, Added<ShapeFromRapier>, Added<RapierColliderHandle>)>;
-
-fn follow_colliders(
-    mut commands: Commands,
-    // What changes in a disabled entity is not seen as a change once it is enabled.
-    mut colliders: Query<Followed, (Known, Altered)>,
-) {
-    for (entity, collider, shape) in &mut colliders {
-        match shape {
-            // Colliders are marked as changed more often than they do. Who writes to a shape that is shared, here too,
-            // writes to a copy.
-            Some(shape) if matches!(&shape.0, Shape::Rapier(known) if Arc::ptr_eq(&known.0, &collider.raw.0)) => {}
-            Some(mut shape) => shape.0 = collider.into(),
-            None => {
-                commands.entity(entity).try_insert(CollisionShape(collider.into()));
-            }
-        }
-    }
-}
-
-/// The shape goes in the moment in which the collider goes.
-fn on_collider_removed(event: On<Remove, Collider>, mut world: DeferredWorld) {
-    if world.get::<ShapeFromRapier>(event.entity).is_some() {
-        world.commands().entity(event.entity).try_remove::<CollisionShape>();
-    }
-}
-
-fn drop_shape(mut world: DeferredWorld, context: HookContext) {
-    world.commands().entity(context.entity).try_remove::<CollisionShape>();
 }

@@ -6,7 +6,7 @@ use bevy::{
 };
 use bevy_rapier3d::dynamics::{RigidBody, RigidBodyDisabled, Velocity as RapierVelocity};
 
-use super::ShapeFromRapier;
+use super::shape::ShapeFromRapier;
 use crate::{
     motion::{MovedElsewhere, Velocity},
     response::Bounce,

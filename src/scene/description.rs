@@ -16,6 +16,7 @@ use crate::motion::PositionTrack;
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[cfg_attr(feature = "asset", derive(bevy::asset::Asset))]
 #[reflect(Debug, PartialEq)]
+#[type_path = "bevy_octree"]
 #[serde(deny_unknown_fields)]
 pub struct SceneDescription {
     /// The name, for people.
@@ -27,9 +28,10 @@ pub struct SceneDescription {
     pub content: Content,
 }
 
-/// What is in a scene.
+/// The content of a scene.
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Debug, PartialEq)]
+#[type_path = "bevy_octree"]
 pub enum Content {
     /// The two planes of cubes of a test set, named `left_0`, `left_1`, … and `right_0`, `right_1`, …, from the centre
     /// outward; opposite cubes have the same number.
@@ -41,6 +43,7 @@ pub enum Content {
 /// One object of a scene.
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Debug, PartialEq)]
+#[type_path = "bevy_octree"]
 // Derives inherent functions, which the trait implementations below wrap: reading checks the object while the reader
 // still knows the line.
 #[serde(deny_unknown_fields, remote = "Self")]
@@ -64,9 +67,10 @@ pub struct ObjectDescription {
     pub motion: Motion,
 }
 
-/// How an object of a scene moves.
+/// The motion of an object of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 pub enum Motion {
     /// Not at all.
     #[default]
@@ -89,7 +93,7 @@ impl SceneDescription {
     /// The default of [`ticks_per_second`](Self::ticks_per_second), which is also Bevy's default fixed timestep.
     pub const TICKS_PER_SECOND: f64 = 64.0;
 
-    /// A scene of objects.
+    /// Returns a scene of objects.
     #[must_use]
     pub fn new(name: impl Into<String>, objects: impl IntoIterator<Item = ObjectDescription>) -> Self {
         Self {
@@ -127,7 +131,7 @@ impl SceneDescription {
         Ok(())
     }
 
-    /// How long a tick lasts.
+    /// Returns how long a tick lasts.
     ///
     /// # Errors
     ///
@@ -140,7 +144,7 @@ impl SceneDescription {
             .ok_or(SceneProblem::TicksPerSecond(self.ticks_per_second))
     }
 
-    /// How many objects there are.
+    /// Returns how many objects there are.
     #[must_use]
     pub fn object_count(&self) -> usize {
         match &self.content {
@@ -149,7 +153,7 @@ impl SceneDescription {
         }
     }
 
-    /// The objects in order, those of a test set written out one by one.
+    /// Returns the objects in order, those of a test set written out one by one.
     pub fn objects(&self) -> Box<dyn Iterator<Item = Cow<'_, ObjectDescription>> + '_> {
         match &self.content {
             Content::TestSet(set) => Box::new(self.test_objects(set).map(Cow::Owned)),
@@ -169,6 +173,10 @@ impl SceneDescription {
     }
 }
 
+pub(super) fn register(app: &mut App) {
+    app.register_type::<SceneDescription>();
+}
+
 impl From<TestSet> for SceneDescription {
     /// The scene of a test set, under the report's name for it.
     fn from(set: TestSet) -> Self {
@@ -177,13 +185,13 @@ impl From<TestSet> for SceneDescription {
 }
 
 impl ObjectDescription {
-    /// A static, unnamed object at the origin.
+    /// Returns an unnamed object at rest at the origin.
     #[must_use]
     pub fn new(shape: ShapeDescription) -> Self {
         Self { name: None, shape, position: Vec3::ZERO, rotation: Vec3::ZERO, scale: Vec3::ONE, motion: Motion::Static }
     }
 
-    /// Its name, given that it is the scene's object number `index`, from 0.
+    /// Returns its name, given that it is the scene's object number `index`, from 0.
     #[must_use]
     pub fn name_at(&self, index: usize) -> Cow<'_, str> {
         match &self.name {
@@ -192,7 +200,7 @@ impl ObjectDescription {
         }
     }
 
-    /// Where it is at tick 0.
+    /// Returns its place at tick 0.
     #[must_use]
     pub fn transform(&self) -> Transform {
         let [x, y, z] = self.rotation.to_array().map(f32::to_radians);

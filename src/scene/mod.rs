@@ -2,7 +2,7 @@
 //!
 //! A [`SceneDescription`] is plain data. It is written by hand in a scene file, generated from a [`TestSet`] (the two
 //! planes of cubes of Swan, *Fast Collision Detection with an N-Objects Octree*, 1994, section 3.1), or put together in
-//! code; [`SceneDescription::spawn`] turns it into entities.
+//! code; [`SceneDescription::spawn`] turns it into entities. A [`CollisionReport`] tells which of them touched, and when.
 //!
 //! # Scene files
 //!
@@ -60,6 +60,7 @@
 
 #[cfg(feature = "asset")]
 mod asset;
+mod clip_report;
 mod description;
 mod error;
 #[cfg(feature = "scene_files")]
@@ -69,12 +70,26 @@ mod spawn;
 pub mod stress;
 mod test_set;
 
+use bevy::prelude::*;
+
 #[cfg(feature = "asset")]
 pub use asset::{SceneAssetPlugin, SceneLoader};
+pub use clip_report::{CollisionReport, Interval, PairContacts, TickOutOfOrder};
 pub use description::{Content, Motion, ObjectDescription, SceneDescription};
 pub use error::{ObjectProblem, SceneError, SceneProblem};
 pub use shape::ShapeDescription;
 pub use test_set::{Plane, TestCube, TestSet, TestSetError};
+
+/// Makes scenes known to reflection.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ScenePlugin;
+
+impl Plugin for ScenePlugin {
+    fn build(&self, app: &mut App) {
+        description::register(app);
+        test_set::register(app);
+    }
+}
 
 #[cfg(all(test, feature = "scene_files"))]
 mod tests;

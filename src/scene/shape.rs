@@ -8,6 +8,7 @@ use crate::narrow_phase::{Shape, ShapeError};
 /// The shape of an object, as a scene file writes it.
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Debug, PartialEq)]
+#[type_path = "bevy_octree"]
 #[serde(deny_unknown_fields)]
 pub enum ShapeDescription {
     /// A box around the origin.
@@ -37,7 +38,7 @@ pub enum ShapeDescription {
 }
 
 impl ShapeDescription {
-    /// The shape that is described.
+    /// Returns the shape that is described.
     ///
     /// # Errors
     ///

@@ -4,14 +4,21 @@ use std::fmt;
 
 use bevy::{ecs::entity::EntityHashSet, prelude::*};
 
-use crate::{
-    broad_phase::PairFilter,
-    filters::{self, CollisionLayer},
-    worlds,
-};
+use crate::{broad_phase::PairFilter, filters::LayerMask, worlds};
 
-/// Which entities a query is to see: all of the default world, unless told otherwise. Borrows what it is told, so that it costs nothing to make
-/// and to copy.
+/// Says which entities a query sees: all of the default world, unless told otherwise. Borrows what it is told, so that it
+/// costs nothing to make and to copy.
+///
+/// Begin with [`DEFAULT`](Self::DEFAULT), or `default()`, and refine it:
+///
+/// | by | what is seen |
+/// |---|---|
+/// | [`in_world`](Self::in_world), [`in_any_world`](Self::in_any_world) | another world, or all of them |
+/// | [`on`](Self::on) | only what is on one of some layers |
+/// | [`except`](Self::except), [`excluding`](Self::excluding) | all but one entity, all but some |
+/// | [`only`](Self::only) | what a function of yours says |
+///
+/// Sensors are seen like all others.
 ///
 /// ```
 /// use bevy::{ecs::entity::EntityHashSet, prelude::*};
@@ -27,7 +34,7 @@ use crate::{
 pub struct SpatialQueryFilter<'a> {
     /// All worlds, if none is given.
     world: Option<u32>,
-    layers: Option<u32>,
+    layers: Option<LayerMask>,
     except: Option<Entity>,
     excluded: Option<&'a EntityHashSet>,
     predicate: Option<Predicate<'a>>,
@@ -35,54 +42,58 @@ pub struct SpatialQueryFilter<'a> {
 
 impl Default for SpatialQueryFilter<'_> {
     fn default() -> Self {
-        Self::ALL
+        Self::DEFAULT
     }
 }
 
 type Predicate<'a> = &'a (dyn Fn(Entity) -> bool + Sync);
 
 impl<'a> SpatialQueryFilter<'a> {
-    /// All entities that are in no [`CollisionWorld`](crate::worlds::CollisionWorld), and so in the default world.
-    pub const ALL: Self =
+    /// The filter that lets all entities pass that are in no [`CollisionWorld`](crate::worlds::CollisionWorld), and so in the default world.
+    pub const DEFAULT: Self =
         Self { world: Some(PairFilter::DEFAULT_WORLD), layers: None, except: None, excluded: None, predicate: None };
 
-    /// Those that are [in this world](crate::worlds::InCollisionWorld), instead of the default one.
+    /// Lets those pass that are [in this world](crate::worlds::InCollisionWorld), instead of the default one.
     #[must_use]
     pub const fn in_world(self, world: Entity) -> Self {
         Self { world: Some(worlds::number(world)), ..self }
     }
 
-    /// Those of all worlds, the default one included.
+    /// Lets those of all worlds pass, the default one included.
     #[must_use]
     pub const fn in_any_world(self) -> Self {
         Self { world: None, ..self }
     }
 
-    /// All entities but one: the one that asks, most of the time.
+    /// Lets only those pass that are on one of these layers: by default, an entity is on the first. Replaces earlier layers.
+    ///
+    /// ```
+    /// # use bevy_octree::prelude::*;
+    /// # collision_layers! { enum Layer { Ground, Friend, Foe } }
+    /// let foes = SpatialQueryFilter::DEFAULT.on(Layer::Foe);
+    /// let anyone = SpatialQueryFilter::DEFAULT.on(Layer::Friend | Layer::Foe);
+    /// ```
     #[must_use]
-    pub const fn except(entity: Entity) -> Self {
-        Self { except: Some(entity), ..Self::ALL }
+    #[doc(alias("layer mask", "from_mask"))]
+    pub fn on(self, layers: impl Into<LayerMask>) -> Self {
+        Self { layers: Some(layers.into()), ..self }
     }
 
-    /// Only those that are on one of these layers: by default, an entity is on the first. Replaces earlier layers.
+    /// Leaves out one entity: the one that asks, most of the time. Replaces an earlier one; for several, see
+    /// [`excluding`](Self::excluding).
     #[must_use]
-    pub fn on(self, layers: impl IntoIterator<Item = impl CollisionLayer>) -> Self {
-        self.on_mask(filters::mask(layers))
+    #[doc(alias("exclude", "ignore"))]
+    pub const fn except(self, entity: Entity) -> Self {
+        Self { except: Some(entity), ..self }
     }
 
-    /// As [`on`](Self::on), with a bit for each layer.
-    #[must_use]
-    pub const fn on_mask(self, layers: u32) -> Self {
-        Self { layers: Some(layers), ..self }
-    }
-
-    /// None of these either. Replaces an earlier set.
+    /// Leaves out the entities of a set. Replaces an earlier set.
     #[must_use]
     pub const fn excluding(self, entities: &'a EntityHashSet) -> Self {
         Self { excluded: Some(entities), ..self }
     }
 
-    /// Only those for which `predicate` holds. Replaces an earlier predicate.
+    /// Lets only those pass for which `predicate` holds. Replaces an earlier predicate.
     ///
     /// It is asked before the exact tests, about no more entities than these would look at.
     #[must_use]
@@ -90,11 +101,11 @@ impl<'a> SpatialQueryFilter<'a> {
         Self { predicate: Some(predicate), ..self }
     }
 
-    /// Does an entity pass that the broad phase knows as `object`? The cheapest questions come first.
+    /// Returns `true` if an entity passes that the broad phase knows as `object`. The cheapest questions come first.
     #[must_use]
     pub fn accepts(&self, entity: Entity, object: &PairFilter) -> bool {
         self.world.is_none_or(|world| world == object.world)
-            && self.layers.is_none_or(|layers| layers & object.memberships != 0)
+            && self.layers.is_none_or(|layers| layers.0 & object.memberships != 0)
             && self.except != Some(entity)
             && self.excluded.is_none_or(|excluded| !excluded.contains(&entity))
             && self.predicate.is_none_or(|predicate| predicate(entity))

@@ -1,8 +1,10 @@
 //! What is near a point.
 
+use std::mem::take;
+
 use bevy::prelude::*;
 
-use super::{SpatialQuery, SpatialQueryFilter, scratch};
+use super::{best::Best, filter::SpatialQueryFilter, query::SpatialQuery, scratch};
 use crate::{broad_phase::Hit, collision_index::Body};
 
 /// An entity near a point.
@@ -18,17 +20,21 @@ pub struct PointHit {
 
 /// # What is near
 impl SpatialQuery<'_> {
-    /// The entity whose shape is nearest to a point, no farther than `max_distance`, which may be infinite.
+    /// Returns the entity whose shape is nearest to a point, no farther than `max_distance`, which may be infinite.
     #[must_use]
+    #[doc(alias("closest", "project point", "nearest neighbor"))]
     pub fn nearest(&self, point: Vec3, max_distance: f32, filter: &SpatialQueryFilter) -> Option<PointHit> {
-        let hit = self.index.index().nearest_with(point, max_distance, |id, _| {
-            Some(self.point_hit(self.candidate(id, filter)?, point)?.distance)
-        })?;
-        self.point_hit(self.index.body(hit.proxy)?, point)
+        let mut best = Best::within(max_distance);
+        let nearest = self.index.index().nearest_with(point, max_distance, |id, _| {
+            let hit = self.point_hit(self.candidate(id, filter)?, point)?;
+            best.offer(id, hit.distance, hit)
+        });
+        best.answer(nearest.map(|hit| hit.proxy))
     }
 
-    /// The `k` entities whose shapes are nearest to a point, no farther than `max_distance`, nearest first. They replace
-    /// what is in `hits`, which is yours to use again. Meant for a few: O(k) for each candidate.
+    /// Finds the `k` entities whose shapes are nearest to a point, no farther than `max_distance`, nearest first. They
+    /// replace what is in `hits`, which is yours to use again. Meant for a few: O(k) for each candidate.
+    #[doc(alias("knn", "k nearest neighbors"))]
     pub fn k_nearest(
         &self,
         point: Vec3,
@@ -38,13 +44,22 @@ impl SpatialQuery<'_> {
         hits: &mut Vec<PointHit>,
     ) {
         hits.clear();
-        let mut found = scratch::with(|scratch| std::mem::take(&mut scratch.hits));
-        self.index.index().k_nearest_with(point, k, max_distance, &mut found, |id, _| {
-            Some(self.point_hit(self.candidate(id, filter)?, point)?.distance)
+        let (mut nearest, mut looked_at) =
+            scratch::with(|scratch| (take(&mut scratch.nearest), take(&mut scratch.looked_at)));
+        looked_at.clear();
+        self.index.index().k_nearest_with(point, k, max_distance, &mut nearest, |proxy, _| {
+            let PointHit { distance, point, .. } = self.point_hit(self.candidate(proxy, filter)?, point)?;
+            looked_at.push((Hit { proxy, distance }, point));
+            Some(distance)
         });
-        let exact = |hit: &Hit| self.index.body(hit.proxy).and_then(|body| self.point_hit(body, point));
-        hits.extend(found.iter().filter_map(exact));
-        scratch::with(|scratch| scratch.hits = found);
+        looked_at.sort_unstable_by_key(|(hit, _)| hit.proxy);
+        hits.extend(nearest.iter().filter_map(|hit| {
+            let index = looked_at.binary_search_by_key(&hit.proxy, |(hit, _)| hit.proxy).ok()?;
+            let (Hit { proxy, distance }, point) = looked_at[index];
+            Some(PointHit { entity: self.index.body(proxy)?.entity, distance, point })
+        }));
+        debug_assert_eq!(hits.len(), nearest.len(), "the nearest are among those that were looked at");
+        scratch::with(|scratch| (scratch.nearest, scratch.looked_at) = (nearest, looked_at));
     }
 
     fn point_hit(&self, body: &Body, from: Vec3) -> Option<PointHit> {

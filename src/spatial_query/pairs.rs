@@ -2,7 +2,11 @@
 
 use bevy::prelude::*;
 
-use super::{SpatialQuery, SpatialQueryFilter, scratch};
+use super::{
+    filter::SpatialQueryFilter,
+    query::{SpatialQuery, flow},
+    scratch,
+};
 use crate::{
     broad_phase::{Flow, ProxyId},
     narrow_phase::Proximity,
@@ -44,14 +48,15 @@ impl SpatialQuery<'_> {
     /// # struct Sheep;
     /// fn scent(wolves: Query<(), With<Wolf>>, sheep: Query<(), With<Sheep>>, spatial: SpatialQuery) {
     ///     let (is_wolf, is_sheep) = (|entity| wolves.contains(entity), |entity| sheep.contains(entity));
-    ///     let (wolves, sheep) = (SpatialQueryFilter::ALL.only(&is_wolf), SpatialQueryFilter::ALL.only(&is_sheep));
-    ///     spatial.pairs_within(20.0, &wolves, &sheep, |near| {
+    ///     let all = SpatialQueryFilter::DEFAULT;
+    ///     spatial.for_each_pair_within(20.0, &all.only(&is_wolf), &all.only(&is_sheep), |near| {
     ///         println!("{} smells {} from {} away", near.a, near.b, near.distance);
     ///     });
     /// }
     /// # bevy::ecs::system::assert_is_system(scent);
     /// ```
-    pub fn pairs_within<F: Flow>(
+    #[doc(alias = "spatial join")]
+    pub fn for_each_pair_within<F: Flow>(
         &self,
         distance: f32,
         first: &SpatialQueryFilter,
@@ -59,10 +64,24 @@ impl SpatialQuery<'_> {
         mut found: impl FnMut(PairHit) -> F,
     ) {
         let passes = |filter| move |id: ProxyId| self.candidate(id, filter).is_some();
-        self.index.index().pairs_within(distance, passes(first), passes(second), |a, b, _| {
+        self.index.index().for_each_pair_within(distance, passes(first), passes(second), |a, b, _| {
             let near = self.near(a, b).filter(|near| near.distance <= distance);
-            super::flow(near.is_none_or(|near| found(near).goes_on()))
+            flow(near.is_none_or(|near| found(near).goes_on()))
         });
+    }
+
+    /// Fills a vector as [`for_each_pair_within`](Self::for_each_pair_within) calls back: nearest first, those as near by
+    /// ascending entities. They replace what is in `pairs`, which is yours to use again.
+    pub fn pairs_within(
+        &self,
+        distance: f32,
+        first: &SpatialQueryFilter,
+        second: &SpatialQueryFilter,
+        pairs: &mut Vec<PairHit>,
+    ) {
+        pairs.clear();
+        self.for_each_pair_within(distance, first, second, |near| pairs.push(near));
+        pairs.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then((a.a, a.b).cmp(&(b.a, b.b))));
     }
 
     fn near(&self, a: ProxyId, b: ProxyId) -> Option<PairHit> {

@@ -2,7 +2,11 @@
 
 use bevy::{math::bounding::RayCast3d, prelude::*};
 
-use super::{SpatialQuery, SpatialQueryFilter};
+use super::{
+    best::Best,
+    filter::SpatialQueryFilter,
+    query::{SpatialQuery, flow},
+};
 use crate::{broad_phase::Flow, collision_index::Body, narrow_phase::Impact, parallel};
 
 /// So many rays are cast by one job.
@@ -31,20 +35,21 @@ impl RayHit {
 
 /// # Rays
 impl SpatialQuery<'_> {
-    /// The first entity that a ray meets within `max_distance`.
+    /// Returns the first entity that a ray meets within `max_distance`.
     #[must_use]
+    #[doc(alias("raycast", "ray cast", "intersect ray", "line of sight"))]
     pub fn cast_ray(&self, ray: Ray3d, max_distance: f32, filter: &SpatialQueryFilter) -> Option<RayHit> {
-        let mut limit = max_distance;
-        let first = self.index.index().cast_with(&RayCast3d::from_ray(ray, max_distance), |id, _| {
-            let hit = self.ray_hit(self.candidate(id, filter)?, ray, limit)?;
-            limit = limit.min(hit.distance);
-            Some(hit.distance)
-        })?;
-        self.ray_hit(self.index.body(first.proxy)?, ray, max_distance)
+        let mut best = Best::within(max_distance);
+        let nearest = self.index.index().cast_with(&RayCast3d::from_ray(ray, max_distance), |id, _| {
+            let hit = self.ray_hit(self.candidate(id, filter)?, ray, best.limit())?;
+            best.offer(id, hit.distance, hit)
+        });
+        best.answer(nearest.map(|hit| hit.proxy))
     }
 
-    /// All entities that a ray meets within `max_distance`, nearest first, those as near by ascending [`Entity`].
+    /// Finds all entities that a ray meets within `max_distance`: nearest first, those as near by ascending [`Entity`].
     /// They replace what is in `hits`, which is yours to use again.
+    #[doc(alias = "raycast all")]
     pub fn ray_hits(&self, ray: Ray3d, max_distance: f32, filter: &SpatialQueryFilter, hits: &mut Vec<RayHit>) {
         hits.clear();
         self.for_each_ray_hit(ray, max_distance, filter, |hit| hits.push(hit));
@@ -60,14 +65,14 @@ impl SpatialQuery<'_> {
         filter: &SpatialQueryFilter,
         mut found: impl FnMut(RayHit) -> F,
     ) {
-        self.index.index().cast_all(&RayCast3d::from_ray(ray, max_distance), |hit| {
+        self.index.index().for_each_hit(&RayCast3d::from_ray(ray, max_distance), |hit| {
             let body = self.candidate(hit.proxy, filter);
             let hit = body.and_then(|body| self.ray_hit(body, ray, max_distance));
-            super::flow(hit.is_none_or(|hit| found(hit).goes_on()))
+            flow(hit.is_none_or(|hit| found(hit).goes_on()))
         });
     }
 
-    /// [`cast_ray`](Self::cast_ray) for many rays at once, side by side on the threads of the
+    /// Casts many rays at once, each as [`cast_ray`](Self::cast_ray), side by side on the threads of the
     /// [`ComputeTaskPool`](bevy::tasks::ComputeTaskPool), with the feature `multi_threaded`. The answers replace what is
     /// in `hits`, in the order of the rays; they do not depend on the number of threads.
     pub fn cast_rays(

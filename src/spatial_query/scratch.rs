@@ -2,13 +2,18 @@
 
 use std::cell::Cell;
 
+use bevy::math::Vec3;
+
 use crate::{broad_phase::Hit, narrow_phase::Workspace};
 
 /// Buffers of the exact tests and of queries for several.
 #[derive(Default)]
 pub(super) struct Scratch {
     pub workspace: Workspace,
-    pub hits: Vec<Hit>,
+    /// The nearest objects so far.
+    pub nearest: Vec<Hit>,
+    /// What the exact tests said about these, and about others.
+    pub looked_at: Vec<(Hit, Vec3)>,
 }
 
 thread_local! {

@@ -5,7 +5,12 @@ use bevy::{
     prelude::*,
 };
 
-use super::{SpatialQuery, SpatialQueryFilter, scratch};
+use super::{
+    best::Best,
+    filter::SpatialQueryFilter,
+    query::{self, SpatialQuery},
+    scratch,
+};
 use crate::narrow_phase::{Impact, Placed, Shape};
 
 /// Where a moving shape first touches an entity.
@@ -23,12 +28,13 @@ pub struct ShapeHit {
 
 /// # Moving shapes
 impl SpatialQuery<'_> {
-    /// The first entity that a shape touches as it moves from `start` along `direction`, for `max_distance` at most: the
+    /// Returns the first entity that a shape touches as it moves from `start` along `direction`, for `max_distance` at most: the
     /// first time of impact, at one unit of length per unit of time. The shape does not turn on its way.
     ///
     /// Exact: see [`NarrowPhase::sweep`](crate::narrow_phase::NarrowPhase::sweep). A shape without bounds (some of
     /// Rapier's) meets nothing.
     #[must_use]
+    #[doc(alias("shapecast", "shape cast", "sweep", "ccd"))]
     pub fn cast_shape(
         &self,
         shape: &Shape,
@@ -44,19 +50,16 @@ impl SpatialQuery<'_> {
         let sweep = |target: Placed, limit: f32| {
             scratch::with(|scratch| self.tests().sweep(moving, direction, limit, target, &mut scratch.workspace))
         };
-        let mut limit = max_distance;
-        let hit = self.index.index().cast_with(&cast, |id, _| {
+        let mut best = Best::within(max_distance);
+        let nearest = self.index.index().cast_with(&cast, |id, _| {
             let body = self.candidate(id, filter)?;
-            let impact = sweep(body.placed(), limit)?;
-            limit = limit.min(impact.distance);
-            Some(impact.distance)
-        })?;
-        let body = self.index.body(hit.proxy)?;
-        let Impact { distance, point, normal } = sweep(body.placed(), max_distance)?;
-        Some(ShapeHit { entity: body.entity, distance, point, normal })
+            let Impact { distance, point, normal } = sweep(body.placed(), best.limit())?;
+            best.offer(id, distance, ShapeHit { entity: body.entity, distance, point, normal })
+        });
+        best.answer(nearest.map(|hit| hit.proxy))
     }
 
-    /// [`cast_shape`](Self::cast_shape) for a box along the world's axes. One that is inverted meets nothing.
+    /// Casts a box along the world's axes as [`cast_shape`](Self::cast_shape) does. One that is inverted meets nothing.
     #[must_use]
     pub fn cast_box(
         &self,
@@ -65,11 +68,11 @@ impl SpatialQuery<'_> {
         max_distance: f32,
         filter: &SpatialQueryFilter,
     ) -> Option<ShapeHit> {
-        let (cuboid, at) = super::cuboid(start)?;
+        let (cuboid, at) = query::cuboid(start)?;
         self.cast_shape(&cuboid, &at, direction, max_distance, filter)
     }
 
-    /// [`cast_shape`](Self::cast_shape) for a ball. One with a negative radius meets nothing.
+    /// Casts a ball as [`cast_shape`](Self::cast_shape) does. One with a negative radius meets nothing.
     #[must_use]
     pub fn cast_sphere(
         &self,

@@ -9,7 +9,7 @@ use bevy::{platform::collections::HashMap, prelude::*};
 
 use super::track::{Track, meet};
 use crate::{
-    broad_phase::{Method, ObjectOctreeSettings, Pair, ProxyId, SpatialIndex},
+    broad_phase::{BroadPhaseMethod, ObjectOctreeSettings, Pair, ProxyId, SpatialIndex},
     collision_index::CollisionIndex,
     components::BroadPhaseProxy,
     contacts::{Contacts, SweptContact},
@@ -136,7 +136,7 @@ impl Default for Resolver {
             happened: Vec::new(),
             at_end: Vec::new(),
             turned: Vec::new(),
-            diverted: SpatialIndex::new(&Method::Octree(ObjectOctreeSettings::default())),
+            diverted: SpatialIndex::new(&BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::default())),
             diverted_ids: Vec::new(),
             candidates: Vec::new(),
             workspace: Workspace::default(),
@@ -275,12 +275,12 @@ impl Resolver {
                 candidates.push(other);
             }
         };
-        index.index().overlapping(&aabb, |other| {
+        index.index().for_each_overlapping(&aabb, |other| {
             if self.tracks.get(&other).is_none_or(|track| track.diverted.is_none()) {
                 consider(other);
             }
         });
-        self.diverted.overlapping(&aabb, |other| consider(self.diverted_ids[other.index()]));
+        self.diverted.for_each_overlapping(&aabb, |other| consider(self.diverted_ids[other.index()]));
         // Other than the order in which they are found, that of handles depends on no index.
         candidates.sort_unstable();
         for other in candidates.drain(..) {

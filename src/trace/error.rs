@@ -20,7 +20,7 @@ pub struct TraceError {
     pub problem: TraceProblem,
 }
 
-/// What is wrong at some place of a trace.
+/// What is wrong at some offset of a trace.
 #[derive(Debug, Error)]
 pub enum TraceProblem {
     /// The file cannot be opened, read or written.

@@ -86,13 +86,13 @@ pub struct TraceHeader {
 }
 
 impl TraceHeader {
-    /// How many sets of boxes there are: the initial one and one for each frame.
+    /// Returns how many sets of boxes there are: the initial one and one for each frame.
     #[must_use]
     pub const fn box_sets(&self) -> u64 {
         self.frames as u64 + 1
     }
 
-    /// The size of the whole file, in bytes.
+    /// Returns the size of the whole file, in bytes.
     #[must_use]
     pub const fn file_bytes(&self) -> u128 {
         file_bytes(self.objects, self.frames)

@@ -84,13 +84,13 @@ impl<R: Read> TraceReader<R> {
         Ok(reader)
     }
 
-    /// What the trace says about itself.
+    /// Returns what the trace says about itself.
     #[must_use]
     pub const fn header(&self) -> &TraceHeader {
         &self.header
     }
 
-    /// The boxes of the next frame, the initial box set first; `None` after the last.
+    /// Returns the boxes of the next frame, the initial box set first; `None` after the last.
     ///
     /// # Errors
     /// If the source cannot be read, ends early, goes on after the last frame, or has a box that is not finite or is
@@ -144,7 +144,7 @@ impl<R: Read> TraceReader<R> {
     fn text(&self, offset: usize, field: &'static str) -> Result<String, TraceError> {
         let text = self.bytes[offset..offset + TEXT_BYTES].split(|byte| *byte == 0).next().unwrap_or_default();
         match text.iter().enumerate().find(|(_, byte)| !byte.is_ascii()) {
-            Some((place, &byte)) => Err(self.error((offset + place) as u64, TraceProblem::NotAscii { field, byte })),
+            Some((index, &byte)) => Err(self.error((offset + index) as u64, TraceProblem::NotAscii { field, byte })),
             None => Ok(text.iter().copied().map(char::from).collect()),
         }
     }

@@ -85,9 +85,9 @@ impl<W: Write + Seek> TraceWriter<W> {
             return Err(self.error(self.offset, TraceProblem::TooManyEmptyFrames(frames)));
         }
         for (chunk, boxes) in boxes.chunks(BOXES_AT_ONCE).enumerate() {
-            for (place, aabb) in boxes.iter().enumerate() {
+            for (index, aabb) in boxes.iter().enumerate() {
                 if let Err(error) = check_box(aabb) {
-                    let object = chunk * BOXES_AT_ONCE + place;
+                    let object = chunk * BOXES_AT_ONCE + index;
                     let problem = TraceProblem::Box { frame: self.written, object, error };
                     return Err(self.error(self.offset + self.bytes.len() as u64, problem));
                 }
@@ -143,8 +143,8 @@ impl<W: Write + Seek> TraceWriter<W> {
         if text.len() > TEXT_BYTES {
             return Err(self.error(offset as u64, TraceProblem::TextTooLong { field, length: text.len() }));
         }
-        if let Some((place, byte)) = text.bytes().enumerate().find(|(_, byte)| !byte.is_ascii()) {
-            return Err(self.error((offset + place) as u64, TraceProblem::NotAscii { field, byte }));
+        if let Some((index, byte)) = text.bytes().enumerate().find(|(_, byte)| !byte.is_ascii()) {
+            return Err(self.error((offset + index) as u64, TraceProblem::NotAscii { field, byte }));
         }
         self.bytes[offset..offset + text.len()].copy_from_slice(text.as_bytes());
         Ok(())
@@ -164,8 +164,8 @@ impl<W: Write + Seek> TraceWriter<W> {
 fn from_box(aabb: &Aabb3d) -> [u8; BOX_BYTES] {
     let mut bytes = [0; BOX_BYTES];
     let numbers = aabb.min.extend(0.0).to_array().into_iter().chain(aabb.max.extend(0.0).to_array());
-    for (place, number) in bytes.as_chunks_mut().0.iter_mut().zip(numbers) {
-        *place = number.to_le_bytes();
+    for (four, number) in bytes.as_chunks_mut().0.iter_mut().zip(numbers) {
+        *four = number.to_le_bytes();
     }
     bytes
 }

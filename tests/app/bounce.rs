@@ -40,7 +40,7 @@ fn bounces(app: &App) -> u64 {
 /// 3 1/16 apart, closing by 1/8 per tick: half a step deep in each other after tick 25.
 #[test]
 fn two_cubes_bounce_off_each_other() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let start = 2.0 + 1.0 / 32.0;
     let cubes = [-1.0, 1.0].map(|side: f32| bouncer(&mut app, side * start, -side / 16.0, Bounce::Reverse));
     for n in 1..=60 {
@@ -58,7 +58,7 @@ fn two_cubes_bounce_off_each_other() {
 
 #[test]
 fn touching_is_contact() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let cubes = [-1.0, 1.0].map(|side: f32| bouncer(&mut app, side, -side / 16.0, Bounce::Reverse));
     tick(&mut app, 7);
     assert!(contacts(&app).is_empty());
@@ -69,7 +69,7 @@ fn touching_is_contact() {
 
 #[test]
 fn a_static_wall_stays_and_throws_back() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let cube = bouncer(&mut app, 0.0, 0.25, Bounce::Reverse);
     let wall = wall(&mut app, 2.125);
     tick(&mut app, 5);
@@ -82,7 +82,7 @@ fn a_static_wall_stays_and_throws_back() {
 
 #[test]
 fn without_bounce_they_pass_through_and_are_reported() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let cubes = [-1.0, 1.0].map(|side: f32| mover(&mut app, side * 2.03125, -side / 16.0));
     tick(&mut app, 60);
     assert_eq!(cubes.map(|cube| step(&app, cube)), [1.0 / 16.0, -1.0 / 16.0]);
@@ -94,7 +94,7 @@ fn without_bounce_they_pass_through_and_are_reported() {
 
 #[test]
 fn only_the_one_with_a_bounce_turns_around() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let with = bouncer(&mut app, -1.0, 0.125, Bounce::Reverse);
     let without = mover(&mut app, 1.0, -0.0625);
     tick(&mut app, 6);
@@ -103,7 +103,7 @@ fn only_the_one_with_a_bounce_turns_around() {
 
 #[test]
 fn two_contacts_at_once_reverse_once() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let falling = Transform::from_xyz(0.0, 2.0, 0.0);
     let velocity = Velocity(Vec3::NEG_Y * 0.25 * TICKS_PER_SECOND);
     let cube = app.world_mut().spawn((Cube, falling, velocity)).id();
@@ -140,7 +140,7 @@ fn reflection_keeps_what_restitution_says() {
         ([(0.25, r(1.0)), (-0.125, reverse)], [0.0, 0.125]),
     ];
     for (number, (movers, expected)) in cases.into_iter().enumerate() {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         let entities = [0, 1].map(|i| {
             let (start, (step, bounce)) = ([-0.6, 0.6][i], movers[i]);
             let entity = if step == 0.0 { wall(&mut app, start) } else { mover(&mut app, start, step) };
@@ -161,7 +161,7 @@ fn reflection_keeps_what_restitution_says() {
 
 #[test]
 fn reflection_acts_on_approaching_objects_only() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let cubes = [-0.25, 0.25].map(|x: f32| bouncer(&mut app, x, x / 4.0, REFLECT(1.0)));
     tick(&mut app, 1);
     assert_eq!(contacts(&app), [cubes]);
@@ -173,7 +173,7 @@ fn reflection_acts_on_approaching_objects_only() {
 /// With half the speed back they are still in each other one tick after the bounce, and must not bounce again.
 #[test]
 fn a_slow_return_is_one_bounce() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let cubes = [-1.0, 1.0].map(|side: f32| bouncer(&mut app, side * 0.75, -side * 0.1875, REFLECT(0.5)));
     tick(&mut app, 20);
     assert_eq!((messages_about(&app, cubes), bounces(&app)), ((1, 1), 2));

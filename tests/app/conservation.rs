@@ -30,7 +30,7 @@ struct Room {
 
 impl Room {
     fn new(half: f32, seed: u64) -> Self {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
             for side in [-1.0, 1.0] {
                 let half_size = Vec3::splat(half + 1.0) * (Vec3::ONE - axis) + axis * 0.25;
@@ -98,7 +98,7 @@ impl Room {
 
 /// +10 against −10 per second, restitution 1; ten apart.
 fn head_on(sub_steps: [u32; 2], ticks: usize) -> [(f32, f32); 2] {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.insert_resource(MotionSettings { step: Step::Seconds(1.0) });
     let balls = [0, 1].map(|i| {
         let side = [-1.0, 1.0][i];
@@ -129,7 +129,7 @@ fn who_may_not_bounce_any_more_is_a_wall_at_rest() {
 /// A ball between a wall and another that has come to stay, hit by a third.
 #[test]
 fn who_has_come_to_stay_is_a_wall_to_all_that_come_after() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.insert_resource(MotionSettings { step: Step::Seconds(1.0) });
     let wall = (CollisionShape::cuboid(Vec3::new(0.5, 5.0, 5.0)).unwrap(), StaticCollider);
     app.world_mut().spawn((wall, Transform::from_xyz(0.5, 0.0, 0.0)));

@@ -45,7 +45,7 @@ struct Heard {
 
 /// An app in which all events are listened to.
 fn listening_app() -> App {
-    listen(app(Method::default()))
+    listen(app(BroadPhaseMethod::default()))
 }
 
 fn listen(mut app: App) -> App {
@@ -136,7 +136,7 @@ fn messages_go_to_all_and_events_to_those_who_opted_in() {
 
 #[test]
 fn an_observer_of_an_entity_sees_it_first_and_the_normal_away_from_it() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.init_resource::<Heard>();
     let cubes = [block(&mut app, 0.0, true), block(&mut app, 0.9, true)];
     for (entity, other, normal) in [(cubes[0], cubes[1], Vec3::X), (cubes[1], cubes[0], Vec3::NEG_X)] {
@@ -338,7 +338,7 @@ fn observers_may_change_the_world_they_are_told_about() {
 
 #[test]
 fn an_observer_may_go_while_it_is_told() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.init_resource::<Heard>();
     let [a, b] = [block(&mut app, 0.0, true), block(&mut app, 0.9, true)];
     app.world_mut().entity_mut(a).observe(
@@ -374,7 +374,7 @@ fn list(app: &App, entity: Entity) -> Vec<Entity> {
 
 #[test]
 fn colliding_entities_change_with_the_contacts_and_only_then() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.init_resource::<Changes>().add_systems(Update, note_changes);
     let [a, b, c] = [0.0, 0.9, -0.9].map(|x| block(&mut app, x, false));
     app.world_mut().entity_mut(a).insert(CollidingEntities::default());
@@ -418,7 +418,7 @@ fn colliding_entities_change_with_the_contacts_and_only_then() {
 
 #[test]
 fn collisions_are_those_of_the_list_by_entity() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let mut random = fastrand::Rng::with_seed(4);
     let mut point = move || Vec3::new(random.f32(), random.f32(), random.f32()) * 5.0;
     let cubes: Vec<_> = (0..100)
@@ -488,8 +488,8 @@ fn events_come_in_the_order_of_contacts_ends_first() {
     assert_eq!(heard(&mut app), [Ended(a, b), Ended(b, a), Started(a, c), Started(c, a)]);
 }
 
-const RED: CollisionLayers = CollisionLayers { memberships: 0b10, filters: 0b111 };
-const BLUE: CollisionLayers = CollisionLayers { memberships: 0b100, filters: 0b11 };
+const RED: CollisionLayers = CollisionLayers::from_bits(0b10, 0b111);
+const BLUE: CollisionLayers = CollisionLayers::from_bits(0b100, 0b11);
 
 /// The layers in the messages since this was last asked.
 fn layers_told(app: &mut App) -> (Vec<[CollisionLayers; 2]>, Vec<[CollisionLayers; 2]>) {
@@ -545,7 +545,7 @@ fn messages_name_the_layers_that_pairs_had() {
 }
 
 fn layers_in_a_random_history() -> Vec<CollisionEnded> {
-    let (mut app, mut random) = (app(Method::default()), fastrand::Rng::with_seed(9));
+    let (mut app, mut random) = (app(BroadPhaseMethod::default()), fastrand::Rng::with_seed(9));
     let layers = [None, Some(RED), Some(BLUE), Some(CollisionLayers::NONE)];
     let mut cubes: Vec<Entity> = Vec::new();
     let mut known = std::collections::HashMap::new();

@@ -18,7 +18,7 @@ struct Heard {
 }
 
 fn listening_app() -> App {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.init_resource::<Heard>()
         .add_observer(|event: On<CollisionStarted>, mut heard: ResMut<Heard>| heard.started.push(*event))
         .add_observer(|event: On<CollisionEnded>, mut heard: ResMut<Heard>| heard.ended.push(*event));
@@ -124,7 +124,7 @@ fn a_candidate_is_one_contact_however_often_and_which_way_round_it_is_listed() {
     }
     for (events, swept) in [(false, false), (true, false), (false, true), (true, true)] {
         let run = |again: bool| {
-            let mut app = app(Method::default());
+            let mut app = app(BroadPhaseMethod::default());
             if again {
                 app.add_systems(FixedPostUpdate, list_again.in_set(PairFilterSystems));
             }
@@ -181,7 +181,7 @@ fn what_is_met_on_the_way_is_told_in_the_order_of_time() {
 /// Between two ticks, an update of the index may give the handle of one to another.
 #[test]
 fn an_entity_has_no_contacts_of_who_had_its_handle() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let block = |app: &mut App, x: f32| {
         app.world_mut()
             .spawn((CollisionShape::default(), CollidingEntities::default(), Transform::from_xyz(x, 0.0, 0.0)))

@@ -43,7 +43,7 @@ const NOTHING: CollisionGizmos = CollisionGizmos {
 };
 
 /// An app that draws, nothing so far.
-fn drawing(method: Method) -> App {
+fn drawing(method: BroadPhaseMethod) -> App {
     let mut app = app(method);
     app.add_plugins((AssetPlugin::default(), MeshPlugin, GizmoPlugin, CollisionDebugPlugin))
         .insert_gizmo_config(NOTHING, GizmoConfig::default());
@@ -91,7 +91,7 @@ fn aabb(app: &App, entity: Entity) -> Aabb3d {
 
 #[test]
 fn boxes_are_those_of_the_entities_and_tell_which_moved() {
-    let mut app = drawing(Method::default());
+    let mut app = drawing(BroadPhaseMethod::default());
     let [wall, ball] = [0.0, 8.0].map(|x| spawn(&mut app, x));
     app.world_mut().entity_mut(ball).insert(Velocity(Vec3::Y));
     set(&mut app, CollisionGizmos { moving: Some(MOVING), resting: Some(RESTING), ..NOTHING });
@@ -117,7 +117,7 @@ fn boxes_are_those_of_the_entities_and_tell_which_moved() {
 
 #[test]
 fn an_entity_may_have_a_colour_of_its_own_or_be_hidden() {
-    let mut app = drawing(Method::default());
+    let mut app = drawing(BroadPhaseMethod::default());
     let [plain, own, hidden] = [0.0, 8.0, 16.0].map(|x| spawn(&mut app, x));
     app.world_mut().entity_mut(own).insert(DebugDraw::Color(OWN));
     app.world_mut().entity_mut(hidden).insert(DebugDraw::Hidden);
@@ -141,7 +141,7 @@ fn leaves(app: &App) -> Vec<Leaf> {
 }
 
 /// Nine objects in a root of 16 around the origin, five of them in a cluster in one octant, so that it splits again.
-fn clustered(method: Method) -> App {
+fn clustered(method: BroadPhaseMethod) -> App {
     let mut app = drawing(method);
     for at in [[-4.0, 4.0, 4.0], [4.0, -4.0, 4.0], [4.0, 4.0, -4.0], [-4.0, -4.0, -4.0]] {
         app.world_mut().spawn((CollisionShape::default(), Transform::from_translation(at.into())));
@@ -158,7 +158,7 @@ fn clustered(method: Method) -> App {
 fn leaves_of_the_octree_are_cells_within_the_root() {
     let root = RootPolicy::Cube { center: Vec3::ZERO, half_size: 8.0 };
     let settings = ObjectOctreeSettings { root, ..ObjectOctreeSettings::with_max_objects(2) };
-    let mut app = clustered(Method::Octree(settings));
+    let mut app = clustered(BroadPhaseMethod::ObjectOctree(settings));
     let leaves = leaves(&app);
     let (depth, fullest) =
         leaves.iter().fold((0, 0), |(depth, full), leaf| (depth.max(leaf.generation), full.max(leaf.objects)));
@@ -189,7 +189,7 @@ fn cells(leaves: &[Leaf]) -> Vec<Aabb3d> {
 
 #[test]
 fn leaves_of_the_linear_octree_hold_its_objects() {
-    let mut app = clustered(Method::Linear);
+    let mut app = clustered(BroadPhaseMethod::LinearOctree);
     draw(&mut app, CollisionGizmos { leaves: Some(LeafColors::Fill), ..NOTHING });
     let drawn: Vec<_> = boxes(&app).into_iter().map(|(aabb, _)| aabb).collect();
     assert_eq!(drawn, cells(&leaves(&app)));
@@ -200,7 +200,7 @@ fn leaves_of_the_linear_octree_hold_its_objects() {
 
 #[test]
 fn without_a_tree_there_are_no_leaves() {
-    for method in [Method::default(), Method::Exhaustive] {
+    for method in [BroadPhaseMethod::default(), BroadPhaseMethod::Exhaustive] {
         let mut app = clustered(method);
         draw(&mut app, CollisionGizmos { leaves: Some(LeafColors::Generation), ..NOTHING });
         assert!(paths(&app).is_empty());
@@ -210,7 +210,7 @@ fn without_a_tree_there_are_no_leaves() {
 #[test]
 fn contacts_have_their_normal_where_it_is_known_and_a_line_else() {
     for geometry in [EventScope::All, EventScope::Enabled] {
-        let mut app = drawing(Method::default());
+        let mut app = drawing(BroadPhaseMethod::default());
         app.world_mut().resource_mut::<CollisionEventSettings>().geometry = geometry;
         let [a, b] = [0.0, 0.75].map(|x| spawn(&mut app, x));
         spawn(&mut app, 9.0);
@@ -244,12 +244,12 @@ fn contacts_have_their_normal_where_it_is_known_and_a_line_else() {
 
 #[test]
 fn a_ray_is_drawn_to_what_it_hits() {
-    let mut app = drawing(Method::default());
+    let mut app = drawing(BroadPhaseMethod::default());
     spawn(&mut app, 4.0);
     let cast = |spatial: SpatialQuery, mut gizmos: Gizmos<CollisionGizmos>| {
         for direction in [Dir3::X, Dir3::NEG_X] {
             let ray = Ray3d::new(Vec3::ZERO, direction);
-            gizmos.ray_hit(ray, spatial.cast_ray(ray, f32::MAX, &SpatialQueryFilter::ALL));
+            gizmos.ray_hit(ray, spatial.cast_ray(ray, f32::MAX, &SpatialQueryFilter::DEFAULT));
         }
     };
     app.add_systems(Update, cast.run_if(|contacts: Res<CollisionIndex>| !contacts.index().proxies().is_empty()));
@@ -266,7 +266,7 @@ fn a_ray_is_drawn_to_what_it_hits() {
 
 #[test]
 fn a_swept_box_is_two_boxes_and_what_is_between() {
-    let mut app = drawing(Method::default());
+    let mut app = drawing(BroadPhaseMethod::default());
     let [start, end] = [Vec3::ZERO, Vec3::X * 9.0].map(|at| Aabb3d::new(at, Vec3::ONE));
     app.add_systems(Update, move |mut gizmos: Gizmos<CollisionGizmos>| gizmos.swept_box(&start, &end));
     app.update();
@@ -279,7 +279,7 @@ fn a_swept_box_is_two_boxes_and_what_is_between() {
 /// Where it came from, where it is, and what is between; of one that rests, nothing.
 #[test]
 fn the_way_of_a_swept_entity_is_drawn() {
-    let mut app = drawing(Method::default());
+    let mut app = drawing(BroadPhaseMethod::default());
     let bullet = spawn(&mut app, 0.0);
     app.world_mut().entity_mut(bullet).insert((Swept::default(), Velocity(Vec3::X * 9.0 * TICKS_PER_SECOND)));
     let sweeps = CollisionGizmos { sweeps: Some(SWEEPS), ..NOTHING };
@@ -298,7 +298,7 @@ fn the_way_of_a_swept_entity_is_drawn() {
 /// By default everything but leaves; the switch that all gizmo groups have turns it all off.
 #[test]
 fn a_group_that_is_disabled_draws_nothing() {
-    let mut app = drawing(Method::Linear);
+    let mut app = drawing(BroadPhaseMethod::LinearOctree);
     let gizmos = CollisionGizmos::default();
     for x in [0.0, 0.75] {
         spawn(&mut app, x);
@@ -321,7 +321,7 @@ fn every_frame_shows_the_last_tick() {
     app.update();
     assert_eq!(boxes(&app).len(), 1, "in the frame of the tick");
 
-    let mut app = drawing(Method::default());
+    let mut app = drawing(BroadPhaseMethod::default());
     set(&mut app, CollisionGizmos::default());
     spawn(&mut app, 0.0);
     tick(&mut app, 1);
@@ -332,7 +332,7 @@ fn every_frame_shows_the_last_tick() {
 
 #[test]
 fn without_gizmos_the_plugin_does_nothing() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.add_plugins(CollisionDebugPlugin)
         .add_systems(Update, |gizmos: Option<Gizmos<CollisionGizmos>>| assert!(gizmos.is_none()));
     spawn(&mut app, 0.0);

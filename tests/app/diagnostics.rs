@@ -12,6 +12,7 @@ use std::{
 
 use bevy::{
     diagnostic::{DiagnosticPath, DiagnosticsStore},
+    ecs::schedule::ScheduleLabel,
     prelude::*,
 };
 use bevy_octree::{
@@ -19,7 +20,7 @@ use bevy_octree::{
     diagnostics::{CollisionDiagnosticsPlugin as Paths, STAGES, StageTimes},
     prelude::*,
 };
-use common::*;
+use common::{warnings::warnings, *};
 
 fn value(app: &App, path: &DiagnosticPath) -> Option<f64> {
     app.world().resource::<DiagnosticsStore>().get(path).expect("it is registered").value()
@@ -27,7 +28,11 @@ fn value(app: &App, path: &DiagnosticPath) -> Option<f64> {
 
 #[test]
 fn diagnostics_are_the_counters_of_the_last_tick() {
-    for method in [Method::default(), Method::Octree(ObjectOctreeSettings::with_max_objects(1)), Method::Exhaustive] {
+    for method in [
+        BroadPhaseMethod::default(),
+        BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(1)),
+        BroadPhaseMethod::Exhaustive,
+    ] {
         let mut app = app(method);
         app.add_plugins(Paths);
         assert_eq!(value(&app, &Paths::OBJECTS), None);
@@ -61,7 +66,7 @@ fn diagnostics_are_the_counters_of_the_last_tick() {
 fn time_goes_to_the_stage_that_took_it() {
     const NAP: Duration = Duration::from_millis(2);
     for (stage, path) in STAGES.into_iter().zip(Paths::STAGE_TIMES) {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         app.add_plugins(Paths);
         app.add_systems(FixedPostUpdate, (|| std::thread::sleep(NAP)).in_set(stage));
         tick(&mut app, 1);
@@ -77,7 +82,7 @@ fn time_goes_to_the_stage_that_took_it() {
 /// Eight cubes in the octants of the root, one to a leaf; a ninth between two of them is an entry of both.
 #[test]
 fn fill_counts_an_object_once_for_each_leaf_that_lists_it() {
-    let mut app = app(Method::Octree(ObjectOctreeSettings::with_max_objects(2)));
+    let mut app = app(BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(2)));
     app.add_plugins(Paths);
     tick(&mut app, 1);
     assert_eq!(value(&app, &Paths::FILL), Some(0.0));
@@ -120,7 +125,7 @@ impl BroadPhase for Asked {
 #[test]
 fn figures_that_nobody_wants_cost_nothing() {
     const OF_THE_TREE: [DiagnosticPath; 5] = [Paths::NODES, Paths::LEAVES, Paths::DEPTH, Paths::FILL, Paths::BYTES];
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let engine = Asked::default();
     let asked = engine.0.clone();
     let times = || asked.swap(0, Ordering::Relaxed);
@@ -139,10 +144,37 @@ fn figures_that_nobody_wants_cost_nothing() {
 
 #[test]
 fn a_disabled_diagnostic_is_not_measured() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.add_plugins(Paths);
     let mut store = app.world_mut().resource_mut::<DiagnosticsStore>();
     store.get_mut(&Paths::NODES).unwrap().is_enabled = false;
     tick(&mut app, 3);
     assert_eq!((value(&app, &Paths::NODES), value(&app, &Paths::OBJECTS)), (None, Some(0.0)));
+}
+
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+struct Elsewhere;
+
+#[test]
+fn the_plugin_may_be_added_first_and_goes_where_the_ticks_are() {
+    let mut app = App::new();
+    app.init_schedule(Elsewhere).add_plugins((Paths, MinimalPlugins, OctreePlugins::new(Elsewhere)));
+    assert_eq!(warnings(|| app.finish()), 0);
+    app.world_mut().spawn(CollisionShape::default());
+    for _ in 0..2 {
+        app.world_mut().run_schedule(Elsewhere);
+        // What is measured is taken up at the end of the frame.
+        app.update();
+    }
+    assert_eq!(value(&app, &Paths::OBJECTS), Some(1.0));
+    assert!(app.world().resource::<StageTimes>().sum() > Duration::ZERO);
+}
+
+#[test]
+fn the_plugin_without_ticks_says_so() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, Paths));
+    assert_eq!(warnings(|| app.finish()), 1);
+    app.update();
+    assert_eq!(value(&app, &Paths::OBJECTS), None);
 }

@@ -1,10 +1,9 @@
 //! Layers, static entities, lists of entities to ignore, sensors and hooks.
 
-use crate::hook;
-
 use bevy::{ecs::schedule::ScheduleLabel, prelude::*};
 use bevy_octree::prelude::*;
-use hook::*;
+
+use crate::{common::warnings::warnings, hook::*};
 
 fn app() -> App {
     let mut app = App::new();
@@ -42,6 +41,31 @@ impl CollisionLayer for Layer {
             Self::Beyond => 32,
         }
     }
+}
+
+collision_layers! {
+    #[derive(PartialOrd, Reflect)]
+    enum Team {
+        Neutral,
+        Red = 4,
+        Blue,
+    }
+}
+
+/// Masks are made where constants are.
+const RED: CollisionLayers = CollisionLayers { memberships: Team::Red.mask(), filters: LayerMask::layer(5) };
+
+#[test]
+fn an_enum_of_layers_needs_no_code_of_its_own() {
+    assert_eq!([Team::Neutral, Team::Red, Team::Blue].map(Team::mask), [1, 1 << 4, 1 << 5].map(LayerMask));
+    assert!(Team::Neutral < Team::Red);
+    assert_eq!(RED, CollisionLayers::new(Team::Red, Team::Blue));
+    assert_eq!(Team::Red | Team::Blue, LayerMask::from([Team::Blue, Team::Red]));
+    assert_eq!(Team::Neutral.mask(), CollisionLayers::default().memberships);
+    let mut app = app();
+    cubes(&mut app, 2, RED);
+    cubes(&mut app, 3, CollisionLayers::new(Team::Blue, Team::Red | Team::Neutral));
+    assert_eq!(contacts(&mut app), 6);
 }
 
 #[test]
@@ -110,9 +134,12 @@ fn with_kinds(app: &mut App, pair_kinds: PairKinds) -> usize {
 
 #[test]
 fn kinds_of_pairs_come_and_go_though_nothing_moves() {
-    for (method, count) in
-        [(Method::Linear, 2), (Method::Octree(default()), 2), (Method::Exhaustive, 2), (default(), 60)]
-    {
+    for (method, count) in [
+        (BroadPhaseMethod::LinearOctree, 2),
+        (BroadPhaseMethod::ObjectOctree(default()), 2),
+        (BroadPhaseMethod::Exhaustive, 2),
+        (default(), 60),
+    ] {
         let mut app = app();
         app.insert_resource(BroadPhaseSettings { method, ..default() });
         cubes(&mut app, count, StaticCollider);
@@ -207,4 +234,27 @@ fn a_hook_has_the_last_word() {
     cube(&mut app, Ghost);
     cubes(&mut app, 3, ());
     assert_eq!(contacts(&mut app), 3);
+}
+
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+struct Elsewhere;
+
+#[test]
+fn a_hook_may_be_added_first_and_goes_where_the_ticks_are() {
+    let mut app = App::new();
+    app.init_schedule(Elsewhere);
+    app.add_plugins((PairHookPlugin::<NoGhosts>::default(), MinimalPlugins, OctreePlugins::new(Elsewhere)));
+    assert_eq!(warnings(|| app.finish()), 0);
+    cube(&mut app, Ghost);
+    cubes(&mut app, 3, ());
+    app.world_mut().run_schedule(Elsewhere);
+    assert_eq!(app.world().resource::<Contacts>().len(), 3);
+}
+
+#[test]
+fn a_hook_without_ticks_says_so() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, PairHookPlugin::<NoGhosts>::default()));
+    assert_eq!(warnings(|| app.finish()), 1);
+    app.update();
 }

@@ -124,7 +124,7 @@ fn chains_are_despawned_in_linear_time() {
 fn a_cycle_of_parents_never_hangs() {
     let (done, is_done) = mpsc::channel();
     std::thread::spawn(move || {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         let at = |x: f32| (CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0));
         let [a, b, c] = [1.0, 2.0, 4.0].map(|x| app.world_mut().spawn(at(x)).id());
         let hanging = app.world_mut().spawn((at(8.0), ChildOf(c), Swept::default())).id();
@@ -255,7 +255,7 @@ fn befall(world: &mut World, rng: &mut fastrand::Rng, entities: &mut Vec<Entity>
 fn random_histories() {
     for seed in 0..200 {
         let mut rng = fastrand::Rng::with_seed(seed);
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         app.world_mut().register_disabling_component::<Parked>();
         let mut entities = vec![app.world_mut().spawn(Transform::default()).id()];
         for time in 0..30 {

@@ -39,7 +39,7 @@ const AFTER_BROAD_PHASE: usize = 5;
 
 /// An app in which something can be done between any two sets.
 fn planned_app() -> App {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.init_resource::<Plan>();
     for gap in GAPS {
         let act = move |world: &mut World| Plan::act(world, gap);
@@ -93,7 +93,7 @@ const PARTINGS: [fn(&mut World, EntityPair); 4] = [
         let other = world.spawn_empty().id();
         world.entity_mut(b).insert(InCollisionWorld(other));
     },
-    |world, [_, b]| _ = world.entity_mut(b).insert(CollisionLayers { memberships: 1, filters: 2 }),
+    |world, [_, b]| _ = world.entity_mut(b).insert(CollisionLayers::from_bits(1, 2)),
 ];
 
 #[test]
@@ -180,7 +180,9 @@ fn a_shape_that_changes_at_any_moment_counts_by_the_next_tick() {
                 assert_eq!(contacts(&app), expected, "{what:?}");
                 let look = |spatial: SpatialQuery| {
                     let mut found = Vec::new();
-                    spatial.point_intersections(Vec3::X * 2.0, &SpatialQueryFilter::ALL, |entity| found.push(entity));
+                    spatial.for_each_point_intersection(Vec3::X * 2.0, &SpatialQueryFilter::DEFAULT, |entity| {
+                        found.push(entity)
+                    });
                     found
                 };
                 let found = app.world_mut().run_system_once(look).unwrap();
@@ -379,7 +381,7 @@ fn history(seed: u64, flush: bool, bounces: bool) -> Vec<Seen> {
                 3 => object.get_mut::<CollisionShape>().unwrap().0 = Shape::cuboid(to.abs() * 0.3 + 0.1).unwrap(),
                 4 => _ = object.insert(IgnoreCollisions::from([other])),
                 5 => _ = object.remove::<IgnoreCollisions>(),
-                6 => _ = object.insert(CollisionLayers { memberships: 1, filters: 2 }),
+                6 => _ = object.insert(CollisionLayers::from_bits(1, 2)),
                 7 => _ = object.remove::<CollisionLayers>(),
                 8 => _ = object.insert(CollisionEventsEnabled),
                 9 => _ = object.insert(InCollisionWorld(other_world)),

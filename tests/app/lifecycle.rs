@@ -18,7 +18,7 @@ fn block(app: &mut App, x: f32) -> Entity {
 
 /// An app with two static cubes in contact, one tick old.
 fn in_contact() -> (App, EntityPair) {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let cubes = [block(&mut app, 0.0), block(&mut app, 0.9)];
     tick(&mut app, 1);
     assert_eq!(contacts(&app), [cubes]);
@@ -128,7 +128,7 @@ fn case_06_a_disabled_entity_is_out_until_enabled() {
 
 /// A parent, a child with a shape at (2, 0, 0) from it, and the app, one tick old.
 fn family() -> (App, [Entity; 2]) {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let parent = app.world_mut().spawn(Transform::from_xyz(10.0, 0.0, 0.0)).id();
     let child = block(&mut app, 2.0);
     app.world_mut().entity_mut(parent).add_child(child);
@@ -220,7 +220,7 @@ fn case_10_changed_shapes_and_teleports_count_in_the_same_tick() {
 /// Turned about its centre a cube keeps its box, but not its contacts.
 #[test]
 fn case_11_turning_inside_the_box_is_a_change() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let thin = CollisionShape::cuboid(Vec3::new(1.0, 0.05, 0.05)).unwrap();
     let eighth = |sign: f32| Quat::from_rotation_z(sign * std::f32::consts::FRAC_PI_4);
     let rod = app.world_mut().spawn((thin, Transform::from_rotation(eighth(1.0)))).id();
@@ -339,7 +339,7 @@ fn case_15_an_entity_may_go_between_any_two_sets() {
 
 #[test]
 fn case_16_entities_without_a_shape_are_nothing_to_it() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let ghost = (Transform::from_xyz(0.0, 0.0, 0.0), Velocity(Vec3::X * TICKS_PER_SECOND), Bounce::Reverse);
     let ghost = app.world_mut().spawn(ghost).id();
     block(&mut app, 0.0);
@@ -359,7 +359,7 @@ fn lattice(side: usize) -> impl Iterator<Item = (CollisionShape, Transform)> {
 
 #[test]
 fn case_17_thousands_may_go_in_one_tick() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let blocks: Vec<_> = app.world_mut().spawn_batch(lattice(28)).collect();
     assert!(blocks.len() > 20_000);
     tick(&mut app, 1);
@@ -374,7 +374,7 @@ fn case_17_thousands_may_go_in_one_tick() {
 
 #[test]
 fn case_18_what_rests_costs_nothing() {
-    for method in [Method::default(), Method::Exhaustive] {
+    for method in [BroadPhaseMethod::default(), BroadPhaseMethod::Exhaustive] {
         let mut app = app(method);
         app.world_mut().spawn_batch(lattice(6)).for_each(drop);
         tick(&mut app, 1);
@@ -400,7 +400,7 @@ fn case_18_what_rests_costs_nothing() {
 
 #[test]
 fn case_19_memory_stays_flat_at_constant_count() {
-    let mut app = app(Method::Octree(ObjectOctreeSettings::with_max_objects(4)));
+    let mut app = app(BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(4)));
     let mut rng = fastrand::Rng::with_seed(5);
     let mut place = move || Transform::from_xyz(rng.f32() * 9.0, rng.f32() * 9.0, rng.f32() * 9.0);
     let mut alive: std::collections::VecDeque<Entity> = std::collections::VecDeque::new();
@@ -424,7 +424,7 @@ fn case_19_memory_stays_flat_at_constant_count() {
 
 #[test]
 fn case_20_a_hierarchy_and_a_scene_come_and_go_by_commands() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let wall = block(&mut app, 0.0);
     let part = |x: f32| (CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0));
     let tank = (
@@ -488,7 +488,7 @@ fn case_22_scales_may_be_zero_or_negative() {
     let shapes = [CollisionShape::default(), CollisionShape::sphere(0.5).unwrap()];
     for shape in shapes {
         for scale in [Vec3::ZERO, -Vec3::ONE, Vec3::new(0.0, -1.0, 1.0)] {
-            let mut app = app(Method::default());
+            let mut app = app(BroadPhaseMethod::default());
             let wall = block(&mut app, 0.0);
             // A ball stays one, by the largest of the three.
             let is_ball = matches!(shape.0, Shape::Sphere { .. });

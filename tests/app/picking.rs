@@ -20,7 +20,7 @@ use common::*;
 
 /// An app that picks, and a camera whose pointer looks along x from the origin.
 fn picking() -> (App, Entity) {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.add_plugins(CollisionPickingPlugin);
     let camera = point(&mut app, Camera { order: 3, ..default() }, Dir3::X);
     (app, camera)
@@ -119,11 +119,11 @@ fn markers_are_asked_for_if_required() {
 fn a_camera_with_layers_picks_what_it_may_meet() {
     let (mut app, camera) = picking();
     let on_first = spawn(&mut app, 2.0, ());
-    let on_third = spawn(&mut app, 4.0, CollisionLayers { memberships: 0b100, filters: 0 });
+    let on_third = spawn(&mut app, 4.0, CollisionLayers::from_bits(0b100, 0));
     for (layers, expected) in [
         (CollisionLayers::ALL, vec![on_first]),
-        (CollisionLayers { memberships: 0, filters: 0b110 }, vec![on_third]),
-        (CollisionLayers { memberships: u32::MAX, filters: 0b010 }, vec![]),
+        (CollisionLayers::from_bits(0, 0b110), vec![on_third]),
+        (CollisionLayers::from_bits(u32::MAX, 0b010), vec![]),
     ] {
         app.world_mut().entity_mut(camera).insert(layers);
         assert_eq!(picked(&mut app), expected, "{layers:?}");

@@ -19,7 +19,7 @@ struct Scene {
 }
 
 impl Scene {
-    fn new(method: Method, seed: u64) -> Self {
+    fn new(method: BroadPhaseMethod, seed: u64) -> Self {
         let mut scene = Self { app: app(method), rng: Rng::with_seed(seed), objects: Vec::new() };
         for _ in 0..OBJECTS {
             scene.spawn();
@@ -115,9 +115,9 @@ fn all_paths_find_the_contacts_of_brute_force() {
     let mut seen = 0;
     for seed in 0..40 {
         let settings = ObjectOctreeSettings::with_max_objects([1, 3, 8][seed as usize % 3]);
-        let mut octree = Scene::new(Method::Octree(settings), seed);
-        let mut exhaustive = Scene::new(Method::Exhaustive, seed);
-        let mut linear = Scene::new(Method::Linear, seed);
+        let mut octree = Scene::new(BroadPhaseMethod::ObjectOctree(settings), seed);
+        let mut exhaustive = Scene::new(BroadPhaseMethod::Exhaustive, seed);
+        let mut linear = Scene::new(BroadPhaseMethod::LinearOctree, seed);
         let mut mirror = Mirror::new(settings);
         for number in 1..=TICKS {
             octree.step();
@@ -141,17 +141,18 @@ fn all_paths_find_the_contacts_of_brute_force() {
 #[test]
 fn all_paths_agree_on_touching_cubes() {
     for seed in 0..20 {
-        let octree = Method::Octree(ObjectOctreeSettings::with_max_objects(2));
-        let [mut octree, mut exhaustive, mut linear] = [octree, Method::Exhaustive, Method::Linear].map(|method| {
-            let mut rng = Rng::with_seed(seed);
-            let mut app = app(method);
-            for _ in 0..60 {
-                let mut place = || Vec3::from_array(std::array::from_fn(|_| f32::from(rng.i8(-4..5)) * 0.5));
-                let (position, velocity) = (place(), Velocity(place() * 0.25 * TICKS_PER_SECOND));
-                app.world_mut().spawn((Cube, Transform::from_translation(position), velocity));
-            }
-            app
-        });
+        let octree = BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(2));
+        let [mut octree, mut exhaustive, mut linear] =
+            [octree, BroadPhaseMethod::Exhaustive, BroadPhaseMethod::LinearOctree].map(|method| {
+                let mut rng = Rng::with_seed(seed);
+                let mut app = app(method);
+                for _ in 0..60 {
+                    let mut place = || Vec3::from_array(std::array::from_fn(|_| f32::from(rng.i8(-4..5)) * 0.5));
+                    let (position, velocity) = (place(), Velocity(place() * 0.25 * TICKS_PER_SECOND));
+                    app.world_mut().spawn((Cube, Transform::from_translation(position), velocity));
+                }
+                app
+            });
         for number in 1..=TICKS {
             tick(&mut octree, 1);
             tick(&mut exhaustive, 1);

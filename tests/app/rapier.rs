@@ -16,7 +16,7 @@ use bevy_rapier3d::{
     prelude as rapier,
     prelude::{Collider, RapierPhysicsPlugin, RigidBody},
 };
-use common::*;
+use common::{warnings::warnings, *};
 
 const STEP: f32 = 1.0 / TICKS_PER_SECOND;
 
@@ -332,7 +332,7 @@ fn what_rapier_moves_is_swept_too() {
 /// A bullet and a floor without an end.
 #[test]
 fn what_is_swept_bounces_off_half_spaces() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let floor = app.world_mut().spawn(half_space()).id();
     let bounce = Bounce::Reflect { restitution: 1.0 };
     let velocity = Velocity(Vec3::new(30.0, -100.0, 0.0) * TICKS_PER_SECOND);
@@ -354,7 +354,7 @@ fn ball(app: &mut App, at: Vec3, more: impl Bundle) -> Entity {
 
 #[test]
 fn half_spaces_meet_what_brute_force_says_by_every_method() {
-    for method in ["auto", "linear", "octree", "exhaustive"] {
+    for method in ["auto", "linear", "object", "exhaustive"] {
         let mut app = app(method.parse().unwrap());
         let mut random = fastrand::Rng::with_seed(3);
         for i in 0..90 {
@@ -393,7 +393,7 @@ fn half_spaces_meet_what_brute_force_says_by_every_method() {
 fn what_touches_a_half_space_meets_it_far_from_anywhere() {
     let mut random = fastrand::Rng::with_seed(5);
     for far in [1.0, 100.0, 10_000.0] {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         let mut unit = || Vec3::from_array(std::array::from_fn(|_| random.f32() * 2.0 - 1.0));
         let turned = Quat::from_scaled_axis(unit() * 3.0);
         let slope = Transform::from_translation(unit() * far).with_rotation(turned);
@@ -415,7 +415,7 @@ fn what_touches_a_half_space_meets_it_far_from_anywhere() {
 
 #[test]
 fn contacts_with_a_half_space_rest_and_end_like_others() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let ground = app.world_mut().spawn((half_space(), Transform::default())).id();
     let entity = ball(&mut app, Vec3::new(1e4, 0.25, 0.0), ());
     let other = ball(&mut app, Vec3::Y * 9.0, ());
@@ -454,7 +454,7 @@ fn contacts_with_a_half_space_rest_and_end_like_others() {
     // A place that is none.
     get_mut::<Transform>(&mut app, ground).translation.y = f32::NAN;
     tick(&mut app, 1);
-    assert!(contacts(&app).is_empty() && index(&app).proxies().endless().next().is_none());
+    assert!(contacts(&app).is_empty() && index(&app).proxies().unbounded().next().is_none());
     get_mut::<Transform>(&mut app, ground).translation.y = 0.0;
     tick(&mut app, 1);
     assert_eq!(messages_about(&app, pair(ground, entity)), (5, 4));
@@ -466,19 +466,19 @@ fn contacts_with_a_half_space_rest_and_end_like_others() {
 
 #[test]
 fn queries_see_half_spaces() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let ground = app.world_mut().spawn((half_space(), Transform::from_xyz(0.0, -1.0, 0.0))).id();
     let entity = ball(&mut app, Vec3::new(0.0, -5.0, 0.0), ());
     tick(&mut app, 1);
     let ask = move |spatial: SpatialQuery| {
-        let all = SpatialQueryFilter::ALL;
+        let all = SpatialQueryFilter::DEFAULT;
         let down = |x: f32| Ray3d::new(Vec3::new(x, 1.0, 0.0), Dir3::NEG_Y);
         let hit = spatial.cast_ray(down(0.0), 100.0, &all).unwrap();
         assert_eq!((hit.entity, hit.distance, hit.normal), (ground, 2.0, Vec3::Y));
         let hit = spatial.cast_ray(down(1e4), 100.0, &all).unwrap();
         assert_eq!((hit.entity, hit.distance), (ground, 2.0));
         assert!(spatial.cast_ray(down(0.0), 1.5, &all).is_none());
-        let below = SpatialQueryFilter::except(ground);
+        let below = SpatialQueryFilter::DEFAULT.except(ground);
         assert_eq!(spatial.cast_ray(down(0.0), 100.0, &below).map(|hit| hit.entity), Some(entity));
         let hit = spatial.cast_sphere(Vec3::Y, 0.5, Dir3::NEG_Y, 100.0, &all).unwrap();
         assert!(hit.entity == ground && (hit.distance - 1.5).abs() < 1e-4, "{hit:?}");
@@ -490,10 +490,10 @@ fn queries_see_half_spaces() {
         assert_eq!((near.entity, near.distance, near.point), (ground, 3.0, Vec3::new(3.0, -1.0, 0.0)));
         assert!(spatial.nearest(Vec3::Y * 2.0, 2.0, &all).is_none());
         let mut found = vec![];
-        spatial.sphere_intersections(Vec3::X * 50.0, 0.9, &all, |entity| found.push(entity));
+        spatial.for_each_sphere_intersection(Vec3::X * 50.0, 0.9, &all, |entity| found.push(entity));
         assert!(found.is_empty());
-        spatial.sphere_intersections(Vec3::X * 50.0, 1.1, &all, |entity| found.push(entity));
-        spatial.point_intersections(Vec3::Y * -5.0, &all, |entity| found.push(entity));
+        spatial.for_each_sphere_intersection(Vec3::X * 50.0, 1.1, &all, |entity| found.push(entity));
+        spatial.for_each_point_intersection(Vec3::Y * -5.0, &all, |entity| found.push(entity));
         let count = |of| found.iter().filter(|entity| **entity == of).count();
         assert_eq!((found.len(), count(ground), count(entity)), (3, 2, 1));
     };
@@ -559,4 +559,34 @@ fn an_observer_may_despawn_what_rapier_knows() {
     assert!(app.world().get_entity(falling).is_err());
     assert_eq!(messages_about(&app, pair(falling, floor)), (1, 1));
     assert!(contacts(&app).is_empty());
+}
+
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+struct Elsewhere;
+
+#[test]
+fn the_plugin_may_be_added_first_and_goes_where_the_ticks_are() {
+    let mut app = App::new();
+    app.init_schedule(Elsewhere)
+        .insert_resource(rapier::TimestepMode::Fixed { dt: STEP, substeps: 1 })
+        .add_plugins((RapierInteropPlugin::default(), MinimalPlugins, TransformPlugin))
+        .add_plugins((OctreePlugins::new(Elsewhere), RapierPhysicsPlugin::<()>::default()));
+    assert_eq!(warnings(|| app.finish()), 0);
+    app.cleanup();
+    let still = (RigidBody::Fixed, rapier::Sensor);
+    let a = spawn(&mut app, Collider::ball(1.0), Vec3::ZERO, still);
+    let b = spawn(&mut app, Collider::ball(1.0), Vec3::X, (still, Bounce::default(), rapier::Velocity::default()));
+    app.update();
+    assert!(app.world().get::<CollisionShape>(a).is_none(), "no tick has been made");
+    app.world_mut().run_schedule(Elsewhere);
+    assert_eq!(contacts(&app), [pair(a, b)]);
+    assert!(app.world().entity(b).contains::<MovedElsewhere>(), "velocities are in step, too");
+}
+
+#[test]
+fn the_plugin_without_ticks_says_so() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, RapierInteropPlugin::default()));
+    app.add_plugins(RapierPhysicsPlugin::<()>::default());
+    assert_eq!(warnings(|| app.finish()), 1);
 }

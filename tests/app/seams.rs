@@ -68,7 +68,7 @@ impl Default for Slide {
 impl Slide {
     /// Where the slider is after so many ticks, and how fast, along the floor and upwards.
     fn run(&self, ticks: usize) -> (Vec3, Vec3) {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         let place = |app: &mut App, made, half: Vec3, at: Vec3| {
             let (half, scale) = if self.scaled { (Vec3::ONE * 0.25, half * 4.0) } else { (half, Vec3::ONE) };
             let at = Transform { translation: self.turned * at, rotation: self.turned, scale };
@@ -168,7 +168,7 @@ fn a_long_way() {
 fn under_gravity() {
     for slider in [Made::Cuboid, Made::Ball] {
         for (swept, restitution) in [(true, 0.0), (true, 0.5)] {
-            let mut app = app(Method::default());
+            let mut app = app(BroadPhaseMethod::default());
             app.add_systems(FixedUpdate, |mut falling: Query<&mut Velocity>| {
                 falling.iter_mut().for_each(|mut velocity| velocity.y -= 9.81 / TICKS_PER_SECOND);
             });
@@ -199,7 +199,7 @@ fn a_real_step_stops_it() {
     for swept in [true, false] {
         for made in [Made::Cuboid, Made::Convex, Made::Mesh] {
             for height in [0.01, 0.3, 1.0, 5.0] {
-                let mut app = app(Method::default());
+                let mut app = app(BroadPhaseMethod::default());
                 for i in -3..3 {
                     app.world_mut().spawn((shape(made, Vec3::splat(0.5)), Transform::from_xyz(i as f32, -0.5, 0.0)));
                 }
@@ -225,7 +225,7 @@ fn a_real_step_stops_it() {
 #[test]
 fn a_corner_throws_back() {
     for made in [Made::Cuboid, Made::Ball] {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         app.world_mut().spawn((shape(Made::Cuboid, Vec3::splat(5.0)), Transform::from_xyz(0.0, -5.0, 0.0)));
         app.world_mut().spawn((shape(Made::Cuboid, Vec3::splat(5.0)), Transform::from_xyz(6.0, 5.0, 0.0)));
         let slider = (shape(made, Vec3::splat(0.5)), Transform::from_xyz(0.25, 0.75, 0.0), Swept::default(), ELASTIC);

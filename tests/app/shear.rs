@@ -13,7 +13,7 @@ use bevy_octree::{narrow_phase::Shape, prelude::*};
 use common::{warnings::warnings, *};
 use fastrand::Rng;
 
-const ALL: SpatialQueryFilter = SpatialQueryFilter::ALL;
+const ALL: SpatialQueryFilter = SpatialQueryFilter::DEFAULT;
 
 fn ask<T: 'static>(app: &mut App, question: impl FnMut(SpatialQuery) -> T + Send + Sync + 'static) -> T {
     app.world_mut().run_system_once(question).expect("the plugins are there")
@@ -22,7 +22,7 @@ fn ask<T: 'static>(app: &mut App, question: impl FnMut(SpatialQuery) -> T + Send
 fn found_at(app: &mut App, point: Vec3) -> Vec<Entity> {
     ask(app, move |spatial| {
         let mut found = Vec::new();
-        spatial.point_intersections(point, &ALL, |entity| found.push(entity));
+        spatial.for_each_point_intersection(point, &ALL, |entity| found.push(entity));
         found.sort();
         found
     })
@@ -56,7 +56,7 @@ fn place(world: &World, entity: Entity) -> DAffine3 {
 #[test]
 fn a_turned_cube_under_a_scaled_parent_is_what_it_is() {
     for mirror in [1.0, -1.0] {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         let parent = app.world_mut().spawn(Transform::from_scale(Vec3::new(4.0 * mirror, 1.0, 1.0))).id();
         let turned = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_4));
         let cube = app.world_mut().spawn((CollisionShape::default(), turned, ChildOf(parent))).id();
@@ -140,7 +140,7 @@ fn cuboid(half: Vec3, which: u8) -> CollisionShape {
 fn random_hierarchies_agree_with_brute_force() {
     for seed in 0..40 {
         let mut rng = Rng::with_seed(seed);
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         let mut halves: Vec<(Entity, Vec3)> = Vec::new();
         let mut parents = Vec::new();
         for _ in 0..5 {
@@ -231,7 +231,7 @@ fn random_hierarchies_agree_with_brute_force() {
 /// A ball is as large as its largest stretch, however its ancestors turn.
 #[test]
 fn a_ball_stays_one() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let parent = app.world_mut().spawn(Transform::from_scale(Vec3::new(4.0, 1.0, 1.0))).id();
     let inner = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_4)).with_scale(Vec3::new(1.0, 3.0, 1.0));
     let inner = app.world_mut().spawn((inner, ChildOf(parent))).id();
@@ -260,7 +260,7 @@ fn a_ball_stays_one() {
 fn flattened_shapes_are_what_is_left_of_them() {
     let flat = Vec3::new(4.0, 0.0, 1.0);
     for which in 0..3 {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         let parent = app.world_mut().spawn(Transform::from_scale(flat)).id();
         for (turn, reach) in [(0.0, 2.0), (FRAC_PI_4, 8f32.sqrt())] {
             let turned = Transform::from_rotation(Quat::from_rotation_z(turn));
@@ -278,7 +278,7 @@ fn flattened_shapes_are_what_is_left_of_them() {
 /// On its way, a sheared shape is as wide as it is at the end of it.
 #[test]
 fn a_sheared_shape_is_swept() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let parent = Transform::from_xyz(0.0, -10.0, 0.0).with_scale(Vec3::new(4.0, 1.0, 1.0));
     let parent = app.world_mut().spawn(parent).id();
     let turned = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_4));
@@ -300,7 +300,7 @@ fn a_sheared_shape_is_swept() {
 #[cfg(feature = "rapier")]
 #[test]
 fn a_rapier_collider_is_not_sheared() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let parent = app.world_mut().spawn(Transform::from_scale(Vec3::new(4.0, 1.0, -1.0))).id();
     let shape = CollisionShape((&bevy_rapier3d::prelude::Collider::cuboid(1.0, 0.5, 0.25)).into());
     let turned = Transform::from_xyz(1.0, 0.0, 0.0).with_rotation(Quat::from_rotation_z(FRAC_PI_4));

@@ -52,7 +52,7 @@ fn assert_near(found: Vec3, expected: Vec3, within: f32) {
 #[test]
 fn the_child_of_a_turned_parent_is_thrown_back() {
     for swept in [true, false] {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         wall(&mut app, Vec3::Y * 2.0, Vec3::new(5.0, 0.5, 5.0));
         let turned = parent(&mut app, Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_2)));
         let child = ball(&mut app, Transform::IDENTITY, Vec3::X * 16.0, swept);
@@ -74,7 +74,7 @@ fn a_child_gives_what_it_has_in_the_world() {
     let turned = Transform::from_rotation(Quat::from_rotation_y(1.0)).with_scale(Vec3::splat(0.5));
     for (scale, turn, own) in [(4.0, Quat::IDENTITY, 4.0), (0.5, Quat::from_rotation_y(1.0), 32.0)] {
         for swept in [true, false] {
-            let mut app = app(Method::default());
+            let mut app = app(BroadPhaseMethod::default());
             let above = parent(&mut app, Transform::from_scale(Vec3::splat(scale)).with_rotation(turn));
             let child =
                 ball(&mut app, Transform::from_scale(Vec3::splat(1.0 / scale)), turn.inverse() * Vec3::X * own, swept);
@@ -86,7 +86,7 @@ fn a_child_gives_what_it_has_in_the_world() {
         }
     }
     for above in [mirrored, turned] {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         let above = parent(&mut app, above);
         wall(&mut app, Vec3::X * 4.0, Vec3::new(0.5, 9.0, 9.0));
         wall(&mut app, Vec3::X * -4.0, Vec3::new(0.5, 9.0, 9.0));
@@ -100,7 +100,7 @@ fn a_child_gives_what_it_has_in_the_world() {
 /// A child of a child in a space that is stretched and turned and stretched: in the world, as if it hung on nothing.
 #[test]
 fn a_sheared_space_changes_nothing_in_the_world() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
         for side in [-1.0, 1.0] {
             wall(&mut app, axis * side * 3.5, Vec3::splat(4.0) * (Vec3::ONE - axis) + axis * 0.5);
@@ -123,7 +123,7 @@ fn a_sheared_space_changes_nothing_in_the_world() {
         } else {
             (start, step)
         };
-        let ball = (shape.clone(), ELASTIC, Swept::default(), CollisionLayers { memberships: 2, filters: 1 });
+        let ball = (shape.clone(), ELASTIC, Swept::default(), CollisionLayers::from_bits(2, 1));
         let ball = app.world_mut().spawn((ball, Velocity(v), Transform::from_translation(at))).id();
         if hangs {
             adopt(&mut app, above, ball);
@@ -151,7 +151,7 @@ fn a_paddle_pushes_by_the_motion_of_its_arm() {
     for swept in [true, false] {
         for depth in [1, 2] {
             for of_paddle in [false, true] {
-                let mut app = app(Method::default());
+                let mut app = app(BroadPhaseMethod::default());
                 let arm = app.world_mut().spawn((Transform::from_xyz(-2.0, 0.0, 0.0), Velocity(Vec3::X * 16.0))).id();
                 let turned = Transform::from_rotation(Quat::from_rotation_y(FRAC_PI_2)).with_scale(Vec3::splat(2.0));
                 let mut hangs_on = arm;
@@ -178,7 +178,7 @@ fn a_paddle_pushes_by_the_motion_of_its_arm() {
 #[test]
 fn a_ball_in_a_moving_cart() {
     for swept in [true, false] {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         let cart = app.world_mut().spawn((Transform::IDENTITY, Velocity(Vec3::X * 4.0))).id();
         for side in [-1.0, 1.0] {
             let end = wall(&mut app, Vec3::X * side * 2.0, Vec3::new(0.5, 2.0, 2.0));
@@ -200,7 +200,7 @@ fn a_ball_in_a_moving_cart() {
 /// What hangs on one that bounces on its way goes with it, and meets nothing behind the wall.
 #[test]
 fn a_child_of_one_that_bounces_goes_with_it() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     wall(&mut app, Vec3::X * 5.5, Vec3::new(0.5, 1.0, 1.0));
     wall(&mut app, Vec3::new(7.5, 2.0, 0.0), Vec3::splat(0.5));
     let above = ball(&mut app, Transform::IDENTITY, Vec3::X * 64.0 * 8.0, true);
@@ -217,7 +217,7 @@ fn a_child_of_one_that_bounces_goes_with_it() {
 #[test]
 fn a_space_without_a_way_back_is_left_alone() {
     for swept in [true, false] {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         wall(&mut app, Vec3::X * 2.0, Vec3::new(0.5, 5.0, 5.0));
         let flat = parent(&mut app, Transform::from_scale(Vec3::new(1.0, 0.0, 1.0)));
         let child = ball(&mut app, Transform::IDENTITY, Vec3::new(16.0, 3.0, 0.0), swept);

@@ -22,7 +22,7 @@ use bevy_octree::{
 use common::*;
 use fastrand::Rng;
 
-const ALL: SpatialQueryFilter = SpatialQueryFilter::ALL;
+const ALL: SpatialQueryFilter = SpatialQueryFilter::DEFAULT;
 
 /// Asks something of an app.
 fn ask<T: 'static>(app: &mut App, question: impl FnMut(SpatialQuery) -> T + Send + Sync + 'static) -> T {
@@ -71,7 +71,7 @@ fn random_shape(rng: &mut Rng) -> CollisionShape {
 }
 
 /// An app with `count` random shapes within ten units of the origin, after a tick.
-fn random_app(rng: &mut Rng, method: Method, count: usize) -> App {
+fn random_app(rng: &mut Rng, method: BroadPhaseMethod, count: usize) -> App {
     let mut app = app(method);
     for _ in 0..count {
         let place = Transform::from_translation(vector(rng, 10.0)).with_rotation(rotation(rng));
@@ -88,8 +88,8 @@ fn everything(app: &mut App) -> Vec<(Entity, Shape, Transform)> {
     shapes.iter(app.world()).map(|(entity, shape, at)| (entity, shape.0.clone(), *at)).collect()
 }
 
-fn methods() -> [Method; 3] {
-    ["linear", "octree", "exhaustive"].map(|name| name.parse().expect("a method"))
+fn methods() -> [BroadPhaseMethod; 3] {
+    ["linear", "object", "exhaustive"].map(|name| name.parse().expect("a method"))
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn overlaps_and_sweeps_are_those_of_brute_force() {
                 let mut expected: Vec<_> = objects.iter().filter_map(meets).collect();
                 expected.sort();
                 let mut found = vec![];
-                spatial.shape_intersections(&shape, &place, &ALL, |entity| found.push(entity));
+                spatial.for_each_shape_intersection(&shape, &place, &ALL, |entity| found.push(entity));
                 found.sort();
                 overlaps += found.len();
                 assert_eq!(found, expected);
@@ -186,7 +186,7 @@ fn turned_cube(app: &mut App) -> Entity {
 
 #[test]
 fn what_is_in_the_box_but_not_in_the_shape_is_not_met() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let cube = turned_cube(&mut app);
     tick(&mut app, 1);
     ask(&mut app, move |spatial| {
@@ -197,23 +197,28 @@ fn what_is_in_the_box_but_not_in_the_shape_is_not_met() {
             assert!(found.iter().all(|entity| *entity == cube));
             found.len()
         };
-        let at = |point: Vec3| count(&|found| spatial.point_intersections(point, &ALL, |entity| found.push(entity)));
+        let at =
+            |point: Vec3| count(&|found| spatial.for_each_point_intersection(point, &ALL, |entity| found.push(entity)));
         assert_eq!((at(corner), at(Vec3::X * 8.6), at(Vec3::X * 10.0)), (0, 1, 1));
-        let ball =
-            |radius| count(&|found| spatial.sphere_intersections(corner, radius, &ALL, |entity| found.push(entity)));
+        let ball = |radius| {
+            count(&|found| spatial.for_each_sphere_intersection(corner, radius, &ALL, |entity| found.push(entity)))
+        };
         assert_eq!((ball(0.8), ball(0.9)), (0, 1));
         let cuboid = |half: f32| {
             let aabb = Aabb3d::new(corner, Vec3::splat(half));
-            count(&|found| spatial.box_intersections(&aabb, &ALL, |entity| found.push(entity)))
+            count(&|found| spatial.for_each_box_intersection(&aabb, &ALL, |entity| found.push(entity)))
         };
         assert_eq!((cuboid(0.5), cuboid(0.7)), (0, 1));
         // Half-spaces and frustums see boxes.
         let beyond = |x: f32| [HalfSpace::new(Vec4::new(-1.0, 0.0, 0.0, x))];
         let planes =
-            |x| count(&|found| spatial.half_space_intersections(&beyond(x), &ALL, |entity| found.push(entity)));
+            |x| count(&|found| spatial.for_each_half_space_intersection(&beyond(x), &ALL, |entity| found.push(entity)));
         assert_eq!((planes(8.0), planes(9.0)), (0, 1));
         let frustum = ViewFrustum::from_clip_from_world(&Mat4::orthographic_rh(8.7, 20.0, 1.3, 3.0, -5.0, 5.0));
-        assert_eq!(count(&|found| spatial.frustum_intersections(&frustum, &ALL, |entity| found.push(entity))), 1);
+        assert_eq!(
+            count(&|found| spatial.for_each_frustum_intersection(&frustum, &ALL, |entity| found.push(entity))),
+            1
+        );
 
         let diagonal = 2f32.sqrt();
         let hit = spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &ALL).unwrap();
@@ -231,7 +236,7 @@ fn what_is_in_the_box_but_not_in_the_shape_is_not_met() {
 
 #[test]
 fn filters_and_callbacks() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let cubes: Vec<_> =
         (1..=5).map(|x| app.world_mut().spawn((Cube, Transform::from_xyz(x as f32 * 2.0, 0.0, 0.0))).id()).collect();
     tick(&mut app, 1);
@@ -241,7 +246,7 @@ fn filters_and_callbacks() {
         };
         let set = EntityHashSet::from_iter([cubes[1], cubes[2]]);
         let odd = |entity| entity != cubes[3];
-        let except = SpatialQueryFilter::except(cubes[0]);
+        let except = SpatialQueryFilter::DEFAULT.except(cubes[0]);
         assert_eq!(first(&ALL), Some(cubes[0]));
         assert_eq!(first(&except), Some(cubes[1]));
         assert_eq!(first(&except.excluding(&set)), Some(cubes[3]));
@@ -259,12 +264,60 @@ fn filters_and_callbacks() {
         assert_eq!(seen, 2);
         // A query within a query.
         let mut neighbours = 0;
-        spatial.box_intersections(&Aabb3d::new(Vec3::ZERO, Vec3::splat(20.0)), &ALL, |entity| {
-            let found = spatial.nearest(Vec3::ZERO, 100.0, &SpatialQueryFilter::except(entity));
+        spatial.for_each_box_intersection(&Aabb3d::new(Vec3::ZERO, Vec3::splat(20.0)), &ALL, |entity| {
+            let found = spatial.nearest(Vec3::ZERO, 100.0, &SpatialQueryFilter::DEFAULT.except(entity));
             neighbours += usize::from(found.is_some());
         });
         assert_eq!(neighbours, 5);
     });
+}
+
+#[test]
+fn vectors_are_filled_with_what_callbacks_are_called_with() {
+    for (seed, method) in methods().into_iter().enumerate() {
+        let mut app = random_app(&mut Rng::with_seed(seed as u64), method, 200);
+        ask(&mut app, |spatial| {
+            // What is in them goes.
+            let (mut filled, mut called) = (vec![Entity::PLACEHOLDER], Vec::new());
+            let mut total = 0;
+            let mut compare = |filled: &[Entity], called: &mut Vec<Entity>| {
+                called.sort();
+                assert_eq!(filled, *called);
+                total += called.len();
+                called.clear();
+            };
+            let (cube, place) =
+                (Shape::cuboid(Vec3::splat(3.0)).unwrap(), Transform::from_rotation(Quat::from_rotation_y(0.7)));
+            let aabb = Aabb3d::new(Vec3::ONE, Vec3::splat(4.0));
+            let frustum = ViewFrustum { half_spaces: [HalfSpace::new(Vec4::X); 6] };
+            spatial.box_intersections(&aabb, &ALL, &mut filled);
+            spatial.for_each_box_intersection(&aabb, &ALL, |entity| called.push(entity));
+            compare(&filled, &mut called);
+            spatial.sphere_intersections(Vec3::ONE, 4.0, &ALL, &mut filled);
+            spatial.for_each_sphere_intersection(Vec3::ONE, 4.0, &ALL, |entity| called.push(entity));
+            compare(&filled, &mut called);
+            spatial.point_intersections(Vec3::ONE, &ALL, &mut filled);
+            spatial.for_each_point_intersection(Vec3::ONE, &ALL, |entity| called.push(entity));
+            compare(&filled, &mut called);
+            spatial.shape_intersections(&cube, &place, &ALL, &mut filled);
+            spatial.for_each_shape_intersection(&cube, &place, &ALL, |entity| called.push(entity));
+            compare(&filled, &mut called);
+            spatial.frustum_intersections(&frustum, &ALL, &mut filled);
+            spatial.for_each_frustum_intersection(&frustum, &ALL, |entity| called.push(entity));
+            compare(&filled, &mut called);
+            spatial.half_space_intersections(&frustum.half_spaces, &ALL, &mut filled);
+            spatial.for_each_half_space_intersection(&frustum.half_spaces, &ALL, |entity| called.push(entity));
+            compare(&filled, &mut called);
+            assert!(total > 100, "{total}");
+
+            let (mut filled, mut called) = (Vec::new(), Vec::new());
+            spatial.pairs_within(1.0, &ALL, &ALL, &mut filled);
+            spatial.for_each_pair_within(1.0, &ALL, &ALL, |pair| called.push(pair));
+            called.sort_by(|a, b| a.distance.total_cmp(&b.distance).then((a.a, a.b).cmp(&(b.a, b.b))));
+            assert_eq!(filled, called);
+            assert!(filled.len() > 20, "{}", filled.len());
+        });
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -289,7 +342,7 @@ fn queries_by_layer() {
     for method in methods() {
         let mut app = app(method);
         // Whatever an entity may meet: a query asks what it is.
-        let foe = CollisionLayers { memberships: 1 << 7, filters: 0 };
+        let foe = CollisionLayers::from_bits(1 << 7, 0);
         let mut cube =
             |x: f32| app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0))).id();
         let (plain, foes) = (cube(2.0), [cube(4.0), cube(6.0)]);
@@ -304,8 +357,10 @@ fn queries_by_layer() {
                 let nearest = spatial.nearest(Vec3::ZERO, 100.0, &filter).map(|hit| hit.entity);
                 assert_eq!((ray, sphere), (nearest, nearest));
                 let (mut inside, mut seen, mut hits) = (vec![], vec![], vec![]);
-                spatial.box_intersections(&Aabb3d::new(Vec3::ZERO, Vec3::splat(9.0)), &filter, |e| inside.push(e));
-                spatial.half_space_intersections(&[HalfSpace::new(Vec4::X)], &filter, |entity| seen.push(entity));
+                spatial
+                    .for_each_box_intersection(&Aabb3d::new(Vec3::ZERO, Vec3::splat(9.0)), &filter, |e| inside.push(e));
+                spatial
+                    .for_each_half_space_intersection(&[HalfSpace::new(Vec4::X)], &filter, |entity| seen.push(entity));
                 spatial.k_nearest(Vec3::ZERO, 9, 100.0, &filter, &mut hits);
                 inside.sort_by_key(|entity| entity.index_u32());
                 seen.sort_by_key(|entity| entity.index_u32());
@@ -315,15 +370,15 @@ fn queries_by_layer() {
                 inside
             })
         };
-        let on = |layers: &[Layer]| ALL.on(layers.iter().copied());
+        let on = |layers: &[Layer]| ALL.on(layers.iter().copied().collect::<LayerMask>());
         assert_eq!(found(&mut app, ALL), [plain, foes[0], foes[1]]);
         assert_eq!(found(&mut app, on(&[Layer::Ground])), [plain]);
         assert_eq!(found(&mut app, on(&[Layer::Foe])), foes);
         assert_eq!(found(&mut app, on(&[Layer::Foe, Layer::Ground])), [plain, foes[0], foes[1]]);
         assert_eq!(found(&mut app, on(&[Layer::Beyond])), []);
-        assert_eq!(found(&mut app, ALL.on_mask(0)), []);
+        assert_eq!(found(&mut app, ALL.on(0)), []);
         // With other conditions, and in any order of them.
-        assert_eq!(found(&mut app, SpatialQueryFilter::except(foes[0]).on([Layer::Foe])), [foes[1]]);
+        assert_eq!(found(&mut app, SpatialQueryFilter::DEFAULT.except(foes[0]).on([Layer::Foe])), [foes[1]]);
         assert_eq!(found(&mut app, on(&[Layer::Ground]).only(&|_| false)), []);
         // Layers that change are seen at the next tick.
         app.world_mut().entity_mut(foes[0]).remove::<CollisionLayers>();
@@ -335,9 +390,9 @@ fn queries_by_layer() {
 
 #[test]
 fn predicates_are_not_asked_about_other_layers() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let plain = app.world_mut().spawn(CollisionShape::default()).id();
-    app.world_mut().spawn((CollisionShape::default(), CollisionLayers { memberships: 1 << 7, filters: 0 }));
+    app.world_mut().spawn((CollisionShape::default(), CollisionLayers::from_bits(1 << 7, 0)));
     tick(&mut app, 1);
     ask(&mut app, move |spatial| {
         let is_plain = |entity| {
@@ -362,7 +417,7 @@ fn a_spawn_is_seen_in_its_frame_even_if_time_is_paused() {
         let parent = commands.spawn(Transform::from_xyz(3.0, 0.0, 0.0)).id();
         commands.spawn((Cube, Transform::from_xyz(2.0, 0.0, 0.0), ChildOf(parent)));
     };
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.init_resource::<Seen>();
     app.world_mut().resource_mut::<Time<Virtual>>().pause();
     app.add_systems(Startup, (spawn, look, update_spatial_index, look).chain());
@@ -388,7 +443,7 @@ fn a_spawn_is_seen_in_its_frame_even_if_time_is_paused() {
 #[test]
 fn contacts_do_not_depend_on_flushes() {
     let mut rng = Rng::with_seed(5);
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let spawn = |app: &mut App, rng: &mut Rng| {
         let place = Transform::from_translation(vector(rng, 3.0));
         app.world_mut().spawn((random_shape(rng), place)).id()
@@ -414,7 +469,7 @@ fn contacts_do_not_depend_on_flushes() {
 
 #[test]
 fn a_handle_that_is_used_again_between_two_ticks_brings_no_contact_with_it() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let spawn = |app: &mut App| app.world_mut().spawn(CollisionShape::default()).id();
     let (stays, goes) = (spawn(&mut app), spawn(&mut app));
     tick(&mut app, 1);
@@ -432,7 +487,7 @@ fn a_handle_that_is_used_again_between_two_ticks_brings_no_contact_with_it() {
 
 #[test]
 fn bad_input_finds_nothing() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.world_mut().spawn((Cube, Transform::IDENTITY));
     app.world_mut().spawn((Cube, Transform::from_xyz(f32::NAN, 0.0, 0.0)));
     tick(&mut app, 1);
@@ -448,9 +503,9 @@ fn bad_input_finds_nothing() {
             assert_eq!(spatial.cast_sphere(Vec3::ZERO, bad, Dir3::X, 9.0, &ALL), None);
             assert_eq!(spatial.nearest(point, 9.0, &ALL), None);
             spatial.k_nearest(point, 3, 9.0, &ALL, &mut near);
-            spatial.point_intersections(point, &ALL, none);
-            spatial.sphere_intersections(Vec3::ZERO, bad, &ALL, none);
-            spatial.shape_intersections(&cube, &Transform::from_translation(point), &ALL, none);
+            spatial.for_each_point_intersection(point, &ALL, none);
+            spatial.for_each_sphere_intersection(Vec3::ZERO, bad, &ALL, none);
+            spatial.for_each_shape_intersection(&cube, &Transform::from_translation(point), &ALL, none);
         }
         for bad in [f32::NAN, -1.0, f32::NEG_INFINITY] {
             assert_eq!(spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), bad, &ALL), None);
@@ -458,10 +513,10 @@ fn bad_input_finds_nothing() {
             assert_eq!(spatial.cast_sphere(Vec3::ZERO, bad, Dir3::X, 9.0, &ALL), None);
             assert_eq!(spatial.nearest(Vec3::ZERO, bad, &ALL), None);
             spatial.k_nearest(Vec3::ZERO, 3, bad, &ALL, &mut near);
-            spatial.sphere_intersections(Vec3::ZERO, bad, &ALL, none);
-            spatial.half_space_intersections(&[HalfSpace::new(Vec4::new(bad, f32::NAN, 0.0, 0.0))], &ALL, none);
+            spatial.for_each_sphere_intersection(Vec3::ZERO, bad, &ALL, none);
+            spatial.for_each_half_space_intersection(&[HalfSpace::new(Vec4::new(bad, f32::NAN, 0.0, 0.0))], &ALL, none);
             let aabb = Aabb3d { min: Vec3A::ZERO, max: Vec3A::new(0.0, bad, 0.0) };
-            spatial.box_intersections(&aabb, &ALL, none);
+            spatial.for_each_box_intersection(&aabb, &ALL, none);
             assert_eq!(spatial.cast_box(&aabb, Dir3::X, 9.0, &ALL), None);
         }
         spatial.k_nearest(Vec3::ZERO, 0, 9.0, &ALL, &mut near);
@@ -495,7 +550,7 @@ fn what_is_far_away_is_found_at_its_distance() {
                 spatial.k_nearest(Vec3::ZERO, 2, f32::INFINITY, &ALL, &mut hits);
                 assert_eq!(hits.iter().map(|hit| hit.entity).collect::<Vec<_>>(), [near, middle]);
                 let mut pairs = vec![];
-                spatial.pairs_within(1e23, &ALL, &ALL, |pair| pairs.push(pair));
+                spatial.for_each_pair_within(1e23, &ALL, &ALL, |pair| pairs.push(pair));
                 assert_eq!(pairs.len(), 1);
                 assert!([near, middle].contains(&pairs[0].a) && is_about(pairs[0].distance, 5e22 - 2e20));
                 assert!(pairs[0].a != far && pairs[0].b != far);
@@ -545,27 +600,29 @@ fn pairs_within_a_distance_are_those_of_brute_force() {
                     }
                 }
                 let (mut found, mut again, mut some) = (vec![], vec![], 0);
-                spatial.pairs_within(limit, &first, &second, |near| {
+                spatial.for_each_pair_within(limit, &first, &second, |near| {
                     assert!(is_first(near.a) && is_second(near.b));
                     assert!((near.points[0].distance(near.points[1]) - near.distance).abs() < 1e-4);
                     found.push((pair(near.a, near.b), near.distance));
                 });
-                spatial.pairs_within(limit, &first, &second, |near| again.push((pair(near.a, near.b), near.distance)));
+                spatial.for_each_pair_within(limit, &first, &second, |near| {
+                    again.push((pair(near.a, near.b), near.distance))
+                });
                 assert_eq!(found, again);
                 expected.sort_by_key(|(pair, _)| *pair);
                 found.sort_by_key(|(pair, _)| *pair);
                 assert_eq!(found, expected, "{limit}");
-                spatial.pairs_within(limit, &first, &second, |_| {
+                spatial.for_each_pair_within(limit, &first, &second, |_| {
                     some += 1;
                     ControlFlow::Break(())
                 });
                 assert_eq!(some, 1);
             }
             let none = |near| -> () { panic!("{near:?}") };
-            spatial.pairs_within(-1.0, &ALL, &ALL, none);
-            spatial.pairs_within(f32::NAN, &ALL, &ALL, none);
+            spatial.for_each_pair_within(-1.0, &ALL, &ALL, none);
+            spatial.for_each_pair_within(f32::NAN, &ALL, &ALL, none);
             let nobody = |_| false;
-            spatial.pairs_within(9.0, &ALL, &ALL.only(&nobody), none);
+            spatial.for_each_pair_within(9.0, &ALL, &ALL.only(&nobody), none);
         });
     }
 }

@@ -12,7 +12,7 @@ use common::*;
 /// Three unit cubes in a row along x. The root is 150 % of their bounding box: from -4.5 to 4.5. Both outer cubes reach
 /// the central one, which lies left of the middle plane, at tick 24.
 fn three_in_a_row() -> (App, [Entity; 3]) {
-    let mut app = app(Method::Octree(ObjectOctreeSettings::with_max_objects(2)));
+    let mut app = app(BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(2)));
     let row = [(-2.5, 1.0 / 32.0), (-0.75, 0.0), (2.5, -3.0 / 32.0)].map(|(x, step)| {
         let velocity = Velocity(Vec3::X * step * TICKS_PER_SECOND);
         app.world_mut().spawn((Cube, Transform::from_xyz(x, 0.0, 0.0), velocity)).id()

@@ -1,7 +1,7 @@
 //! The stress scenes through the broad phases.
 
 use bevy_octree::{
-    broad_phase::{Exhaustive, Method, ObjectOctreeSettings, Pair, ProxyId, SpatialIndex},
+    broad_phase::{BroadPhaseMethod, Exhaustive, ObjectOctreeSettings, Pair, ProxyId, SpatialIndex},
     scene::stress::{StressScene, StressSimulation},
 };
 
@@ -35,9 +35,9 @@ impl Follower {
 #[test]
 fn every_method_finds_the_same_pairs_in_every_scene() {
     let methods = [
-        Method::default(),
-        Method::Octree(ObjectOctreeSettings::default()),
-        Method::Octree(ObjectOctreeSettings::with_max_objects(4)),
+        BroadPhaseMethod::default(),
+        BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::default()),
+        BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(4)),
     ];
     for scene in StressScene::ALL {
         let mut simulation = StressSimulation::new(scene, OBJECTS, 11);

@@ -55,7 +55,7 @@ fn time(app: &App, a: Entity, b: Entity) -> Option<f32> {
 
 #[test]
 fn a_bullet_at_a_thousand_sides_per_tick_does_not_pass_through_paper() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let wall = paper(&mut app, 0.0);
     let without = bullet(&mut app, Vec3::new(-30.0, 1.0, 0.0), Vec3::X * 100.0);
     app.world_mut().entity_mut(without).remove::<Swept>().insert(ELASTIC);
@@ -74,7 +74,7 @@ fn a_bullet_at_a_thousand_sides_per_tick_does_not_pass_through_paper() {
 
 #[test]
 fn two_bullets_meet_head_on() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let bullets = [1.0, -1.0].map(|side| elastic_bullet(&mut app, Vec3::X * -60.0 * side, Vec3::X * 100.0 * side));
     tick(&mut app, 1);
     assert_eq!(contacts(&app), [bullets]);
@@ -90,7 +90,7 @@ fn two_bullets_meet_head_on() {
 
 #[test]
 fn without_bounce_all_that_is_on_the_way_is_met_in_time() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let walls = [0.0, 10.0, 40.0].map(|x| paper(&mut app, x));
     let behind = paper(&mut app, 80.0);
     let bullet = bullet(&mut app, Vec3::X * -30.0, Vec3::X * 100.0);
@@ -112,7 +112,7 @@ fn without_bounce_all_that_is_on_the_way_is_met_in_time() {
 /// What is behind the first wall is not met, though the way as it began leads there.
 #[test]
 fn what_a_bounce_prevents_is_no_contact_and_what_it_leads_to_is() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let (front, behind) = (paper(&mut app, 0.0), paper(&mut app, 1.0));
     let back = paper(&mut app, -5.0);
     let bullet = elastic_bullet(&mut app, Vec3::X * -2.0, Vec3::X * 4.0);
@@ -131,7 +131,7 @@ fn between(half: f32, covered: f32) -> f32 {
 
 #[test]
 fn a_bullet_bounces_many_times_in_a_tick() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     for x in [-1.0, 1.0] {
         paper(&mut app, x);
     }
@@ -149,7 +149,7 @@ fn a_bullet_bounces_many_times_in_a_tick() {
 #[test]
 fn a_bound_on_the_bounces_of_a_tick_holds() {
     for bound in [0, 1, 5] {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         for x in [-1.0, 1.0] {
             paper(&mut app, x);
         }
@@ -170,7 +170,7 @@ fn a_bound_on_the_bounces_of_a_tick_holds() {
 /// Sixteen bodies in a room, with full steps and with a thousandth of them: the places after `ticks` ticks, and how often
 /// something bounced in each of them.
 fn in_a_room(shape: &CollisionShape, ticks: usize, steps: u32, swept: bool) -> (Vec<u64>, Vec<Vec3>) {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.insert_resource(MotionSettings { step: Step::Seconds(1.0 / TICKS_PER_SECOND / steps as f32) });
     for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
         for side in [-1.0, 1.0] {
@@ -216,7 +216,7 @@ fn it_comes_to_the_same_as_a_thousand_small_steps() {
 
 #[test]
 fn every_broad_phase_gives_the_same() {
-    let run = |method: Method| {
+    let run = |method: BroadPhaseMethod| {
         let mut app = app(method);
         paper(&mut app, -12.0);
         paper(&mut app, 12.0);
@@ -235,9 +235,9 @@ fn every_broad_phase_gives_the_same() {
         let places: Vec<_> = balls.iter().map(|ball| place(&app, *ball)).collect();
         (app.world().resource::<Log>().clone(), app.world().resource::<CollisionCounters>().total.bounces, places)
     };
-    let expected = run(Method::Exhaustive);
+    let expected = run(BroadPhaseMethod::Exhaustive);
     assert!(expected.1 > 300, "{}", expected.1);
-    for method in [Method::Linear, Method::Octree(ObjectOctreeSettings::default())] {
+    for method in [BroadPhaseMethod::LinearOctree, BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::default())] {
         let found = run(method);
         assert_eq!((found.1, &found.2), (expected.1, &expected.2));
         assert!(found.0 == expected.0);
@@ -247,7 +247,7 @@ fn every_broad_phase_gives_the_same() {
 /// It has no tick behind it from which its way could begin.
 #[test]
 fn the_first_tick_of_a_bullet_counts() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let wall = paper(&mut app, 0.0);
     tick(&mut app, 3);
     let bullet = bullet(&mut app, Vec3::X * -1.0, Vec3::X * 100.0);
@@ -257,7 +257,7 @@ fn the_first_tick_of_a_bullet_counts() {
 
 #[test]
 fn whoever_moves_it_it_is_swept_unless_it_is_put_elsewhere() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let wall = paper(&mut app, 0.0);
     let bullet = bullet(&mut app, Vec3::X * -10.0, Vec3::ZERO);
     tick(&mut app, 1);
@@ -285,7 +285,7 @@ fn whoever_moves_it_it_is_swept_unless_it_is_put_elsewhere() {
 #[test]
 fn who_was_away_has_not_passed_through_what_is_between() {
     use bevy::ecs::entity_disabling::Disabled;
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     paper(&mut app, 0.0);
     let bullets = [0.0, 1.0].map(|y| bullet(&mut app, Vec3::new(-10.0, y, 0.0), Vec3::ZERO));
     tick(&mut app, 1);
@@ -308,7 +308,7 @@ fn who_was_away_has_not_passed_through_what_is_between() {
 #[test]
 fn a_child_is_swept_by_the_way_of_its_parent() {
     for bounces in [false, true] {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         let wall = paper(&mut app, 0.0);
         let velocity = Velocity(Vec3::X * 100.0 * TICKS_PER_SECOND);
         let parent = app.world_mut().spawn((Transform::from_xyz(-50.0, 0.0, 0.0), velocity)).id();
@@ -333,7 +333,7 @@ fn a_child_is_swept_by_the_way_of_its_parent() {
 #[test]
 fn what_is_filtered_is_passed_through_after_a_bounce_too() {
     for kind in 0..4 {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         app.add_plugins(PairHookPlugin::<NoGhosts>::default());
         let bullet = elastic_bullet(&mut app, Vec3::X * -1.0, Vec3::X * 10.0);
         let front = paper(&mut app, 0.0);
@@ -360,7 +360,7 @@ fn what_is_filtered_is_passed_through_after_a_bounce_too() {
 #[test]
 fn an_update_of_the_index_between_ticks_changes_nothing() {
     let run = |flush: bool| {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         let wall = paper(&mut app, 0.0);
         let bullet = elastic_bullet(&mut app, Vec3::X * -250.0, Vec3::X * 100.0);
         let mut places = Vec::new();
@@ -380,7 +380,7 @@ fn an_update_of_the_index_between_ticks_changes_nothing() {
 
 #[test]
 fn queries_find_it_where_it_has_come_to() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     paper(&mut app, 0.0);
     let bullet = elastic_bullet(&mut app, Vec3::X * -30.0, Vec3::X * 100.0);
     app.add_systems(FixedPostUpdate, look.after(CollisionSystems::Response).before(CollisionSystems::Report));
@@ -397,7 +397,7 @@ fn queries_find_it_where_it_has_come_to() {
         for (bullet, transform) in &bullets {
             let only = |entity| entity == bullet;
             let near = transform.translation + Vec3::X;
-            found.0.extend(spatial.nearest(near, 1.1, &SpatialQueryFilter::ALL.only(&only)));
+            found.0.extend(spatial.nearest(near, 1.1, &SpatialQueryFilter::DEFAULT.only(&only)));
         }
     }
 }
@@ -406,7 +406,7 @@ fn queries_find_it_where_it_has_come_to() {
 #[test]
 fn a_cube_that_is_hit_answers() {
     for (bounce, expected) in [(Bounce::Reverse, 0.25), (ELASTIC, 100.0)] {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         let cube = wall(&mut app, Vec3::ZERO, Vec3::splat(0.5));
         app.world_mut().entity_mut(cube).insert((bounce, Velocity(Vec3::X * -0.25 * TICKS_PER_SECOND)));
         let bullet = elastic_bullet(&mut app, Vec3::X * -30.0, Vec3::X * 100.0);
@@ -421,7 +421,7 @@ fn a_cube_that_is_hit_answers() {
 /// One mesh all around: it is left and met again within one tick.
 #[test]
 fn a_room_that_is_one_mesh_keeps_a_bullet() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let corner = |bits: u32| Vec3::new((bits & 1) as f32, (bits >> 1 & 1) as f32, (bits >> 2) as f32) * 4.0 - 2.0;
     let corners: Vec<_> = (0..8).map(corner).collect();
     // Without one side, so that it is a surface and no solid.
@@ -440,7 +440,7 @@ fn a_room_that_is_one_mesh_keeps_a_bullet() {
 #[test]
 fn what_cannot_move_on_is_left_where_it_is() {
     for step in [f32::NAN, f32::INFINITY] {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         paper(&mut app, 0.0);
         let bullet = elastic_bullet(&mut app, Vec3::X * -30.0, Vec3::X * 100.0);
         get_mut::<Velocity>(&mut app, bullet).0.y = step;
@@ -470,7 +470,7 @@ fn it_may_go_at_any_moment() {
     ];
     for system in systems {
         for (earlier, later) in SETS.into_iter().zip(&SETS[1..]) {
-            let mut app = app(Method::default());
+            let mut app = app(BroadPhaseMethod::default());
             paper(&mut app, 0.0);
             elastic_bullet(&mut app, Vec3::X * -30.0, Vec3::X * 100.0);
             app.add_systems(FixedPostUpdate, system.after(earlier).before(*later));

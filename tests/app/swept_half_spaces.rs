@@ -14,7 +14,7 @@ fn half_space() -> CollisionShape {
 #[test]
 fn a_half_space_meets_what_it_passes_as_it_turns() {
     for swept in [false, true] {
-        let mut app = app(Method::default());
+        let mut app = app(BroadPhaseMethod::default());
         let at = |side: f32| Transform::from_xyz(5.0 * side, 0.0, 0.0).with_rotation(Quat::from_rotation_z(side));
         let roof = app.world_mut().spawn((half_space(), at(-1.0))).id();
         if swept {
@@ -39,7 +39,7 @@ fn a_half_space_meets_what_it_passes_as_it_turns() {
 /// A floor that sinks and rises in one go meets what is where it ends.
 #[test]
 fn a_half_space_meets_what_it_comes_to() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let floor = app.world_mut().spawn((half_space(), Swept::default(), Transform::from_xyz(0.0, -10.0, 0.0))).id();
     let ball = app.world_mut().spawn((CollisionShape::sphere(0.1).unwrap(), Transform::from_xyz(3.0, 0.0, 0.0))).id();
     tick(&mut app, 1);

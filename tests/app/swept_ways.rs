@@ -71,7 +71,7 @@ fn what_is_copied_begins_where_it_is() {
     ];
     for (number, copying) in copies.into_iter().enumerate() {
         for known in [false, true] {
-            let mut app = app(Method::default());
+            let mut app = app(BroadPhaseMethod::default());
             paper(&mut app, 0.0);
             let bullet = bullet(&mut app, Vec3::X * -10.0, Vec3::ZERO);
             tick(&mut app, 2);
@@ -95,7 +95,7 @@ fn what_is_copied_begins_where_it_is() {
 /// Values are compared by what is said, not by where an entity is.
 #[test]
 fn equal_settings_are_equal_wherever_they_have_been() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let bullet = bullet(&mut app, Vec3::ZERO, Vec3::X);
     tick(&mut app, 2);
     assert_eq!(*get::<Swept>(&app, bullet), Swept::default());
@@ -107,7 +107,7 @@ fn equal_settings_are_equal_wherever_they_have_been() {
 fn what_hangs_on_a_swept_entity_bounces_with_it() {
     for swept in [false, true] {
         for nested in [false, true] {
-            let mut app = app(Method::default());
+            let mut app = app(BroadPhaseMethod::default());
             wall(&mut app, Vec3::X * 5.0, Vec3::new(0.1, 0.5, 0.5));
             // On the way of the part, had there been no bounce: behind the wall, and at the end.
             for x in [7.0, 10.0] {
@@ -155,7 +155,7 @@ fn what_hangs_on_a_swept_entity_bounces_with_it() {
 
     fn look(spatial: SpatialQuery, mut at: ResMut<At>) {
         let only = |entity| entity == at.1;
-        let filter = SpatialQueryFilter::ALL.only(&only);
+        let filter = SpatialQueryFilter::DEFAULT.only(&only);
         let far = Vec3::new(0.0, 100.0, 0.0);
         if let Some(hit) = spatial.nearest(far, 1e3, &filter) {
             at.0 = hit.point - (far - hit.point).normalize() * 0.05;
@@ -166,7 +166,7 @@ fn what_hangs_on_a_swept_entity_bounces_with_it() {
 /// A part that is at rest in contact leaves what it touches as what it hangs on is hit.
 #[test]
 fn what_hangs_on_a_body_at_rest_leaves_with_it() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let ball = elastic_bullet(&mut app, Vec3::ZERO, Vec3::ZERO);
     let part = app.world_mut().spawn((CollisionShape::sphere(0.05).unwrap(), Transform::from_xyz(0.0, 2.0, 0.0)));
     let part = part.id();
@@ -184,7 +184,7 @@ fn what_hangs_on_a_body_at_rest_leaves_with_it() {
 /// Without the plugin nothing is swept, whatever an entity has been elsewhere.
 #[test]
 fn without_the_plugin_boxes_are_those_of_places() {
-    let mut other = app(Method::default());
+    let mut other = app(BroadPhaseMethod::default());
     let elsewhere = bullet(&mut other, Vec3::X * -10.0, Vec3::ZERO);
     tick(&mut other, 1);
     let group = OctreePlugins::default().build().disable::<SweptPlugin>();

@@ -12,12 +12,12 @@ use common::*;
 
 const TICKS: usize = 200;
 
-fn octree(max_objects: u32) -> Method {
-    Method::Octree(ObjectOctreeSettings::with_max_objects(max_objects))
+fn octree(max_objects: u32) -> BroadPhaseMethod {
+    BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(max_objects))
 }
 
-fn methods() -> [Method; 5] {
-    [Method::Exhaustive, Method::Linear, octree(1), octree(5), octree(16)]
+fn methods() -> [BroadPhaseMethod; 5] {
+    [BroadPhaseMethod::Exhaustive, BroadPhaseMethod::LinearOctree, octree(1), octree(5), octree(16)]
 }
 
 /// What happened in a tick.
@@ -46,7 +46,7 @@ fn spawn(app: &mut App, set: &TestSet) -> Vec<(Entity, TestCube)> {
 }
 
 /// Runs a set, and calls `before` with the number of each tick, from 1, before it.
-fn run(set: &TestSet, method: Method, mut before: impl FnMut(&mut App, usize)) -> (App, Vec<Frame>) {
+fn run(set: &TestSet, method: BroadPhaseMethod, mut before: impl FnMut(&mut App, usize)) -> (App, Vec<Frame>) {
     let mut app = app(method);
     spawn(&mut app, set);
     let frames = (1..=TICKS)
@@ -128,16 +128,16 @@ fn the_octree_compares_fewer_pairs() {
         let (app, _) = run(&TestSet::new(3), method, |_, _| ());
         app.world().resource::<CollisionCounters>().total.pairs_tested
     };
-    assert_eq!(tested(Method::Exhaustive), TICKS as u64 * 98 * 97 / 2);
+    assert_eq!(tested(BroadPhaseMethod::Exhaustive), TICKS as u64 * 98 * 97 / 2);
     for max_objects in [1, 5, 16] {
-        assert!(tested(octree(max_objects)) < tested(Method::Exhaustive) / 2, "N = {max_objects}");
+        assert!(tested(octree(max_objects)) < tested(BroadPhaseMethod::Exhaustive) / 2, "N = {max_objects}");
     }
 }
 
 #[test]
 fn the_method_can_be_switched_at_any_tick() {
     let set = TestSet::new(2);
-    let (steady, expected) = run(&set, Method::Exhaustive, |_, _| ());
+    let (steady, expected) = run(&set, BroadPhaseMethod::Exhaustive, |_, _| ());
     let mut methods = methods().into_iter().cycle();
     let (switching, frames) = run(&set, octree(5), |app, number| {
         // Most ticks, those with contacts and those without.

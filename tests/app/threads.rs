@@ -9,7 +9,7 @@ use std::{
 
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use bevy_octree::{
-    broad_phase::{Method, SpatialIndex},
+    broad_phase::{BroadPhaseMethod, SpatialIndex},
     scene::stress::{StressScene, StressSimulation},
 };
 
@@ -19,7 +19,7 @@ const HELPERS: &str = "BEVY_OCTREE_TEST_HELPERS";
 /// Runs a scene with enough objects for several jobs, and returns a hash of all pairs in their order.
 fn run(scene: StressScene) -> u64 {
     let mut simulation = StressSimulation::new(scene, 20_000, 4);
-    let mut index = SpatialIndex::new(&Method::Linear);
+    let mut index = SpatialIndex::new(&BroadPhaseMethod::LinearOctree);
     let ids: Vec<_> = simulation.boxes().iter().map(|aabb| index.insert(*aabb).unwrap()).collect();
     let mut hasher = DefaultHasher::new();
     for _ in 0..12 {

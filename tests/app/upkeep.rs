@@ -12,7 +12,7 @@ fn block(app: &mut App, x: f32) -> Entity {
 
 /// An app with two static cubes in contact, one tick old.
 fn in_contact() -> (App, EntityPair) {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let cubes = [block(&mut app, 0.0), block(&mut app, 0.9)];
     tick(&mut app, 1);
     assert_eq!(contacts(&app), [cubes]);
@@ -135,7 +135,7 @@ fn filters_that_change_while_the_index_is_away_take_effect() {
 
 #[test]
 fn another_index_takes_up_all_entities() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let blocks: Vec<_> = (0..6).map(|x| block(&mut app, x as f32 * 5.0)).collect();
     tick(&mut app, 2);
     let old = app.world_mut().remove_resource::<CollisionIndex>().unwrap();
@@ -202,7 +202,7 @@ struct Confirmed;
 fn any_disabling_component_takes_an_entity_out() {
     for registered in 0..3 {
         let (mut app, cubes) = if registered == 0 {
-            let mut app = app(Method::default());
+            let mut app = app(BroadPhaseMethod::default());
             app.world_mut().register_disabling_component::<Parked>();
             app.world_mut().register_disabling_component::<Confirmed>();
             let cubes = [block(&mut app, 0.0), block(&mut app, 0.9)];
@@ -270,7 +270,7 @@ fn an_entity_spawned_disabled_stays_out_and_so_does_its_swept_way() {
 
 #[test]
 fn parents_disabled_by_whatever_place_their_children() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     app.world_mut().register_disabling_component::<Parked>();
     let parent = app.world_mut().spawn((Transform::from_xyz(10.0, 0.0, 0.0), Parked)).id();
     let child = (CollisionShape::sphere(0.25).unwrap(), Swept::default(), Transform::from_xyz(2.0, 0.0, 0.0));
@@ -335,7 +335,7 @@ fn a_box_that_is_overwritten_or_was_removed_is_computed_anew() {
 
 #[test]
 fn an_update_takes_up_a_new_tolerance() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let ball = (CollisionShape::sphere(0.5).unwrap(), Transform::from_xyz(5.0, 0.0, 0.0));
     let ball = app.world_mut().spawn(ball).id();
     tick(&mut app, 1);
@@ -346,7 +346,7 @@ fn an_update_takes_up_a_new_tolerance() {
     let find = move |spatial: SpatialQuery| {
         let mut found = Vec::new();
         let at = Vec3::new(4.1, 0.0, 0.0);
-        spatial.point_intersections(at, &SpatialQueryFilter::default(), |entity| found.push(entity));
+        spatial.for_each_point_intersection(at, &SpatialQueryFilter::default(), |entity| found.push(entity));
         found
     };
     assert_eq!(app.world_mut().run_system_cached(find).unwrap(), [ball]);

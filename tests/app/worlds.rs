@@ -9,7 +9,7 @@ use bevy_octree::prelude::*;
 use common::*;
 use fastrand::Rng;
 
-const RED: CollisionLayers = CollisionLayers { memberships: 0b10, filters: 0b101 };
+const RED: CollisionLayers = CollisionLayers::from_bits(0b10, 0b101);
 
 fn worlds<const N: usize>(app: &mut App) -> [Entity; N] {
     std::array::from_fn(|_| app.world_mut().spawn_empty().id())
@@ -28,7 +28,7 @@ fn ticked(app: &mut App) -> Vec<EntityPair> {
 
 #[test]
 fn entities_of_different_worlds_never_meet() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let [first, second] = worlds(&mut app);
     let [a, b] = [first; 2].map(|world| cube(&mut app, InCollisionWorld(world)));
     let [c, d] = [second; 2].map(|world| cube(&mut app, InCollisionWorld(world)));
@@ -47,7 +47,7 @@ fn entities_of_different_worlds_never_meet() {
 
 #[test]
 fn a_world_that_goes_leaves_no_ghost() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let [first, second] = worlds(&mut app);
     for world in [first, first, second, second] {
         cube(&mut app, InCollisionWorld(world));
@@ -71,7 +71,7 @@ fn a_world_that_goes_leaves_no_ghost() {
 
 #[test]
 fn a_world_that_never_was_is_the_default_one() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let [gone] = worlds(&mut app);
     app.world_mut().despawn(gone);
     let a = cube(&mut app, InCollisionWorld(gone));
@@ -83,7 +83,7 @@ fn a_world_that_never_was_is_the_default_one() {
 
 #[test]
 fn layers_and_static_entities_are_of_a_world_too() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let [first, second] = worlds(&mut app);
     let mut red = |world| cube(&mut app, (InCollisionWorld(world), RED));
     let reds = [red(first), red(first), red(second)];
@@ -103,7 +103,7 @@ fn layers_and_static_entities_are_of_a_world_too() {
 
 #[test]
 fn queries_see_one_world() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let [first, second, empty] = worlds(&mut app);
     let mut at = |x: f32, parts: &dyn Fn(EntityWorldMut)| {
         let entity = cube(&mut app, Transform::from_xyz(x, 0.0, 0.0));
@@ -121,7 +121,8 @@ fn queries_see_one_world() {
                 let ray = spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &filter).map(|hit| hit.entity);
                 let nearest = spatial.nearest(Vec3::ZERO, 100.0, &filter).map(|hit| hit.entity);
                 let mut inside = vec![];
-                spatial.box_intersections(&Aabb3d::new(Vec3::ZERO, Vec3::splat(9.0)), &filter, |e| inside.push(e));
+                spatial
+                    .for_each_box_intersection(&Aabb3d::new(Vec3::ZERO, Vec3::splat(9.0)), &filter, |e| inside.push(e));
                 inside.sort_by_key(|entity| entity.index_u32());
                 assert_eq!((ray, inside.contains(&ray.unwrap_or(Entity::PLACEHOLDER))), (nearest, ray.is_some()));
                 assert_eq!(ray.is_none(), inside.is_empty());
@@ -129,26 +130,26 @@ fn queries_see_one_world() {
             })
             .unwrap()
     };
-    let all = SpatialQueryFilter::ALL;
+    let all = SpatialQueryFilter::DEFAULT;
     assert_eq!(found(&mut app, SpatialQueryFilter::default()), [plain]);
     assert_eq!(found(&mut app, all.in_world(first)), [a, b]);
     assert_eq!(found(&mut app, all.in_world(second)), [c]);
     assert_eq!(found(&mut app, all.in_world(empty)), []);
     assert_eq!(found(&mut app, all.in_any_world()), [plain, a, b, c]);
-    assert_eq!(found(&mut app, all.in_any_world().on_mask(RED.memberships)), [b]);
+    assert_eq!(found(&mut app, all.in_any_world().on(RED.memberships)), [b]);
     assert_eq!(found(&mut app, all.in_any_world().in_world(second)), [c]);
-    assert_eq!(found(&mut app, all.in_world(first).on_mask(RED.memberships)), [b]);
-    assert_eq!(found(&mut app, all.in_world(second).on_mask(RED.memberships)), []);
-    assert_eq!(found(&mut app, SpatialQueryFilter::except(b).in_world(first)), [a]);
+    assert_eq!(found(&mut app, all.in_world(first).on(RED.memberships)), [b]);
+    assert_eq!(found(&mut app, all.in_world(second).on(RED.memberships)), []);
+    assert_eq!(found(&mut app, SpatialQueryFilter::DEFAULT.except(b).in_world(first)), [a]);
     // Without a tick, or a flush.
     app.world_mut().entity_mut(c).insert(InCollisionWorld(first));
     assert_eq!(found(&mut app, all.in_world(first)), [a, b, c]);
     app.world_mut().entity_mut(a).remove::<InCollisionWorld>();
     assert_eq!(found(&mut app, all), pair(plain, a));
     // Layers change under a mutable reference: seen after a flush.
-    app.world_mut().get_mut::<CollisionLayers>(b).unwrap().memberships = 0b100;
+    app.world_mut().get_mut::<CollisionLayers>(b).unwrap().memberships = LayerMask(0b100);
     update_spatial_index(app.world_mut());
-    assert_eq!(found(&mut app, all.in_world(first).on_mask(0b100)), [b]);
+    assert_eq!(found(&mut app, all.in_world(first).on(0b100)), [b]);
 }
 
 /// An object of a random history, by its number: where it is in each app.
@@ -163,8 +164,8 @@ struct Object {
 #[test]
 fn worlds_are_as_apps_of_their_own() {
     const WORLDS: usize = 4;
-    for (seed, method) in ["auto", "linear", "octree", "exhaustive"].into_iter().enumerate() {
-        let (mut rng, method) = (Rng::with_seed(seed as u64), method.parse::<Method>().unwrap());
+    for (seed, method) in ["auto", "linear", "object", "exhaustive"].into_iter().enumerate() {
+        let (mut rng, method) = (Rng::with_seed(seed as u64), method.parse::<BroadPhaseMethod>().unwrap());
         let mut shared = app(method.clone());
         let mut alone: Vec<App> = (0..WORLDS).map(|_| app(method.clone())).collect();
         // The last is the default world.
@@ -240,7 +241,7 @@ fn numbered(pair: EntityPair, numbers: &HashMap<Entity, usize>) -> [usize; 2] {
 /// What `bsn!` builds entities from.
 #[test]
 fn worlds_can_be_named_in_templates() {
-    let mut app = app(Method::default());
+    let mut app = app(BroadPhaseMethod::default());
     let [world] = worlds(&mut app);
     let template = <InCollisionWorld as FromTemplate>::Template::default();
     let entity = &mut app.world_mut().spawn_empty();
@@ -252,7 +253,7 @@ fn worlds_can_be_named_in_templates() {
 
 #[test]
 fn worlds_are_known_to_reflection() {
-    let app = app(Method::default());
+    let app = app(BroadPhaseMethod::default());
     let registry = app.world().resource::<AppTypeRegistry>().read();
     for name in ["InCollisionWorld", "CollisionWorld"] {
         let registration = registry.get_with_short_type_path(name).expect("it is registered");

@@ -36,7 +36,7 @@ pub fn pair(a: Entity, b: Entity) -> EntityPair {
 }
 
 /// An app with all plugins in `FixedPostUpdate`, which [`tick`] runs once.
-pub fn app(method: Method) -> App {
+pub fn app(method: BroadPhaseMethod) -> App {
     let mut app = app_with(OctreePlugins::default(), FixedPostUpdate);
     app.world_mut().resource_mut::<BroadPhaseSettings>().method = method;
     app

@@ -13,7 +13,7 @@ use bevy_octree::{
 };
 use fastrand::Rng;
 
-const METHODS: [&str; 4] = ["auto", "linear", "octree", "exhaustive"];
+const METHODS: [&str; 4] = ["auto", "linear", "object", "exhaustive"];
 
 fn index(method: &str) -> SpatialIndex {
     SpatialIndex::new(&method.parse().unwrap())
@@ -53,7 +53,7 @@ fn what_changes_between_two_updates_is_noted_once() {
     for method in METHODS {
         let mut index = index(method);
         let id = index.insert(cube(Vec3::ZERO)).unwrap();
-        let ground = index.insert_endless(None).unwrap();
+        let ground = index.insert_unbounded(None).unwrap();
         let mut world = 0;
         assert_flat(method, 10, 100_000, || {
             world += 1;

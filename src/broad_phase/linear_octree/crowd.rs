@@ -4,7 +4,7 @@ use bevy::math::bounding::Aabb3d;
 use fearless_simd::Level;
 
 use super::{
-    join::Workspace,
+    join::JoinBuffers,
     levels::Levels,
     list::{List, Packed, unpack},
     order,
@@ -14,16 +14,16 @@ use super::{
 #[derive(Clone, Debug, Default)]
 pub struct Crowd {
     boxes: Vec<Aabb3d>,
-    /// The places of the boxes in the order of the tree, in the lower halves.
+    /// The indices of the boxes in the order of the tree, in the lower halves.
     order: Vec<Packed>,
     scratch: Vec<Packed>,
     tree: Levels,
-    work: Workspace,
+    work: JoinBuffers,
     found: List,
 }
 
 impl Crowd {
-    /// The places of each pair of overlapping boxes that is to be kept, each once. O(n log n), and the pairs.
+    /// The indices of each pair of overlapping boxes that is to be kept, each once. O(n log n), and the pairs.
     pub(in crate::broad_phase) fn overlaps(
         &mut self,
         level: Level,
@@ -35,14 +35,14 @@ impl Crowd {
         all.extend(boxes);
         order::order(level, all, 0..all.len() as u32, order, scratch);
         tree.resize(all.len());
-        let place = |slot: u32| order[slot as usize] as u32 as usize;
+        let index = |slot: u32| order[slot as usize] as u32 as usize;
         for slot in 0..all.len() {
-            tree.set(slot, &all[place(slot as u32)]);
+            tree.set(slot, &all[index(slot as u32)]);
         }
         tree.refit();
         found.clear();
-        tree.self_join(level, work, found, Some(&|a, b| keep(place(a), place(b))));
-        found.as_slice().iter().map(move |pair| unpack(*pair).map(place))
+        tree.self_join(level, work, found, Some(&|a, b| keep(index(a), index(b))));
+        found.as_slice().iter().map(move |pair| unpack(*pair).map(index))
     }
 
     /// The memory taken, in bytes.

@@ -1,12 +1,41 @@
 //! Searching the tree: one box against all, and all against all.
+//!
+//! Both go from the top down, one level at a time. What there is to look at on a level is a list of numbers in twos, and a
+//! step makes the list of the next level from it, without branches: a comparison of a box with the eight of a block gives
+//! a mask, and [`push_lanes`](List::push_lanes) appends what the lanes of the mask stand for.
+//!
+//! # All against all, by an example
+//!
+//! One block, number 0, has boxes in the slots 0 to 3, of which 0 overlaps 1 and 3, and 2 overlaps 3. Lanes 4 to 7 are
+//! empty: they overlap nothing.
+//!
+//! | list | holds | here |
+//! |---|---|---|
+//! | pairs | two blocks of one level | (0, 0): a block is joined with itself, too |
+//! | rows | a slot of the first, and the second block | (0, 0) (1, 0) … (7, 0): on the top level, all lanes |
+//!
+//! | row | `hits`: lanes of the block that overlap the slot | `after_self`: lanes after the slot's own | found |
+//! |---|---|---|---|
+//! | (0, 0) | `0000_1011` | `1111_1110` | (0, 1) (0, 3) |
+//! | (1, 0) | `0000_0011` | `1111_1100` | |
+//! | (2, 0) | `0000_1100` | `1111_1000` | (2, 3) |
+//! | (3, 0) | `0000_1101` | `1111_0000` | |
+//!
+//! So each pair is found once, and none of a box with itself. The mask `after_self` counts in rows of a slot and its own
+//! block alone, and above the bottom, where slots are blocks of the level below, it has the slot's own lane too: each
+//! block is to be joined with itself there. The rows of two different blocks are fewer: only those boxes of the first
+//! that reach into the bounds of the second, which stand in the level above.
 
 use fearless_simd::{Level, Simd, dispatch};
 
 use super::{
-    levels::{ALL, Levels, WIDTH},
-    list::{List, Packed, pack, unpack},
+    levels::Levels,
+    list::{FIRST, List, Packed, SECOND, pack, unpack},
 };
-use crate::parallel;
+use crate::{
+    broad_phase::block::{ALL, WIDTH},
+    parallel,
+};
 
 /// How many pairs of blocks are worked on at once: few enough that what they lead to stays in the cache.
 const BATCH: usize = 128;
@@ -20,7 +49,7 @@ const ROWS: usize = 8 * BATCH;
 
 /// Lists that are worked with, kept for the next time.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Workspace {
+pub(super) struct JoinBuffers {
     /// Pairs of blocks from which the jobs begin.
     pairs: List,
     next: List,
@@ -57,16 +86,16 @@ impl Levels {
     pub(super) fn self_join(
         &self,
         level: Level,
-        work: &mut Workspace,
+        work: &mut JoinBuffers,
         found: &mut List,
         keep: Option<&(impl Fn(u32, u32) -> bool + Sync)>,
     ) {
         let mut height = self.as_slice().len() - 1;
-        let Workspace { pairs, next, jobs } = work;
+        let JoinBuffers { pairs, next, jobs } = work;
         jobs.resize_with(jobs.len().max(1), Job::default);
         pairs.clear();
         pairs.reserve(1);
-        pairs.push_lanes(1, pack(0, 0), 0);
+        pairs.push(pack(0, 0));
         // The upper levels at once, until there is work for several.
         while height > 0 && pairs.as_slice().len() <= PAIRS_OF_JOB {
             next.clear();
@@ -136,18 +165,17 @@ impl Levels {
                 Some(above) => blocks[a as usize].overlaps_lane(simd, &above[b as usize / WIDTH], b as usize % WIDTH),
                 None => ALL,
             };
-            rows.push_lanes(reaching, pack(a * WIDTH as u32, b), pack(1, 0));
+            rows.push_lanes(reaching, pack(first_slot(a), b), FIRST);
         }
         let rows = rows.as_slice();
         found.reserve(rows.len());
         for row in rows {
             let [slot, b] = unpack(*row);
-            let lane = slot as usize % WIDTH;
-            let hits = blocks[b as usize].overlaps_lane(simd, &blocks[slot as usize / WIDTH], lane);
-            // In the same block, each box with those after it; above the bottom, with itself too.
-            let later = (!0 << lane) << u32::from(height == 0);
-            let is_same = u32::from(slot / WIDTH as u32 == b).wrapping_neg();
-            found.push_lanes(hits & (later | !is_same), pack(slot, b * WIDTH as u32), 1);
+            let (a, lane) = block_and_lane(slot);
+            let hits = blocks[b as usize].overlaps_lane(simd, &blocks[a as usize], lane);
+            let same_block = all_if(a == b);
+            let after_self = (!0 << lane) << u32::from(height == 0);
+            found.push_lanes(hits & (after_self | !same_block), pack(slot, first_slot(b)), SECOND);
         }
     }
 
@@ -158,7 +186,7 @@ impl Levels {
         &self,
         level: Level,
         slots: &[u32],
-        work: &mut Workspace,
+        work: &mut JoinBuffers,
         found: &mut List,
         keep: &(impl Fn(u32, u32) -> bool + Sync),
     ) -> usize {
@@ -170,7 +198,8 @@ impl Levels {
                 rows.clear();
                 rows.reserve(batch.len());
                 for slot in batch {
-                    rows.push_lanes(1, pack(*slot, 0), 0);
+                    debug_assert!((*slot as usize) < self.as_slice()[0].len() * WIDTH, "there is such a slot");
+                    rows.push(pack(*slot, 0));
                 }
                 compared += self.descend_rows(level, rows.as_slice(), below, found, keep);
             }
@@ -225,17 +254,35 @@ impl Levels {
         let (boxes, blocks) = (&self.as_slice()[0][..], &self.as_slice()[height][..]);
         found.reserve(rows.len());
         for row in rows {
-            let [slot, place] = unpack(*row);
-            let lane = slot as usize % WIDTH;
-            let hits = blocks[place as usize].overlaps_lane(simd, &boxes[slot as usize / WIDTH], lane);
+            let [slot, b] = unpack(*row);
+            let (own, lane) = block_and_lane(slot);
+            let hits = blocks[b as usize].overlaps_lane(simd, &boxes[own as usize], lane);
             // At the bottom, each is found by itself.
-            let itself = u32::from(height == 0 && slot / WIDTH as u32 == place) << lane;
-            found.push_lanes(hits & !itself, pack(slot, place * WIDTH as u32), 1);
+            let itself = u32::from(height == 0 && own == b) << lane;
+            found.push_lanes(hits & !itself, pack(slot, first_slot(b)), SECOND);
         }
     }
 }
 
-impl Workspace {
+/// The first slot of a block.
+#[inline(always)]
+const fn first_slot(block: u32) -> u32 {
+    block * WIDTH as u32
+}
+
+/// The block that a slot is in, and its lane there.
+#[inline(always)]
+const fn block_and_lane(slot: u32) -> (u32, usize) {
+    (slot / WIDTH as u32, slot as usize % WIDTH)
+}
+
+/// A mask of all lanes, or of none.
+#[inline(always)]
+const fn all_if(condition: bool) -> u32 {
+    (condition as u32).wrapping_neg()
+}
+
+impl JoinBuffers {
     pub(super) fn memory_bytes(&self) -> usize {
         let of_job = |job: &Job| {
             let lists = job.pairs.iter().chain([&job.rows, &job.found]);

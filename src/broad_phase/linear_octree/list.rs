@@ -1,6 +1,6 @@
 //! Lists of pairs of numbers, written eight at a time.
 
-use super::levels::WIDTH;
+use crate::broad_phase::block::{ALL, WIDTH};
 
 /// Two 32-bit numbers in one: they are compared, copied and written together.
 pub(super) type Packed = u64;
@@ -16,6 +16,10 @@ pub(super) const fn pack(first: u32, second: u32) -> Packed {
 pub(super) const fn unpack(packed: Packed) -> [u32; 2] {
     [(packed >> 32) as u32, packed as u32]
 }
+
+/// One more in the first number, and in the second.
+pub(super) const FIRST: Packed = pack(1, 0);
+pub(super) const SECOND: Packed = pack(0, 1);
 
 /// By mask of eight lanes: the lanes in the mask, packed to the front.
 const LANES: [[u8; WIDTH]; 1 << WIDTH] = {
@@ -35,11 +39,11 @@ const LANES: [[u8; WIDTH]; 1 << WIDTH] = {
     table
 };
 
-/// A list to which a mask of lanes is appended without a branch: all eight places are written, and as many of them
-/// count as there are lanes in the mask. Branches on what a mask holds would be mispredicted at every other mask.
+/// A list to which a mask of lanes is appended without a branch: eight items are written, and as many of them count as
+/// there are lanes in the mask. Branches on what a mask holds would be mispredicted at every other mask.
 #[derive(Clone, Debug, Default)]
 pub(super) struct List {
-    /// All places, those beyond the end too.
+    /// Those that count, and then room for more.
     items: Vec<Packed>,
     len: usize,
 }
@@ -62,13 +66,21 @@ impl List {
         }
     }
 
+    /// Appends an item. There must be room for a mask.
+    #[inline(always)]
+    pub(super) fn push(&mut self, item: Packed) {
+        self.items[self.len] = item;
+        self.len += 1;
+    }
+
     /// Appends `base + lane * step` for each lane of the mask. There must be room.
     #[inline(always)]
     pub(super) fn push_lanes(&mut self, mask: u32, base: Packed, step: Packed) {
+        debug_assert!(mask <= ALL, "{mask:#b} is a mask of eight lanes");
         let lanes = &LANES[mask as usize % LANES.len()];
-        let places: &mut [Packed] = &mut self.items[self.len..self.len + WIDTH];
-        for (place, lane) in places.iter_mut().zip(lanes) {
-            *place = base + u64::from(*lane) * step;
+        let room: &mut [Packed] = &mut self.items[self.len..self.len + WIDTH];
+        for (item, lane) in room.iter_mut().zip(lanes) {
+            *item = base + u64::from(*lane) * step;
         }
         self.len += mask.count_ones() as usize;
     }
@@ -83,9 +95,10 @@ impl List {
     /// Keeps the pairs from `start` on for which `keep` is true, the lower number first.
     #[inline]
     pub(super) fn retain_from(&mut self, start: usize, keep: impl Fn(u32, u32) -> bool) {
+        debug_assert!(start <= self.len);
         let mut end = start;
-        for place in start..self.len {
-            let [a, b] = unpack(self.items[place]);
+        for index in start..self.len {
+            let [a, b] = unpack(self.items[index]);
             self.items[end] = pack(a.min(b), a.max(b));
             end += usize::from(keep(a, b));
         }

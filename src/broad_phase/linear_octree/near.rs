@@ -3,12 +3,12 @@
 use fearless_simd::Level;
 
 use super::{
-    REFRESH_SHARE,
-    join::Workspace,
+    join::JoinBuffers,
     levels::Levels,
     list::{List, Packed},
+    skin::REFRESH_SHARE,
 };
-use crate::broad_phase::Proxies;
+use crate::broad_phase::proxy::Proxies;
 
 /// The near pairs of a slot are not known any more.
 const FRESH: u8 = 1;
@@ -32,7 +32,7 @@ pub(super) struct NearPairs {
     all_are_watched: bool,
     /// How many blocks were looked at in searches for single slots.
     blocks_searched: usize,
-    work: Workspace,
+    work: JoinBuffers,
 }
 
 impl NearPairs {
@@ -118,12 +118,12 @@ impl NearPairs {
         }
     }
 
-    /// Do searches for single slots cost more than putting all in order would?
+    /// Returns `true` if searches for single slots have cost more than putting all in order would.
     pub(super) fn searches_are_slow(&self) -> bool {
         self.blocks_searched > 4 * self.flags.len()
     }
 
-    /// Will the next [`find`](Self::find) search the tree as a whole?
+    /// Returns `true` if the next [`find`](Self::find) will search the tree as a whole.
     pub(super) fn are_all_wanted(&self) -> bool {
         !self.are_known || self.fresh.len() * REFRESH_SHARE > self.flags.len()
     }
@@ -173,7 +173,7 @@ impl NearPairs {
         }
     }
 
-    /// Is every slot there, and every fresh one listed? For tests.
+    /// Checks that every slot is there, and every fresh one listed. For tests.
     pub(super) fn assert_well_formed(&self, slots: usize) {
         let count = |flag| self.flags.iter().filter(|flags| **flags & flag != 0).count();
         assert_eq!(self.flags.len(), slots);

@@ -6,11 +6,10 @@ use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::{Level, dispatch, prelude::*};
 
 use super::{
-    levels::WIDTH,
     list::{Packed, pack},
     skin::Anchor,
 };
-use crate::broad_phase::Proxies;
+use crate::broad_phase::{block::WIDTH, proxy::Proxies};
 
 /// The order, what it was like when it was made, and the lists that it is made with.
 #[derive(Clone, Debug, Default)]
@@ -36,7 +35,7 @@ impl Order {
     /// One in so many may come or go.
     const CHANGED_SHARE: usize = 8;
 
-    /// Is it time for a new order?
+    /// Returns `true` if it is time for a new order.
     pub(super) fn is_stale(&self, slots: usize, for_skins: bool) -> bool {
         !self.is_known
             || self.for_skins != for_skins
@@ -107,9 +106,9 @@ fn sort(items: &mut Vec<u64>, scratch: &mut Vec<u64>) {
             start += std::mem::replace(count, start);
         }
         for item in &*items {
-            let place = &mut counts[(item >> (32 + pass as u32 * BITS)) as usize % BUCKETS];
-            scratch[*place as usize] = *item;
-            *place += 1;
+            let end = &mut counts[(item >> (32 + pass as u32 * BITS)) as usize % BUCKETS];
+            scratch[*end as usize] = *item;
+            *end += 1;
         }
         std::mem::swap(items, scratch);
     }
@@ -146,7 +145,7 @@ pub(super) fn order(
     }
 }
 
-/// The long runs of items with equal keys, as places from `start` on.
+/// The long runs of items with equal keys, as indices from `start` on.
 fn runs(items: &[u64], start: usize) -> Vec<Range<usize>> {
     let mut runs = Vec::new();
     let mut begin = 0;
@@ -215,8 +214,8 @@ impl Extent {
         let mut samples = [[0.0; Self::SAMPLE]; 4];
         for number in 0..Self::SAMPLE {
             // By the golden ratio: objects may come in turns.
-            let place = ((number as u32).wrapping_mul(0x9E37_79B9) as u64 * items.len() as u64) >> 32;
-            let aabb = &boxes[items[place as usize] as u32 as usize];
+            let index = ((number as u32).wrapping_mul(0x9E37_79B9) as u64 * items.len() as u64) >> 32;
+            let aabb = &boxes[items[index as usize] as u32 as usize];
             let [x, y, z] = half_center(aabb).to_array();
             for (sample, value) in samples.iter_mut().zip([x, y, z, half_sides(aabb).max_element()]) {
                 sample[number] = value;
@@ -267,9 +266,9 @@ fn set_keys<S: Simd>(_: S, boxes: &[Aabb3d], items: &mut [u64]) {
             }
             classes[lane] = size_class(largest / half_sides(aabb).max_element());
         }
-        let places = hilbert(cells);
+        let positions = hilbert(cells);
         for (lane, item) in items.iter_mut().enumerate() {
-            *item = pack(classes[lane] << (3 * CELL_BITS) | places[lane], *item as u32);
+            *item = pack(classes[lane] << (3 * CELL_BITS) | positions[lane], *item as u32);
         }
     }
     if !holds_all {
@@ -289,12 +288,12 @@ fn size_class(ratio: f32) -> u32 {
     ((ratio.to_bits() >> 23).saturating_sub(127) / 2).min(31)
 }
 
-/// The places of cells on the Hilbert curve, by Skilling's transform (AIP Conference Proceedings 707, 2004) without
+/// The positions of cells on the Hilbert curve, by Skilling's transform (AIP Conference Proceedings 707, 2004) without
 /// branches.
 #[inline(always)]
 fn hilbert(cells: [[u32; LANES]; 3]) -> [u32; LANES] {
     let [mut x, mut y, mut z] = cells;
-    let mut places = [0; LANES];
+    let mut positions = [0; LANES];
     for lane in 0..LANES {
         let (mut a, mut b, mut c) = (x[lane], y[lane], z[lane]);
         for bit in (1..CELL_BITS).rev() {
@@ -316,9 +315,9 @@ fn hilbert(cells: [[u32; LANES]; 3]) -> [u32; LANES] {
             flip ^= ((1 << bit) - 1) & (c >> bit & 1).wrapping_neg();
         }
         (x[lane], y[lane], z[lane]) = (a ^ flip, b ^ flip, c ^ flip);
-        places[lane] = spread(x[lane]) << 2 | spread(y[lane]) << 1 | spread(z[lane]);
+        positions[lane] = spread(x[lane]) << 2 | spread(y[lane]) << 1 | spread(z[lane]);
     }
-    places
+    positions
 }
 
 /// Puts two zeros before each of ten bits.
@@ -348,9 +347,9 @@ mod tests {
             }
         }
         cells.sort_unstable();
-        for (place, pair) in cells.windows(2).enumerate() {
+        for (index, pair) in cells.windows(2).enumerate() {
             let distance: u32 = (0..3).map(|axis| pair[0].1[axis].abs_diff(pair[1].1[axis])).sum();
-            assert_eq!((pair[0].0 as usize, distance), (place, 1));
+            assert_eq!((pair[0].0 as usize, distance), (index, 1));
         }
     }
 

@@ -1,12 +1,12 @@
 //! Few objects that are unlike the others, by size, place or speed: what they cost, counted over many ticks, and that all
 //! pairs are found.
 
-use bevy::math::Vec3;
+use bevy::math::{Vec3, Vec3A, bounding::Aabb3d};
 use proptest::prelude::*;
 
-use super::*;
+use super::LinearOctree;
 use crate::{
-    broad_phase::{SpatialIndex, checked::Checked},
+    broad_phase::{BroadPhase, Proxies, SpatialIndex, checked::Checked, overlap},
     scene::stress::{StressScene, StressSimulation},
 };
 

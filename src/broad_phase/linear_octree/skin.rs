@@ -2,6 +2,9 @@
 
 use bevy::math::{Vec3, Vec3A, bounding::Aabb3d};
 
+/// All objects get new skins when more than one in so many has left its skin since the last time.
+pub(super) const REFRESH_SHARE: usize = 6;
+
 /// How much larger than boxes skins may be, by volume. More makes skins last longer, and more of them overlap.
 const GROWTH: f32 = 1.6;
 
@@ -46,7 +49,7 @@ impl Anchor {
         if (skin.max - skin.min).cmple(short).all() { Some(skin) } else { shorter(aabb, step, horizon) }
     }
 
-    /// Is an object too fast for a skin?
+    /// Returns `true` if an object is too fast for a skin.
     pub(super) fn is_fast(&self, tick: u32, aabb: &Aabb3d) -> bool {
         is_fast(share(self.step(tick, aabb), aabb))
     }
@@ -74,7 +77,7 @@ fn share(step: Vec3A, aabb: &Aabb3d) -> Vec3A {
     step / (aabb.max - aabb.min).max(step).max(Vec3A::splat(f32::MIN_POSITIVE))
 }
 
-/// Are steps of such a share of the size too fast for a skin?
+/// Returns `true` if steps of such a share of the size are too fast for a skin.
 #[inline(always)]
 fn is_fast(share: Vec3A) -> bool {
     let is_slow = (share * SHORTEST).cmple(Vec3A::splat(SHORT)).all();

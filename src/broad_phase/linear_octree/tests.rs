@@ -1,8 +1,12 @@
 use bevy::math::{Vec3, bounding::Aabb3d};
 use proptest::prelude::*;
 
-use super::*;
-use crate::broad_phase::checked::{Checked, a_step, replay};
+use super::{LinearOctree, upkeep::TOO_LOOSE};
+use crate::broad_phase::{
+    block::WIDTH,
+    checked::{Checked, a_step, replay},
+    proxy::Proxies,
+};
 
 fn checked() -> Checked {
     Checked::new(Box::new(LinearOctree::default()))
@@ -63,7 +67,7 @@ fn a_far_away_object_does_not_spoil_the_order() {
         proxies.touch_all();
         proxies.begin_update();
         octree.refresh(&proxies);
-        let bounds = octree.tree.as_slice()[1].iter().flat_map(|block| (0..levels::WIDTH).map(|lane| block.get(lane)));
+        let bounds = octree.tree.as_slice()[1].iter().flat_map(|block| (0..WIDTH).map(|lane| block.get(lane)));
         let side = |aabb: Aabb3d| (aabb.max - aabb.min).max_element();
         compared.push(bounds.map(side).filter(|side| side.is_finite() && *side < 1e6).sum::<f32>());
     }

@@ -36,7 +36,7 @@ impl Cell {
     }
 
     /// Makes this the cell of a child, with an empty list.
-    pub(super) fn set_child_of(&mut self, parent: &Frame, octant: Vertex, objects: Vec<u32>) {
+    pub(super) fn set_child_of(&mut self, parent: &CellFrame, octant: Vertex, objects: Vec<u32>) {
         debug_assert!(objects.is_empty());
         let bits = octant.bits();
         let upper = bevy::math::BVec3A::new(bits & 1 != 0, bits & 2 != 0, bits & 4 != 0);
@@ -53,68 +53,69 @@ impl Cell {
     }
 
     /// What children are made from.
-    pub(super) const fn frame(&self) -> Frame {
-        Frame { lo: self.lo, hi: self.hi, mid: self.mid, half_size: self.half_size, generation: self.generation }
+    pub(super) const fn frame(&self) -> CellFrame {
+        CellFrame { lo: self.lo, hi: self.hi, mid: self.mid, half_size: self.half_size, generation: self.generation }
     }
 
-    /// The cell as a box. The corners of outermost cells are infinite; the upper borders are not part of the cell.
+    /// Returns the cell as a box. The corners of outermost cells are infinite; the upper borders are not part of the
+    /// cell.
     #[inline]
     #[must_use]
     pub const fn bounds(&self) -> Aabb3d {
         Aabb3d { min: self.lo, max: self.hi }
     }
 
-    /// The cell's cube, without the reach to infinity of the outermost cells.
+    /// Returns the cell's cube, without the reach to infinity of the outermost cells.
     #[must_use]
     pub fn cube(&self) -> Aabb3d {
         Aabb3d { min: self.mid - self.half_size, max: self.mid + self.half_size }
     }
 
-    /// The generation of the node: 0 for the root.
+    /// Returns the generation of the node: 0 for the root.
     #[inline]
     #[must_use]
     pub const fn generation(&self) -> u32 {
         self.generation
     }
 
-    /// The indices of the objects listed here, in no particular order. Empty for a node that is split.
+    /// Returns the indices of the objects listed here, in no particular order. Empty for a node that is split.
     #[inline]
     #[must_use]
     pub fn listed(&self) -> &[u32] {
         &self.objects
     }
 
-    /// How many of the listed objects count against N: those that are not larger than the cell.
+    /// Returns how many of the listed objects count against N: those that are not larger than the cell.
     #[inline]
     #[must_use]
     pub const fn counted(&self) -> u32 {
         self.counted
     }
 
-    /// Does a box overlap the cell? Touching the lower borders counts, touching the upper ones does not.
+    /// Returns `true` if a box overlaps the cell. Touching the lower borders counts, touching the upper ones does not.
     #[inline]
     #[must_use]
     pub fn overlaps(&self, aabb: &Aabb3d) -> bool {
         aabb.min.cmplt(self.hi).all() && aabb.max.cmpge(self.lo).all()
     }
 
-    /// Is all of a box in the cell?
+    /// Returns `true` if all of a box is in the cell.
     #[inline]
     pub(super) fn holds(&self, aabb: &Aabb3d) -> bool {
         (aabb.min.cmpge(self.lo) & aabb.max.cmplt(self.hi)).all()
     }
 
-    /// Is a point in the cell?
+    /// Returns `true` if a point is in the cell.
     #[inline]
     #[must_use]
     pub fn contains(&self, point: Vec3A) -> bool {
         point.cmpge(self.lo).all() && point.cmplt(self.hi).all()
     }
 
-    /// The child next to a place, which may be outside of the cell.
+    /// The child next to a point, which may be outside of the cell.
     #[inline]
-    pub(super) fn octant_towards(&self, place: Vec3A) -> Vertex {
-        Vertex::from_bits(place.cmpge(self.mid).bitmask())
+    pub(super) fn octant_towards(&self, point: Vec3A) -> Vertex {
+        Vertex::from_bits(point.cmpge(self.mid).bitmask())
     }
 
     /// The children that a box overlaps, given that it overlaps the cell: one bit for each octant.
@@ -138,10 +139,10 @@ impl Cell {
     /// Takes an object off the list; false if it was not on it.
     #[inline]
     pub(super) fn unlist(&mut self, object: u32, counts: bool) -> bool {
-        let Some(place) = self.objects.iter().position(|listed| *listed == object) else {
+        let Some(index) = self.objects.iter().position(|listed| *listed == object) else {
             return false;
         };
-        self.objects.swap_remove(place);
+        self.objects.swap_remove(index);
         self.counted -= u32::from(counts);
         true
     }
@@ -165,7 +166,7 @@ impl Cell {
 }
 
 /// The geometry of a cell that its children inherit.
-pub(super) struct Frame {
+pub(super) struct CellFrame {
     lo: Vec3A,
     hi: Vec3A,
     mid: Vec3A,

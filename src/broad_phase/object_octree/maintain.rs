@@ -7,12 +7,16 @@
 use bevy::math::bounding::Aabb3d;
 use smallvec::SmallVec;
 
-use super::{Cell, Entry, ObjectOctree, StayRegion};
-use crate::{broad_phase::Proxies, octree::NodeId};
+use super::{
+    cell::Cell,
+    octree::{Entry, ObjectOctree},
+    stay::StayRegion,
+};
+use crate::{broad_phase::proxy::Proxies, octree::NodeId};
 
 impl ObjectOctree {
-    /// Brings lists and nodes up to date with all changes.
-    pub(super) fn take_up(&mut self, proxies: &Proxies) {
+    /// Takes up the changes of a tick: brings lists and nodes up to date.
+    pub(super) fn keep_up(&mut self, proxies: &Proxies) {
         self.entries.resize(proxies.capacity(), Entry::ABSENT);
         if self.fit_root(proxies) {
             for (id, aabb) in proxies.iter() {
@@ -57,15 +61,15 @@ impl ObjectOctree {
     /// as holding it in this turn.
     fn leave(&mut self, object: u32, aabb: &Aabb3d) {
         let turn = self.next_turn();
-        let mut place = 0;
-        while let Some(&leaf) = self.entries[object as usize].leaves.get(place) {
+        let mut index = 0;
+        while let Some(&leaf) = self.entries[object as usize].leaves.get(index) {
             let cell = self.tree.data_mut(leaf);
             if cell.overlaps(aabb) {
                 cell.held = turn;
-                place += 1;
+                index += 1;
             } else {
                 self.unlist(leaf, object);
-                self.entries[object as usize].leaves.swap_remove(place);
+                self.entries[object as usize].leaves.swap_remove(index);
             }
         }
     }
@@ -153,7 +157,7 @@ impl ObjectOctree {
     }
 }
 
-/// Does a leaf list too many objects, above the depth limit?
+/// Returns `true` if a leaf lists too many objects, above the depth limit.
 #[inline]
 pub(super) const fn must_split(cell: &Cell, max_objects: u32, max_depth: u32) -> bool {
     cell.counted() > max_objects && cell.generation() < max_depth

@@ -2,9 +2,9 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 
-use super::{Cell, ObjectOctree};
+use super::{cell::Cell, octree::ObjectOctree};
 use crate::{
-    broad_phase::{Pair, Proxies, ProxyId, group::Group},
+    broad_phase::{boxes::ProxyId, group::Group, pairs::Pair, proxy::Proxies},
     octree::NodeId,
 };
 

@@ -2,7 +2,7 @@
 
 use bevy::math::bounding::Aabb3d;
 
-use super::{ObjectOctree, StayRegion, maintain::must_split};
+use super::{maintain::must_split, octree::ObjectOctree, stay::StayRegion};
 use crate::octree::{NodeId, Vertex};
 
 impl ObjectOctree {
@@ -26,9 +26,10 @@ impl ObjectOctree {
     /// Merges leaves that list at most N distinct objects with their siblings, and goes on with the parents. No node
     /// is made here, so that the handle of a node that is gone names no other.
     fn merge_shrunk(&mut self) {
-        let mut place = 0;
-        while let Some(&node) = self.shrunk.get(place) {
-            place += 1;
+        // The list grows on the way.
+        let mut index = 0;
+        while let Some(&node) = self.shrunk.get(index) {
+            index += 1;
             if !self.tree.contains(node) {
                 continue;
             }
@@ -124,8 +125,8 @@ impl ObjectOctree {
         for &object in &objects {
             let entry = &mut self.entries[object as usize];
             let Aabb3d { min, max } = entry.aabb;
-            if let Some(place) = entry.leaves.iter().position(|listed| *listed == leaf) {
-                entry.leaves.swap_remove(place);
+            if let Some(index) = entry.leaves.iter().position(|listed| *listed == leaf) {
+                entry.leaves.swap_remove(index);
             }
             let octants = self.tree.data(leaf).octants(&Aabb3d { min, max });
             for (octant, child) in children.clone().enumerate() {

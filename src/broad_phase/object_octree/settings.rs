@@ -5,6 +5,7 @@ use thiserror::Error;
 
 /// How the root cell of an [`ObjectOctree`](super::ObjectOctree) is laid.
 #[derive(Clone, Copy, Debug, Reflect)]
+#[type_path = "bevy_octree::broad_phase"]
 pub enum RootPolicy {
     /// A cube around the centre of the bounding box of all objects, its side this multiple of the box's longest side. The
     /// report's heuristic is 1.5.
@@ -43,6 +44,7 @@ impl Default for RootPolicy {
 
 /// The parameters of an [`ObjectOctree`](super::ObjectOctree).
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[type_path = "bevy_octree::broad_phase"]
 pub struct ObjectOctreeSettings {
     /// The report's N: a leaf that lists more objects than this splits, unless it is at the depth limit. At least 1.
     ///
@@ -79,7 +81,7 @@ impl ObjectOctreeSettings {
     /// The largest depth limit: an `f32` tells no more than 2²⁴ cells apart along an axis.
     pub const MAX_DEPTH: u32 = 24;
 
-    /// The defaults, with another N.
+    /// Returns the defaults, with another N.
     #[must_use]
     pub fn with_max_objects(max_objects: u32) -> Self {
         Self { max_objects, ..Self::default() }
@@ -110,7 +112,8 @@ impl ObjectOctreeSettings {
         }
     }
 
-    /// The nearest settings that pass the [`check`](Self::check), with a warning in the log for what was out of range.
+    /// Returns the nearest settings that pass the [`check`](Self::check), with a warning in the log for what was out of
+    /// range.
     #[must_use]
     pub fn clamped(&self) -> Self {
         let mut settings = *self;

@@ -2,7 +2,7 @@
 
 use bevy::math::{Vec3A, bounding::Aabb3d};
 
-use super::Cell;
+use super::cell::Cell;
 
 /// Where a box may go while the leaves that it overlaps stay the same.
 ///
@@ -54,7 +54,7 @@ impl StayRegion {
         region
     }
 
-    /// Does the object keep its leaves with this box?
+    /// Returns `true` if the object keeps its leaves with this box.
     #[inline]
     pub(super) fn holds(&self, aabb: &Aabb3d) -> bool {
         (aabb.min.cmpge(self.outer_min)

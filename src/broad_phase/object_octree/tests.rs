@@ -3,7 +3,10 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::{
-    broad_phase::checked::{Checked, a_step, replay},
+    broad_phase::{
+        BroadPhase, ProxyId,
+        checked::{Checked, a_step, replay},
+    },
     octree::Direction,
 };
 

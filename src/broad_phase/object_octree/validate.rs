@@ -1,7 +1,7 @@
 //! Checks of everything that is said to hold.
 
-use super::ObjectOctree;
-use crate::{broad_phase::Proxies, octree::NodeId};
+use super::octree::ObjectOctree;
+use crate::{broad_phase::proxy::Proxies, octree::NodeId};
 
 impl ObjectOctree {
     /// Checks the tree against the objects: that each object is listed in exactly the leaves that it overlaps, that

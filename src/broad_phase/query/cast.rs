@@ -6,8 +6,10 @@ use bevy::math::{
 };
 use fearless_simd::{f32x8, prelude::*};
 
-use super::measure::Measure;
-use crate::broad_phase::linear_octree::Block;
+use crate::broad_phase::{
+    block::Block,
+    measure::{Bound, Measure},
+};
 
 /// What [`SpatialIndex::cast`](crate::broad_phase::SpatialIndex::cast) and its kin send through space: a
 /// [`RayCast3d`], or an [`AabbCast3d`], which is a box that moves without turning. Distances are along the ray, so that
@@ -15,23 +17,23 @@ use crate::broad_phase::linear_octree::Block;
 ///
 /// Touching counts: a ray within the side of a box meets it. A cast that is not finite, but for `max`, meets nothing,
 /// and so does one with a `max` that is negative or NaN, or a moving box that is inverted.
-pub trait Cast: Swept {}
+pub trait Cast: Sweeping {}
 
 /// The measure behind a cast.
-pub trait Swept {
+pub trait Sweeping {
     /// The measure, and how far the cast goes.
     fn sweep(&self) -> (Sweep, f32);
 }
 
 impl Cast for RayCast3d {}
-impl Swept for RayCast3d {
+impl Sweeping for RayCast3d {
     fn sweep(&self) -> (Sweep, f32) {
         Sweep::new(self, Vec3A::ZERO, Vec3A::ZERO)
     }
 }
 
 impl Cast for AabbCast3d {}
-impl Swept for AabbCast3d {
+impl Sweeping for AabbCast3d {
     fn sweep(&self) -> (Sweep, f32) {
         Sweep::new(&self.ray, self.aabb.min, self.aabb.max)
     }
@@ -89,9 +91,9 @@ impl Measure for Sweep {
     const EXACT: bool = true;
 
     #[inline(always)]
-    fn eight<S: Simd>(&self, simd: S, block: &Block, bound: f32) -> (u32, f32x8<S>) {
+    fn test_block<S: Simd>(&self, simd: S, block: &Block, bound: Bound) -> (u32, f32x8<S>) {
         let splat = |value: f32| f32x8::splat(simd, value);
-        let (mut enter, mut leave) = (splat(0.0), splat(bound));
+        let (mut enter, mut leave) = (splat(0.0), bound.splat(simd));
         let mut slab = |axis: usize| {
             let (backward, reciprocal) = (self.backward[axis], splat(self.reciprocal[axis]));
             enter = enter.max((block.side(simd, backward, axis) - splat(self.ahead[axis])) * reciprocal);
@@ -116,7 +118,7 @@ impl Measure for Sweep {
 
     /// The same operations as for eight, so that a box is met if its bounds are.
     #[inline(always)]
-    fn one(&self, aabb: &Aabb3d, limit: f32) -> Option<f32> {
+    fn test_box(&self, aabb: &Aabb3d, limit: f32) -> Option<f32> {
         let (min, max) = (aabb.min.to_array(), aabb.max.to_array());
         let (mut enter, mut leave) = (0.0_f32, limit);
         for axis in 0..3 {
@@ -140,10 +142,10 @@ impl Measure for Sweep {
     }
 
     /// The anchor is a rounded point of the way, so that its cell may be next to one that the way goes through.
-    fn cell(&self, cell: &Aabb3d, limit: f32) -> bool {
+    fn test_cell(&self, cell: &Aabb3d, limit: f32) -> bool {
         let size = self.origin.abs() + Vec3A::from_array(self.ahead).abs() + Vec3A::from_array(self.behind).abs();
         let slack = |corner: Vec3A| (size + corner.abs()) * (16.0 * f32::EPSILON);
-        self.one(&Aabb3d { min: cell.min - slack(cell.min), max: cell.max + slack(cell.max) }, limit).is_some()
+        self.test_box(&Aabb3d { min: cell.min - slack(cell.min), max: cell.max + slack(cell.max) }, limit).is_some()
     }
 
     fn viewpoint(&self) -> Vec3A {

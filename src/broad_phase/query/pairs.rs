@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 
 use bevy::math::bounding::Aabb3d;
 
-use super::{Flow, SpatialIndex, proximity};
-use crate::broad_phase::ProxyId;
+use super::{flow::Flow, point_distance};
+use crate::broad_phase::{boxes::ProxyId, index::SpatialIndex};
 
 /// # Pairs of two groups
 impl SpatialIndex {
@@ -32,12 +32,12 @@ impl SpatialIndex {
     /// index.update();
     ///
     /// let mut found = vec![];
-    /// index.pairs_within(5.0, |id| id == wolf, |id| id != wolf, |a, b, distance| found.push((a, b, distance)));
+    /// index.for_each_pair_within(5.0, |id| id == wolf, |id| id != wolf, |a, b, distance| found.push((a, b, distance)));
     /// assert_eq!(found, [(wolf, sheep, 2.0)]);
     /// # let _ = other;
     /// # Ok::<(), bevy_octree::broad_phase::BoxError>(())
     /// ```
-    pub fn pairs_within<F: Flow>(
+    pub fn for_each_pair_within<F: Flow>(
         &self,
         distance: f32,
         mut is_first: impl FnMut(ProxyId) -> bool,
@@ -52,11 +52,11 @@ impl SpatialIndex {
                 continue;
             }
             let mut goes_on = true;
-            self.overlapping(&grown(aabb, distance), |b| {
+            self.for_each_overlapping(&grown(aabb, distance), |b| {
                 let Some(other) = self.proxies().get(b).filter(|_| a != b && is_second(b)) else {
                     return ControlFlow::Continue(());
                 };
-                let gap = proximity::distance(aabb, other);
+                let gap = point_distance::distance(aabb, other);
                 // The other way round it was told when its turn came.
                 if gap <= distance && !(b < a && is_first(b) && is_second(a)) {
                     goes_on = found(a, b, gap).goes_on();

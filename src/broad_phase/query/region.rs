@@ -7,10 +7,14 @@ use bevy::math::{
 };
 use fearless_simd::{f32x8, mask32x8, prelude::*};
 
-use super::{measure::Measure, proximity::Proximity};
-use crate::broad_phase::{linear_octree::Block, overlap};
+use super::point_distance::PointDistance;
+use crate::broad_phase::{
+    block::Block,
+    boxes::overlap,
+    measure::{Bound, Measure},
+};
 
-/// A part of space that [`SpatialIndex::overlapping`](crate::broad_phase::SpatialIndex::overlapping) looks into.
+/// A part of space that [`for_each_overlapping`](crate::broad_phase::SpatialIndex::for_each_overlapping) looks into.
 /// Touching counts as overlapping.
 ///
 /// - [`Aabb3d`]: a box. One that is inverted along an axis, or NaN, overlaps nothing.
@@ -37,7 +41,7 @@ impl Measured for Aabb3d {
     type Measure<'a> = Overlap;
 
     fn measure(&self) -> (Overlap, f32) {
-        // Places without a box are at infinity, where no box is.
+        // Lanes without a box are at infinity, where no box is.
         let finite = Self { min: self.min.max(Vec3A::MIN), max: self.max.min(Vec3A::MAX) };
         // An inverted box would overlap those that hold it.
         let is_box = self.min.cmple(self.max).all() && finite.min.cmple(finite.max).all();
@@ -65,10 +69,10 @@ impl Measured for Vec3 {
 
 impl Region for BoundingSphere {}
 impl Measured for BoundingSphere {
-    type Measure<'a> = Proximity<false>;
+    type Measure<'a> = PointDistance<false>;
 
-    fn measure(&self) -> (Proximity<false>, f32) {
-        Proximity::new(self.center, self.radius())
+    fn measure(&self) -> (PointDistance<false>, f32) {
+        PointDistance::new(self.center, self.radius())
     }
 }
 
@@ -98,12 +102,12 @@ impl Measure for Overlap {
     const EXACT: bool = true;
 
     #[inline(always)]
-    fn eight<S: Simd>(&self, simd: S, block: &Block, _: f32) -> (u32, f32x8<S>) {
+    fn test_block<S: Simd>(&self, simd: S, block: &Block, _: Bound) -> (u32, f32x8<S>) {
         (block.overlaps(simd, self.0.min.to_array(), self.0.max.to_array()), f32x8::splat(simd, 0.0))
     }
 
     #[inline(always)]
-    fn one(&self, aabb: &Aabb3d, _: f32) -> Option<f32> {
+    fn test_box(&self, aabb: &Aabb3d, _: f32) -> Option<f32> {
         overlap(&self.0, aabb).then_some(0.0)
     }
 
@@ -133,9 +137,9 @@ impl Measure for Inside<'_> {
     const EXACT: bool = true;
 
     #[inline(always)]
-    fn eight<S: Simd>(&self, simd: S, block: &Block, _: f32) -> (u32, f32x8<S>) {
+    fn test_block<S: Simd>(&self, simd: S, block: &Block, _: Bound) -> (u32, f32x8<S>) {
         let zero = f32x8::splat(simd, 0.0);
-        // Places without a box are inverted without end.
+        // Lanes without a box are inverted without end.
         let mut hits: mask32x8<S> = block.side(simd, false, 0).simd_le(block.side(simd, true, 0));
         for plane in self.0 {
             let normal = plane.normal().to_array();
@@ -147,7 +151,7 @@ impl Measure for Inside<'_> {
     }
 
     #[inline(always)]
-    fn one(&self, aabb: &Aabb3d, _: f32) -> Option<f32> {
+    fn test_box(&self, aabb: &Aabb3d, _: f32) -> Option<f32> {
         self.0.iter().all(|plane| depth(plane, aabb) >= 0.0).then_some(0.0)
     }
 
@@ -157,7 +161,7 @@ impl Measure for Inside<'_> {
 
     /// A box may have its part inside one plane in one cell, and that inside another plane in another: only the plane
     /// that the anchor is chosen by can rule a cell out.
-    fn cell(&self, cell: &Aabb3d, _: f32) -> bool {
+    fn test_cell(&self, cell: &Aabb3d, _: f32) -> bool {
         // Zero times infinity rules nothing out.
         self.0.first().map(|plane| depth(plane, cell)).is_none_or(|depth| depth >= 0.0 || depth.is_nan())
     }

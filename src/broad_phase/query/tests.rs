@@ -10,7 +10,7 @@ use bevy::math::{
 use proptest::prelude::*;
 
 use super::*;
-use crate::broad_phase::{Method, overlap};
+use crate::broad_phase::{BroadPhaseMethod, ProxyId, SpatialIndex, overlap};
 
 /// Places are in units of a quarter, so that sides are met exactly, and often.
 fn place() -> impl Strategy<Value = Vec3> {
@@ -49,9 +49,9 @@ fn change() -> impl Strategy<Value = Change> {
 
 /// The same boxes by all methods.
 fn worlds(boxes: &[Aabb3d], changes: &[Change]) -> Vec<SpatialIndex> {
-    let methods = ["auto", "linear", "octree", "exhaustive"];
+    let methods = ["auto", "linear", "object", "exhaustive"];
     let world = |name: &str| {
-        let mut index = SpatialIndex::new(&name.parse::<Method>().unwrap());
+        let mut index = SpatialIndex::new(&name.parse::<BroadPhaseMethod>().unwrap());
         let mut ids: Vec<_> = boxes.iter().map(|aabb| index.insert(*aabb).unwrap()).collect();
         for change in changes {
             let shift = |index: &mut SpatialIndex, id: ProxyId, by: Vec3A| {
@@ -79,7 +79,7 @@ fn worlds(boxes: &[Aabb3d], changes: &[Change]) -> Vec<SpatialIndex> {
 
 fn found<R: Region + ?Sized>(index: &SpatialIndex, region: &R) -> Vec<ProxyId> {
     let mut ids = vec![];
-    index.overlapping(region, |id| ids.push(id));
+    index.for_each_overlapping(region, |id| ids.push(id));
     ids.sort_unstable();
     ids
 }
@@ -128,7 +128,7 @@ fn shape(id: ProxyId, bound: f32) -> Option<f32> {
 fn check_first_and_all(index: &SpatialIndex, cast: &impl Cast, expected: &[Hit]) {
     assert_eq!(index.cast(cast), expected.first().copied());
     let mut all = vec![];
-    index.cast_all(cast, |hit| all.push(hit));
+    index.for_each_hit(cast, |hit| all.push(hit));
     all.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.proxy.cmp(&b.proxy)));
     assert_eq!(all, expected);
 }
@@ -167,7 +167,7 @@ proptest! {
             prop_assert_eq!(found(&index, &ball), expected(&index, |aabb| distance(point, aabb) <= radius));
             prop_assert_eq!(found(&index, &planes[..]), expected(&index, inside));
             let mut some = 0;
-            index.overlapping(&region, |_| { some += 1; ControlFlow::Break(()) });
+            index.for_each_overlapping(&region, |_| { some += 1; ControlFlow::Break(()) });
             prop_assert_eq!(some, found(&index, &region).len().min(1));
         }
     }
@@ -236,12 +236,12 @@ proptest! {
                 }
             }
             let (mut found, mut some) = (vec![], 0);
-            index.pairs_within(limit, is_first, is_second, |a, b, apart| found.push((a, b, apart)));
+            index.for_each_pair_within(limit, is_first, is_second, |a, b, apart| found.push((a, b, apart)));
             prop_assert!(found.is_sorted_by_key(|(a, ..)| *a));
             expected.sort_by_key(|(a, b, _)| (*a, *b));
             found.sort_by_key(|(a, b, _)| (*a, *b));
             prop_assert_eq!(&found, &expected);
-            index.pairs_within(limit, is_first, is_second, |_, _, _| { some += 1; ControlFlow::Break(()) });
+            index.for_each_pair_within(limit, is_first, is_second, |_, _, _| { some += 1; ControlFlow::Break(()) });
             prop_assert_eq!(some, found.len().min(1));
         }
     }
@@ -270,7 +270,7 @@ fn of_equals_the_lowest_handle_wins() {
 fn callbacks_may_stop() {
     for index in heap() {
         let mut count = 0;
-        index.cast_all(&RayCast3d::new(Vec3::ZERO, Dir3::X, 10.0), |_| {
+        index.for_each_hit(&RayCast3d::new(Vec3::ZERO, Dir3::X, 10.0), |_| {
             count += 1;
             if count == 7 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });

@@ -44,7 +44,7 @@ impl StressScene {
         Self::Rooms,
     ];
 
-    /// The name in lower case, by which [`FromStr`] knows the scene.
+    /// Returns the name in lower case, by which [`FromStr`] knows the scene.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -68,7 +68,7 @@ impl fmt::Display for StressScene {
     }
 }
 
-/// The name of a scene that does not exist.
+/// The error of a name that is no scene's.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("unknown scene `{0}`: expected one of {names}", names = StressScene::ALL.map(StressScene::name).join(", "))]
 pub struct UnknownScene(pub String);

@@ -4,7 +4,7 @@ use bevy::math::{Vec3A, bounding::Aabb3d};
 use fastrand::Rng;
 
 use super::random::shuffle;
-use crate::scene::{Plane, TestSet};
+use crate::scene::test_set::{Plane, TestSet};
 
 /// Two planes of cubes. A cube turns round where it meets the one opposite, and again where it came from, for ever.
 #[derive(Clone, Debug)]

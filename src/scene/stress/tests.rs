@@ -1,3 +1,5 @@
+use bevy::math::bounding::Aabb3d;
+
 use super::*;
 
 fn same_bits(a: &Aabb3d, b: &Aabb3d) -> bool {

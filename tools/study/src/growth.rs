@@ -5,7 +5,7 @@
 use std::time::{Duration, Instant};
 
 use bevy_octree::{
-    broad_phase::{Method, ProxyId, SpatialIndex},
+    broad_phase::{BroadPhaseMethod, ProxyId, SpatialIndex},
     scene::stress::{StressScene, StressSimulation},
 };
 use clap::Args;
@@ -32,8 +32,8 @@ pub struct Arguments {
     #[arg(long, value_delimiter = ',', default_values_t = [StressScene::Brownian, StressScene::Gravity])]
     scenes: Vec<StressScene>,
     /// The broad phases: auto, linear, object or exhaustive.
-    #[arg(long, value_delimiter = ',', default_values_t = [Method::Auto])]
-    engines: Vec<Method>,
+    #[arg(long, value_delimiter = ',', default_values_t = [BroadPhaseMethod::Auto])]
+    engines: Vec<BroadPhaseMethod>,
     /// How many objects, from few to many.
     #[arg(long, value_delimiter = ',', default_values_t = [1_000, 4_000, 16_000, 64_000, 250_000, 1_000_000])]
     objects: Vec<usize>,
@@ -89,7 +89,7 @@ struct Tick {
     pairs: f64,
 }
 
-fn tick(arguments: &Arguments, scene: StressScene, engine: &Method, objects: usize) -> Outcome<Tick> {
+fn tick(arguments: &Arguments, scene: StressScene, engine: &BroadPhaseMethod, objects: usize) -> Outcome<Tick> {
     let mut simulation = StressSimulation::new(scene, objects, arguments.seed);
     let mut index = SpatialIndex::new(engine);
     let ids = spawn(&mut index, &simulation)?;
@@ -124,7 +124,7 @@ fn tick(arguments: &Arguments, scene: StressScene, engine: &Method, objects: usi
 ///
 /// All builds are made in one index, and the first is not counted: whether the system maps fresh memory for each of
 /// them depends on the size, and would be measured instead.
-fn lifetime(arguments: &Arguments, scene: StressScene, engine: &Method, objects: usize) -> Outcome<[f64; 2]> {
+fn lifetime(arguments: &Arguments, scene: StressScene, engine: &BroadPhaseMethod, objects: usize) -> Outcome<[f64; 2]> {
     let simulation = StressSimulation::new(scene, objects, arguments.seed);
     let mut index = SpatialIndex::new(engine);
     let (mut builds, mut despawns) = (Vec::new(), Vec::new());

@@ -6,7 +6,7 @@ use std::{num::NonZero, path::PathBuf, time::Instant};
 
 use bevy::math::bounding::Aabb3d;
 use bevy_octree::{
-    broad_phase::{Method, ObjectOctreeSettings, ProxyId, SpatialIndex},
+    broad_phase::{BroadPhaseMethod, ObjectOctreeSettings, ProxyId, SpatialIndex},
     trace::TraceReader,
 };
 use clap::Args;
@@ -32,7 +32,7 @@ pub struct Arguments {
     /// The broad phase: `object` for the report's N-objects octree, `exhaustive`, or any other that the library knows.
     /// The library's default if not given.
     #[arg(long)]
-    engine: Option<Method>,
+    engine: Option<BroadPhaseMethod>,
     /// How many threads work.
     #[arg(long, default_value_t = NonZero::<usize>::MIN, allow_negative_numbers = true)]
     threads: NonZero<usize>,
@@ -77,9 +77,11 @@ pub fn run(arguments: &Arguments) -> Outcome {
     Ok(())
 }
 
-fn chosen_method(arguments: &Arguments) -> Outcome<Method> {
+fn chosen_method(arguments: &Arguments) -> Outcome<BroadPhaseMethod> {
     let method = match (arguments.engine.clone().unwrap_or_default(), arguments.max_objects) {
-        (Method::Octree(_), Some(max_objects)) => Method::Octree(ObjectOctreeSettings::with_max_objects(max_objects)),
+        (BroadPhaseMethod::ObjectOctree(_), Some(max_objects)) => {
+            BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(max_objects))
+        }
         (method, Some(_)) => return Err(format!("--max-objects is for the engine `object`, not for `{method}`").into()),
         (method, None) => method,
     };
@@ -99,7 +101,7 @@ struct Replay {
 }
 
 impl Replay {
-    fn new(method: &Method) -> Self {
+    fn new(method: &BroadPhaseMethod) -> Self {
         Self {
             index: SpatialIndex::new(method),
             objects: Vec::new(),

@@ -7,7 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use bevy_octree::{broad_phase::Method, scene::stress::StressScene};
+use bevy_octree::{broad_phase::BroadPhaseMethod, scene::stress::StressScene};
 use clap::Args;
 
 use crate::{
@@ -48,7 +48,7 @@ pub struct Arguments {
     /// The broad phase: `object` for the report's N-objects octree, `exhaustive`, or any other that the library knows.
     /// The library's default if not given.
     #[arg(long)]
-    method: Option<Method>,
+    method: Option<BroadPhaseMethod>,
     /// Instead of measuring --objects, look for the largest number of objects whose median frame takes at most 16.6 ms
     /// (up to 2 048 000 objects, in about two minutes at most), and measure that.
     #[arg(long)]

@@ -19,7 +19,7 @@ pub struct Setup {
     pub scene: StressScene,
     pub objects: usize,
     pub seed: u64,
-    pub method: Method,
+    pub method: BroadPhaseMethod,
 }
 
 /// An app with a stress scene in it, and the times of its frames.

@@ -134,7 +134,7 @@ mod tests {
     #[test]
     fn a_ratio_relates_the_fastest_right_peer_to_the_default() {
         let mut rows = vec![
-            row("octree", Role::Ours, 1.0),
+            row("object", Role::Ours, 1.0),
             row("grid", Role::Peer, 6.0),
             row("wrong", Role::Peer, 0.5),
             row("floor", Role::Floor, 0.1),

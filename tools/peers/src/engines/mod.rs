@@ -59,7 +59,7 @@ pub fn all() -> Vec<Entry> {
     vec![
         entry("auto", Role::Ours, || Box::new(ours::Ours::new("auto"))),
         entry("linear", Role::Ours, || Box::new(ours::Ours::new("linear"))),
-        entry("octree", Role::Ours, || Box::new(ours::Ours::new("octree"))),
+        entry("object", Role::Ours, || Box::new(ours::Ours::new("object"))),
         up_to(flat::MOST, entry("exhaustive", Role::Ours, || Box::new(ours::Ours::new("exhaustive")))),
         entry("parry", Role::Peer, || Box::new(parry::Incremental::new(parry::NO_SKIN))),
         entry("parry-skin", Role::Peer, || Box::new(parry::Incremental::new(parry::SKIN))),

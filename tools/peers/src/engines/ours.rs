@@ -1,7 +1,7 @@
 //! This crate, used as a game would: every box is set, one maintenance step, all pairs.
 
 use bevy::math::bounding::Aabb3d;
-use bevy_octree::broad_phase::{Method, ProxyId, SpatialIndex};
+use bevy_octree::broad_phase::{BroadPhaseMethod, ProxyId, SpatialIndex};
 
 use super::{Engine, Pair};
 
@@ -17,7 +17,7 @@ impl Ours {
     /// # Panics
     /// If there is no such method.
     pub fn new(method: &str) -> Self {
-        let method: Method = method.parse().expect("the engines of the list are methods");
+        let method: BroadPhaseMethod = method.parse().expect("the engines of the list are methods");
         Self { index: SpatialIndex::new(&method), ids: vec![] }
     }
 }

@@ -12,7 +12,7 @@ use bevy::{
     prelude::*,
     time::TimeUpdateStrategy,
 };
-use bevy_octree::broad_phase::{Method, SpatialIndex};
+use bevy_octree::broad_phase::{BroadPhaseMethod, SpatialIndex};
 use obvhs::{BvhBuildParams, bvh2::Bvh2, cwbvh::CwBvh};
 use parry3d::{
     bounding_volume::Aabb as ParryAabb,
@@ -82,7 +82,7 @@ pub fn all(boxes: &[Aabb3d]) -> Vec<Entry> {
     let entry = |name, role, engine| Entry { name, role, engine };
     vec![
         entry("auto", Role::Ours, Box::new(Ours::new(boxes, "auto"))),
-        entry("octree", Role::Ours, Box::new(Ours::new(boxes, "octree"))),
+        entry("object", Role::Ours, Box::new(Ours::new(boxes, "object"))),
         entry("parry", Role::Peer, Box::new(Parry::new(boxes))),
         entry("obvhs-bvh2", Role::Peer, Box::new(Obvhs2::new(boxes))),
         entry("obvhs-cwbvh", Role::Peer, Box::new(ObvhsWide::new(boxes))),
@@ -96,7 +96,7 @@ struct Ours(SpatialIndex);
 
 impl Ours {
     fn new(boxes: &[Aabb3d], method: &str) -> Self {
-        let method: Method = method.parse().expect("the engines of the list are methods");
+        let method: BroadPhaseMethod = method.parse().expect("the engines of the list are methods");
         let mut index = SpatialIndex::new(&method);
         for aabb in boxes {
             index.insert(*aabb).expect("the boxes are finite");
@@ -115,7 +115,7 @@ impl QueryEngine for Ours {
     fn regions(&mut self, regions: &[Aabb3d]) -> Option<Answer> {
         let mut answer = Answer::default();
         for region in regions {
-            self.0.overlapping(region, |id| answer.add(f64::from(id.get())));
+            self.0.for_each_overlapping(region, |id| answer.add(f64::from(id.get())));
         }
         Some(answer)
     }

@@ -7,7 +7,7 @@ use bevy_octree::{prelude::*, scene::TestSet};
 const TICKS_PER_SECOND: f32 = 64.0;
 
 /// An app in which each [`App::update`] is one tick, whatever the real time, with the cubes of a test set in it.
-pub fn app_with(set: &TestSet, method: Method) -> App {
+pub fn app_with(set: &TestSet, method: BroadPhaseMethod) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
         .insert_resource(BroadPhaseSettings { method, ..default() })

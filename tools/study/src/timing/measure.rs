@@ -32,12 +32,12 @@ impl Row {
         matches!(self, Self::Octree(_))
     }
 
-    fn method(self) -> Method {
-        let octree = |n| Method::Octree(ObjectOctreeSettings::with_max_objects(n));
+    fn method(self) -> BroadPhaseMethod {
+        let octree = |n| BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(n));
         match self {
             Self::Octree(n) => octree(n),
             Self::Big => octree(u32::MAX),
-            Self::Exhaustive => Method::Exhaustive,
+            Self::Exhaustive => BroadPhaseMethod::Exhaustive,
         }
     }
 }

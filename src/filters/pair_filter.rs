@@ -1,0 +1,35 @@
+//! What filters say of a pair, before the broad phase and after it.
+
+use bevy::prelude::*;
+
+use super::{
+    hooks,
+    ignore::{self, IgnoreCollisions},
+    layers::CollisionLayers,
+    markers::StaticCollider,
+};
+use crate::{
+    broad_phase::{Pair, PairFilter},
+    collision_index::CollisionIndex,
+    worlds::{self, InCollisionWorld},
+};
+
+/// What an entity's components say about the pairs that it makes.
+pub(crate) type FilterParts<'a> = (Option<&'a CollisionLayers>, Has<StaticCollider>, Option<&'a InCollisionWorld>);
+
+/// The same, for the broad phase.
+pub(crate) fn filter(
+    (layers, is_static, world): (Option<&CollisionLayers>, bool, Option<&InCollisionWorld>),
+) -> PairFilter {
+    let world = world.map_or(PairFilter::DEFAULT_WORLD, |world| worlds::number(world.0));
+    let mut filter = PairFilter { is_static, world, ..PairFilter::default() };
+    layers.copied().unwrap_or_default().put_into(&mut filter);
+    filter
+}
+
+/// May these two meet, by lists and hooks? For pairs that come up after the broad phase.
+pub(crate) fn may_meet(world: &mut World, pair: Pair) -> bool {
+    let entities = world.resource::<CollisionIndex>().entities(pair);
+    !ignore::ignore_each_other(entities, |entity| world.get::<IgnoreCollisions>(entity))
+        && hooks::admit(world, entities)
+}

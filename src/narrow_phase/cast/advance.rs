@@ -1,0 +1,135 @@
+//! Conservative advancement: two of which one turns go on for as long as they cannot possibly meet.
+
+use bevy::math::Vec3;
+
+use super::moments::Moments;
+use crate::narrow_phase::{
+    answer::{Contact, Proximity, TimedContact},
+    frame::{
+        placed::{Placed, PlacedPair},
+        workspace::Workspace,
+    },
+};
+
+/// So often may two that turn look how far they are from each other; after that, they go on by steps of no less than
+/// [`LEAST_STEP`] of the way that is left.
+const LOOKS: u32 = 64;
+
+/// So often do they look at most. What is left of the way is gone long before, for no step is less than the next number.
+const MOST_LOOKS: u32 = 4 * LOOKS;
+
+/// See [`LOOKS`]: it is two that pass each other within a hair's breadth that get there.
+const LEAST_STEP: f32 = 1.0 / 64.0;
+
+/// The first meeting of two of which one turns, which are apart at `from`.
+pub fn first_meeting(moments: Moments, from: f32, workspace: &mut Workspace) -> Option<TimedContact> {
+    let mut advance = Advance::new(moments, from);
+    while advance.looks < MOST_LOOKS && advance.time <= 1.0 {
+        match advance.step(workspace) {
+            Step::Apart => {}
+            Step::Parting => return None,
+            Step::Touching(near) => return Some(advance.meeting(near, workspace)),
+        }
+    }
+    None
+}
+
+/// Two on their way, from one moment to the next.
+struct Advance<'a> {
+    moments: Moments<'a>,
+    /// How fast the first comes to the second, per whole way, but for turns.
+    velocity: Vec3,
+    /// How much faster turns may bring the two together.
+    turning: f32,
+    /// Between two convex shapes that are apart there is a plane, and what counts is how fast they come to it.
+    have_plane: bool,
+    /// At least what rounding leaves uncertain at the size of the two.
+    tolerance: f32,
+    /// When it begins.
+    from: f32,
+    /// The moment that is looked at next; the two have not met before, or not for long.
+    time: f32,
+    /// The moment before that one, at which the two were apart.
+    last: f32,
+    /// How often they have looked.
+    looks: u32,
+    /// The last step was longer than was safe: the two may have met on it.
+    overshot: bool,
+}
+
+/// What a look at a moment says.
+enum Step {
+    /// They are apart; there is a next moment.
+    Apart,
+    /// They are apart, and will be.
+    Parting,
+    /// They are in contact. How near they are, where that is known.
+    Touching(Option<Proximity>),
+}
+
+impl<'a> Advance<'a> {
+    fn new(moments: Moments<'a>, from: f32) -> Self {
+        let [a, b] = [moments.a, moments.b].map(|moving| Placed::new(moving.shape(), &moving.end));
+        let tolerance = moments.tests.tolerance();
+        Self {
+            moments,
+            velocity: moments.velocity(),
+            turning: moments.turning_speed(),
+            have_plane: moments.are_convex(),
+            tolerance: PlacedPair::new(a, b, tolerance).map_or(tolerance, |pair| pair.tolerance),
+            from,
+            time: from,
+            last: from,
+            looks: 0,
+            overshot: false,
+        }
+    }
+
+    /// Looks how far the two are from each other, and goes on to the moment up to which they cannot meet.
+    fn step(&mut self, workspace: &mut Workspace) -> Step {
+        let near = self.moments.closest_points(self.time, workspace);
+        let touching = match &near {
+            Some(near) => near.distance <= self.tolerance,
+            // Parry does not always find an answer.
+            None => self.moments.touches(self.time, workspace),
+        };
+        if touching {
+            return Step::Touching(near);
+        }
+        let free = match &near {
+            Some(near) => match self.free_time(near) {
+                Some(free) => free,
+                None => return Step::Parting,
+            },
+            None => 0.0,
+        };
+        let hurries = self.looks >= LOOKS || near.is_none();
+        let least = if hurries { LEAST_STEP * (1.0 - self.from) } else { 0.0 };
+        // A step that rounding swallows is none: the next number is the least.
+        let step = free.max(least).max(self.time.next_up() - self.time);
+        self.overshot = free < step;
+        (self.last, self.time) = (self.time, self.time + step);
+        self.looks += 1;
+        Step::Apart
+    }
+
+    /// For how long two that are so near cannot meet; `None` if they never do.
+    fn free_time(&self, near: &Proximity) -> Option<f32> {
+        let towards = self.velocity.dot(near.offset / near.distance);
+        let closing = self.turning + if self.have_plane { towards } else { self.velocity.length() };
+        let free = (near.distance - 0.5 * self.tolerance) / closing;
+        (closing > 0.0 && free.is_finite()).then_some(free)
+    }
+
+    /// How the two meet that are in contact at the moment, or were since the last one.
+    fn meeting(&self, near: Option<Proximity>, workspace: &mut Workspace) -> TimedContact {
+        debug_assert!(self.last <= self.time, "{} {}", self.last, self.time);
+        let time = if self.overshot { self.moments.narrow([self.time, self.last], workspace)[0] } else { self.time };
+        self.moments.touch(time, workspace).unwrap_or_else(|| {
+            // Within the tolerance, but for rounding.
+            let normal = near.and_then(|near| near.offset.try_normalize()).unwrap_or(Vec3::Y);
+            let point = near.map_or(self.moments.b.at(time).translation, |near| near.points[1]);
+            TimedContact { time, contact: Contact { normal, point, depth: 0.0 } }
+        })
+    }
+}

@@ -1,0 +1,83 @@
+//! Two shapes on their way, at single moments.
+
+use bevy::math::Vec3;
+
+use super::moving::Moving;
+use crate::narrow_phase::{
+    answer::{Proximity, TimedContact},
+    frame::{approach::approach, placed::Placed, workspace::Workspace},
+    settings::NarrowPhase,
+};
+
+/// How often an interval is halved in search of a moment.
+const HALVINGS: u32 = 10;
+
+/// Two shapes on their way, which can be asked about any moment: a share of the way, 0 to 1.
+#[derive(Clone, Copy)]
+pub struct Moments<'a> {
+    pub tests: &'a NarrowPhase,
+    pub a: &'a Moving<'a>,
+    pub b: &'a Moving<'a>,
+}
+
+impl Moments<'_> {
+    /// Asks about the two where they are at a moment.
+    fn at<T>(&self, time: f32, ask: impl FnOnce(Placed, Placed) -> T) -> T {
+        let Self { a, b, .. } = self;
+        ask(Placed::new(a.shape(), &a.at(time)), Placed::new(b.shape(), &b.at(time)))
+    }
+
+    /// How fast, per whole way, the first comes to the second.
+    pub fn velocity(&self) -> Vec3 {
+        self.a.way() - self.b.way()
+    }
+
+    /// How fast, per whole way, the parts of the two that turning moves fastest may come together.
+    pub fn turning_speed(&self) -> f32 {
+        self.a.turning_speed() + self.b.turning_speed()
+    }
+
+    pub fn turn(&self) -> bool {
+        self.a.turns() || self.b.turns()
+    }
+
+    /// Is there a plane between the two wherever they are apart?
+    pub fn are_convex(&self) -> bool {
+        [self.a, self.b].iter().all(|moving| moving.shape().kind().is_convex())
+    }
+
+    /// The contact at a moment.
+    pub fn touch(&self, time: f32, workspace: &mut Workspace) -> Option<TimedContact> {
+        let velocity = |point| self.a.velocity_at(time, point) - self.b.velocity_at(time, point);
+        let contact = self.at(time, |a, b| self.tests.contact_in_passing(a, b, velocity, workspace))?;
+        Some(TimedContact { time, contact })
+    }
+
+    pub fn touches(&self, time: f32, workspace: &mut Workspace) -> bool {
+        self.at(time, |a, b| self.tests.intersects(a, b, workspace))
+    }
+
+    pub fn closest_points(&self, time: f32, workspace: &mut Workspace) -> Option<Proximity> {
+        self.at(time, |a, b| self.tests.closest_points(a, b, workspace))
+    }
+
+    /// Of all normals that part the two, which touch at a moment, the one along which they come nearer to each other the
+    /// least.
+    pub fn normal_in_passing(&self, time: f32, normal: Vec3, workspace: &mut Workspace) -> Vec3 {
+        self.at(time, |a, b| self.tests.normal_in_passing(a, b, normal, self.velocity(), workspace))
+    }
+
+    /// Between a moment at which the two are in contact and one at which they are not: two such, close to each other.
+    pub fn narrow(&self, times: [f32; 2], workspace: &mut Workspace) -> [f32; 2] {
+        (0..HALVINGS).fold(times, |[touching, free], _| {
+            let middle = touching.midpoint(free);
+            if self.touches(middle, workspace) { [middle, free] } else { [touching, middle] }
+        })
+    }
+
+    /// Do the two come nearer to each other where they meet?
+    pub fn come_nearer(&self, met: &TimedContact) -> bool {
+        let velocities = [self.a, self.b].map(|moving| moving.velocity_at(met.time, met.contact.point));
+        approach(velocities, met.contact.normal)
+    }
+}

@@ -1,0 +1,115 @@
+//! Shapes on their way.
+
+use bevy::math::Vec3;
+use bevy::math::bounding::{Aabb3d, BoundingVolume};
+use bevy::transform::components::Transform;
+
+use crate::narrow_phase::{
+    error::BoundsError,
+    frame::{oriented_box::OrientedBox, placed::Placed},
+    settings::NarrowPhase,
+    shape::Shape,
+};
+
+/// A shape on its way: from one position to another in a straight line, at constant speed, turning at a constant rate by
+/// the shorter way.
+///
+/// Its size is that which it has at the end, all the way.
+#[derive(Clone, Copy, Debug)]
+pub struct Moving<'a> {
+    shape: &'a Shape,
+    pub(super) start: Transform,
+    pub(super) end: Transform,
+}
+
+impl<'a> Moving<'a> {
+    /// Makes a shape move from `start` to `end`.
+    #[must_use]
+    pub fn new(shape: &'a Shape, start: &Transform, end: &Transform) -> Self {
+        Self { shape, start: start.with_scale(end.scale), end: *end }
+    }
+
+    /// Makes a shape stay where it is.
+    #[must_use]
+    pub fn resting(placed: Placed<'a>) -> Self {
+        Self::new(placed.shape, placed.transform, placed.transform)
+    }
+
+    /// Returns the shape that moves.
+    #[must_use]
+    pub const fn shape(&self) -> &'a Shape {
+        self.shape
+    }
+
+    /// Returns where the shape is after a share of its way, 0 to 1.
+    #[must_use]
+    pub fn at(&self, time: f32) -> Transform {
+        let rotation =
+            if self.turns() { self.start.rotation.slerp(self.end.rotation, time) } else { self.end.rotation };
+        Transform { translation: self.start.translation + self.way() * time, rotation, scale: self.end.scale }
+    }
+
+    /// From the start to the end, but for turns.
+    pub(super) fn way(&self) -> Vec3 {
+        self.end.translation - self.start.translation
+    }
+
+    pub(super) fn turns(&self) -> bool {
+        self.start.rotation != self.end.rotation
+    }
+
+    /// What is left of the way after a share of it.
+    pub(crate) fn after(&self, time: f32) -> Self {
+        Self { start: self.at(time), ..*self }
+    }
+
+    /// Turning as it does, on another way.
+    pub(crate) fn along(self, from: Vec3, to: Vec3) -> Self {
+        let (start, end) = (Transform { translation: from, ..self.start }, Transform { translation: to, ..self.end });
+        Self { start, end, ..self }
+    }
+
+    /// The axis about which it turns, in its origin, times the angle in radians.
+    fn turn(&self) -> Vec3 {
+        if !self.turns() {
+            return Vec3::ZERO;
+        }
+        let turn = self.end.rotation.normalize() * self.start.rotation.normalize().inverse();
+        let shorter = if turn.w < 0.0 { -turn } else { turn };
+        shorter.to_scaled_axis()
+    }
+
+    /// How fast, per whole way, the part of it moves that turning moves fastest; infinite if it has no end.
+    pub(super) fn turning_speed(&self) -> f32 {
+        if self.turns() { self.turn().length() * self.reach().unwrap_or(f32::INFINITY) } else { 0.0 }
+    }
+
+    /// How fast, per whole way, a point moves that is part of the shape after a share of it.
+    pub(crate) fn velocity_at(&self, time: f32, point: Vec3) -> Vec3 {
+        self.way() + self.turn().cross(point - self.at(time).translation)
+    }
+
+    /// How far the shape reaches from the point about which it turns.
+    fn reach(&self) -> Result<f32, BoundsError> {
+        let around_origin = OrientedBox::of(self.shape, &self.end, self.end.translation)?;
+        Ok(around_origin.center.length() + around_origin.radius)
+    }
+}
+
+impl NarrowPhase {
+    /// Returns the box to feed to a broad phase for all of a shape's way: see [`world_aabb`](Self::world_aabb). The smallest one if
+    /// the shape does not turn.
+    ///
+    /// # Errors
+    /// As for [`Shape::world_aabb`].
+    #[doc(alias = "aabb")]
+    pub fn swept_aabb(&self, moving: &Moving) -> Result<Aabb3d, BoundsError> {
+        // Whatever a shape turns through is in a ball around the point that it turns about.
+        let ball = if moving.turns() { Some(Shape::Sphere { radius: moving.reach()? }) } else { None };
+        let aabb = |at: &Transform| match &ball {
+            Some(ball) => self.world_aabb(Placed::new(ball, &Transform::from_translation(at.translation))),
+            None => self.world_aabb(Placed::new(moving.shape, at)),
+        };
+        Ok(aabb(&moving.start)?.merge(&aabb(&moving.end)?))
+    }
+}

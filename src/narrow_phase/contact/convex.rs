@@ -1,0 +1,71 @@
+//! The axis along which two convex solids overlap least.
+
+use bevy::math::Vec3A;
+
+use crate::narrow_phase::{
+    answer::LocalContact,
+    frame::{
+        common_point::mean_touch,
+        edge_polygon,
+        placed::PlacedPair,
+        surface::{PlacedFace, Surface},
+        workspace::Workspace,
+    },
+};
+
+/// Up to so many pairs of edges, their cross products are tried as axes.
+const MOST_EDGE_PAIRS: usize = 1024;
+/// How much less the overlap along a later axis has to be to be preferred, as a share of the pair's
+/// size.
+const BIAS: f32 = 1e-3;
+
+/// The contact of two convex shapes made of polygons, cuboids among them.
+pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
+    let meeting = mean_touch(pair, workspace);
+    edge_polygon::fill_all(pair, workspace)?;
+    let [a, b] = &workspace.surfaces;
+    let bias = BIAS * (pair.box_a.radius + pair.box_b.radius);
+    let (normal, gap) = least_overlap(a, b, bias)?;
+    let (a, b) = (&pair.box_a, &pair.box_b);
+    let smaller = if b.radius < a.radius { b } else { a };
+    Some(LocalContact {
+        normal,
+        // One inside the other: nothing crosses.
+        point: meeting.unwrap_or(smaller.center),
+        depth: (-gap).max(0.0),
+    })
+}
+
+/// The unit axis from the first to the second of the greatest gap (the least overlap), and that
+/// gap.
+fn least_overlap(a: &Surface, b: &Surface, bias: f32) -> Option<(Vec3A, f32)> {
+    let mut best: Option<(Vec3A, f32)> = None;
+    let mut consider = |axis: Vec3A| {
+        let gap = a.gap(b, axis);
+        if best.is_none_or(|(_, widest)| gap > widest + bias) {
+            best = Some((axis, gap));
+        }
+    };
+    // A polygon that was flattened has no normal.
+    let normals = |faces: &[PlacedFace], turn: f32, consider: &mut dyn FnMut(Vec3A)| {
+        let normals = faces.iter().map(|face| face.normal * turn);
+        normals.filter(|n| *n != Vec3A::ZERO).for_each(consider);
+    };
+    normals(&a.faces, 1.0, &mut consider);
+    normals(&b.faces, -1.0, &mut consider);
+    if a.edges.len() * b.edges.len() <= MOST_EDGE_PAIRS {
+        for one in &a.edges {
+            for other in &b.edges {
+                let (u, v) = (one.ends[1] - one.ends[0], other.ends[1] - other.ends[0]);
+                let cross = u.cross(v);
+                // Edges that are nearly parallel span no plane.
+                if cross.length_squared() > 1e-4 * u.length_squared() * v.length_squared() {
+                    let axis = cross.normalize();
+                    consider(axis);
+                    consider(-axis);
+                }
+            }
+        }
+    }
+    best
+}

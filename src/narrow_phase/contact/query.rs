@@ -1,0 +1,160 @@
+//! Where, which way and how deep two shapes meet.
+
+use bevy::math::Vec3A;
+
+use super::{convex, sphere};
+use crate::narrow_phase::{
+    answer::{Contact, LocalContact},
+    error::BoundsError,
+    frame::{
+        case::Case,
+        common_point::{common_point, mean_touch},
+        edge_polygon::{self, Touch},
+        large::Smaller,
+        placed::{Placed, PlacedPair, in_order},
+        separation::Separation,
+        workspace::Workspace,
+    },
+    parry,
+    settings::NarrowPhase,
+};
+
+impl NarrowPhase {
+    /// Returns the contact of two shapes: some if and only if they [intersect](Self::intersects), which
+    /// counts the stages once.
+    ///
+    /// Swapping the two turns the normal around exactly and changes nothing else, unless they are
+    /// equal in all things, position included. The normal is
+    ///
+    /// * for two cuboids or convex meshes, the axis along which they overlap least; normals of
+    ///   faces are preferred to products of edges that are hardly better (and only they are tried
+    ///   if the two meshes have more than 1 024 pairs of edges), those of one shape to those of the
+    ///   other;
+    /// * for a sphere, the direction of the closest point of the other shape;
+    /// * for other meshes, an approximation: the mean normal of the polygons that are crossed. The
+    ///   depth is then how far the crossing reaches along it;
+    /// * for Rapier shapes, that along which they overlap least; of shapes that consist of parts, that of the two that are
+    ///   deepest in each other;
+    /// * where all that fails (a mesh inside another, without crossing), the direction from centre
+    ///   to centre, and +Y if these coincide. The depth is then the overlap of the two boxes that
+    ///   way.
+    #[doc(alias = "penetration")]
+    #[must_use]
+    pub fn contact(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Contact> {
+        if !self.intersects(a, b, workspace) {
+            return None;
+        }
+        let (first, second, swapped) = in_order(a, b);
+        let origin = Vec3A::from(first.transform.translation);
+        let found = match PlacedPair::new(first, second, self.tolerance()) {
+            Ok(pair) if pair.is_large() => {
+                let found =
+                    self.large_contact(&pair, workspace).map(|found| if swapped { found.reversed() } else { found });
+                if found.is_some() {
+                    return found;
+                }
+                local_contact(&pair, workspace)
+            }
+            Ok(pair) => local_contact(&pair, workspace),
+            Err(BoundsError::Unbounded) => unbounded(first, second, self.tolerance()),
+            // So large that squares are beyond all numbers.
+            Err(BoundsError::NonFinite) => straight(first, second),
+        };
+        let found = if swapped { found.reversed() } else { found };
+        Some(Contact { normal: found.normal.into(), point: (origin + found.point).into(), depth: found.depth })
+    }
+}
+
+/// # Of what is large
+impl NarrowPhase {
+    /// That of two shapes of ours at a smaller scale, in the order in which pairs are computed.
+    #[cold]
+    fn large_contact(&self, pair: &PlacedPair, workspace: &mut Workspace) -> Option<Contact> {
+        // The stages have been counted.
+        let counters = workspace.counters;
+        let found = match Smaller::of(pair, self) {
+            Some(smaller) => {
+                let [a, b] = smaller.placed(pair);
+                let found = smaller.tests.contact(a, b, workspace);
+                let larger = |found: Contact| Contact {
+                    point: found.point * smaller.factor,
+                    depth: (found.depth * smaller.factor).min(f32::MAX),
+                    ..found
+                };
+                found.map(larger)
+            }
+            None => parry::with_own(pair.a, pair.b, |a, b| self.contact(a, b, workspace)).flatten(),
+        };
+        workspace.counters = counters;
+        found
+    }
+}
+
+fn local_contact(pair: &PlacedPair, workspace: &mut Workspace) -> LocalContact {
+    let found = match pair.case() {
+        Case::Spheres => sphere::spheres(pair),
+        Case::SphereFirst => sphere::sphere_other(pair, workspace),
+        Case::SphereSecond => sphere::sphere_other(&pair.swapped(), workspace).map(LocalContact::reversed),
+        Case::Cuboids => cuboids(pair, workspace),
+        Case::Convex => convex::contact(pair, workspace),
+        Case::Polygons => meshes(pair, workspace),
+        Case::Foreign => foreign(pair, workspace),
+    };
+    found.unwrap_or_else(|| from_centers(pair))
+}
+
+/// Two of which one is of Rapier's.
+fn foreign(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
+    let cuboids = parry::with_own_cuboids(pair, |pair| cuboids(pair, workspace));
+    cuboids.unwrap_or_else(|| parry::contact(pair.a, pair.b, pair.tolerance))
+}
+
+fn cuboids(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
+    let found = Separation::of(&pair.box_a, &pair.box_b, f32::INFINITY)?;
+    let point = common_point(pair).or_else(|| mean_touch(pair, workspace));
+    Some(LocalContact { normal: found.axis, point: point?, depth: (-found.along).max(0.0) })
+}
+
+/// Meshes of any form: the mean of all crossings.
+fn meshes(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
+    let (mut count, mut points, mut normals) = (0.0, Vec3A::ZERO, Vec3A::ZERO);
+    edge_polygon::touches(pair, workspace, |Touch { point, normal, .. }| {
+        count += 1.0;
+        points += point;
+        normals += normal;
+    });
+    // Normals that cancel out leave rounding behind, and no direction.
+    let normal = normals.try_normalize().filter(|_| normals.length() > 1e-3 * count);
+    let normal = normal.unwrap_or_else(|| center_direction(pair));
+    let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+    edge_polygon::touches(pair, workspace, |hit| {
+        low = low.min(hit.point.dot(normal));
+        high = high.max(hit.point.dot(normal));
+    });
+    (count > 0.0).then(|| LocalContact { normal, point: points / count, depth: high - low })
+}
+
+fn center_direction(pair: &PlacedPair) -> Vec3A {
+    let offset = pair.box_b.center - pair.box_a.center;
+    offset.try_normalize().unwrap_or(Vec3A::Y)
+}
+
+/// The last resort: the boxes, from centre to centre.
+fn from_centers(pair: &PlacedPair) -> LocalContact {
+    let (a, b) = (&pair.box_a, &pair.box_b);
+    let normal = center_direction(pair);
+    let extents = a.extent(normal) + b.extent(normal);
+    let smaller = if b.radius < a.radius { b } else { a };
+    LocalContact { normal, point: smaller.center, depth: (extents - (b.center - a.center).dot(normal)).max(0.0) }
+}
+
+/// Of which one has no bounds.
+fn unbounded(a: Placed, b: Placed, tolerance: f32) -> LocalContact {
+    parry::contact(a, b, tolerance).unwrap_or_else(|| straight(a, b))
+}
+
+/// From position to position, for want of bounds.
+fn straight(a: Placed, b: Placed) -> LocalContact {
+    let offset = Vec3A::from(b.transform.translation - a.transform.translation);
+    LocalContact { normal: offset.try_normalize().unwrap_or(Vec3A::Y), point: offset * 0.5, depth: 0.0 }
+}

@@ -1,0 +1,60 @@
+//! Where a sphere meets another shape.
+
+use bevy::math::Vec3A;
+
+use crate::narrow_phase::{
+    answer::LocalContact,
+    frame::{edge_polygon, placed::PlacedPair, separation::sign, workspace::Workspace},
+    shape::Kind,
+};
+
+/// Two spheres.
+pub fn spheres(pair: &PlacedPair) -> Option<LocalContact> {
+    let (a, b) = (&pair.box_a, &pair.box_b);
+    let offset = b.center - a.center;
+    let normal = offset.try_normalize()?;
+    let gap = offset.length() - (a.radius + b.radius);
+    Some(LocalContact {
+        normal,
+        // Halfway between the two surfaces.
+        point: a.center + normal * (a.radius + 0.5 * gap),
+        depth: (-gap).max(0.0),
+    })
+}
+
+/// A sphere, the first of the pair, and a shape made of polygons.
+pub fn sphere_other(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
+    let center = pair.box_a.center;
+    let radius = pair.box_a.radius;
+    let (point, outwards, inside) = match pair.b.shape.kind() {
+        Kind::Cuboid => sphere_cuboid(pair),
+        _ => {
+            let (closest, inside) = edge_polygon::sphere_closest(pair, workspace)?;
+            (closest.point, closest.normal, inside)
+        }
+    };
+    let offset = point - center;
+    let distance = offset.length();
+    // From the sphere to the other: the way to the surface, or back from it if the centre is
+    // inside.
+    let towards = offset.try_normalize().filter(|_| distance > pair.tolerance);
+    let (normal, depth) = match (towards, inside) {
+        (Some(towards), false) => (towards, radius - distance),
+        (Some(towards), true) => (-towards, radius + distance),
+        (None, _) => (-outwards, radius),
+    };
+    Some(LocalContact { normal: normal.try_normalize()?, point, depth: depth.max(0.0) })
+}
+
+/// The point on a cuboid closest to the centre of a sphere, its normal, and whether the centre is
+/// inside.
+fn sphere_cuboid(pair: &PlacedPair) -> (Vec3A, Vec3A, bool) {
+    let (center, cuboid) = (pair.box_a.center, &pair.box_b);
+    let local = cuboid.axes.transpose() * (center - cuboid.center);
+    let axis = (local.abs() - cuboid.half).max_position();
+    let outwards = cuboid.axes.col(axis) * sign(local[axis]);
+    let inside = local.abs().cmple(cuboid.half).all();
+    let point =
+        if inside { center + outwards * (cuboid.half[axis] - local[axis].abs()) } else { cuboid.closest_point(center) };
+    (point, outwards, inside)
+}

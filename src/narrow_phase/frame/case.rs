@@ -1,0 +1,82 @@
+//! Who meets whom: the one table of which test is for which two shapes.
+
+use super::placed::PlacedPair;
+use crate::narrow_phase::shape::{Kind, Shape};
+
+/// Which way a pair is computed, whatever is asked about it.
+///
+/// | first \\ second | sphere | cuboid | convex | mesh | Rapier's |
+/// |---|---|---|---|---|---|
+/// | sphere | `Spheres` | `SphereFirst` | `SphereFirst` | `SphereFirst` | `Foreign` |
+/// | cuboid | `SphereSecond` | `Cuboids` | `Convex` | `Polygons` | `Foreign` |
+/// | convex | `SphereSecond` | `Convex` | `Convex` | `Polygons` | `Foreign` |
+/// | mesh | `SphereSecond` | `Polygons` | `Polygons` | `Polygons` | `Foreign` |
+/// | Rapier's | `Foreign` | `Foreign` | `Foreign` | `Foreign` | `Foreign` |
+///
+/// Each exact test has one `match` of it, without a `_`: a new kind of shape gets a row and a column here, and if these need
+/// a new case, the compiler asks every test for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Case {
+    Spheres,
+    /// A sphere and a shape made of polygons.
+    SphereFirst,
+    /// A shape made of polygons and a sphere.
+    SphereSecond,
+    Cuboids,
+    /// Two convex shapes made of polygons, but for two cuboids.
+    Convex,
+    /// Two shapes made of polygons, of which one may be of any form.
+    Polygons,
+    /// Two of which one is of Rapier's: parry decides.
+    Foreign,
+}
+
+impl Case {
+    #[inline]
+    pub fn of(a: &Shape, b: &Shape) -> Self {
+        use Kind::{Convex, Cuboid, Foreign, Mesh, Sphere};
+        match (a.kind(), b.kind()) {
+            (Foreign, _) | (_, Foreign) => Self::Foreign,
+            (Sphere, Sphere) => Self::Spheres,
+            (Sphere, Cuboid | Convex | Mesh) => Self::SphereFirst,
+            (Cuboid | Convex | Mesh, Sphere) => Self::SphereSecond,
+            (Cuboid, Cuboid) => Self::Cuboids,
+            (Cuboid, Convex) | (Convex, Cuboid | Convex) => Self::Convex,
+            (Mesh, Cuboid | Convex | Mesh) | (Cuboid | Convex, Mesh) => Self::Polygons,
+        }
+    }
+}
+
+impl PlacedPair<'_> {
+    /// Which way the two are computed.
+    #[inline]
+    pub fn case(&self) -> Case {
+        Case::of(self.a.shape, self.b.shape)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::narrow_phase::tests::{box_of, mesh_of};
+    use bevy::math::Vec3;
+
+    #[test]
+    fn swapping_two_swaps_the_case() {
+        let convex = match mesh_of(Vec3::ONE) {
+            Shape::Mesh(mesh) => crate::narrow_phase::ConvexMesh::new((*mesh).clone()).unwrap().into(),
+            _ => unreachable!(),
+        };
+        let shapes = [box_of(1.0, 1.0, 1.0), Shape::Sphere { radius: 1.0 }, convex, mesh_of(Vec3::ONE)];
+        for a in &shapes {
+            for b in &shapes {
+                let swapped = match Case::of(b, a) {
+                    Case::SphereFirst => Case::SphereSecond,
+                    Case::SphereSecond => Case::SphereFirst,
+                    case => case,
+                };
+                assert_eq!(Case::of(a, b), swapped, "{a:?} {b:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! The last stage: every edge of one mesh against every polygon of the other, both ways, then the
+//! question whether one is inside the other.
+
+use std::ops::ControlFlow;
+
+use bevy::math::Vec3A;
+
+use super::oriented_box::OrientedBox;
+use super::placed::PlacedPair;
+use super::surface::{ClosestPoint, LocalAabb, PlacedFace, Surface};
+use super::workspace::Workspace;
+use crate::narrow_phase::mesh::polygon_mesh::PolygonMesh;
+
+/// Where an edge of one mesh comes as close to a polygon of the other as the tolerance.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    pub point: Vec3A,
+    /// The normal of the polygon, turned to point from the first mesh to the second.
+    pub normal: Vec3A,
+    /// Is the edge one of the first mesh?
+    pub of_first: bool,
+    pub edge: [Vec3A; 2],
+    pub face: PlacedFace,
+}
+
+/// Whether two shapes made of polygons are in contact. False if one is not.
+pub fn intersects(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
+    let Some(meshes) = fill(pair, workspace) else {
+        return false;
+    };
+    let stop = |_| ControlFlow::Break(());
+    for_each_touch(meshes, workspace, pair.tolerance, stop).is_break() || nested(pair, meshes, workspace).is_some()
+}
+
+/// Calls `visit` with all points where the surfaces of two shapes made of polygons meet.
+pub fn touches(pair: &PlacedPair, workspace: &mut Workspace, mut visit: impl FnMut(Touch)) {
+    if let Some(meshes) = fill(pair, workspace) {
+        let go_on = |hit| {
+            visit(hit);
+            ControlFlow::<()>::Continue(())
+        };
+        let _ = for_each_touch(meshes, workspace, pair.tolerance, go_on);
+    }
+}
+
+/// Whether a sphere, the first of the pair, is in contact with a shape made of polygons.
+pub fn sphere_intersects(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
+    let sphere = &pair.box_a;
+    let limit = sphere.radius + pair.tolerance;
+    fill_second_near(pair, workspace).is_some_and(|(mesh, surface)| {
+        let closest = surface.closest_point(mesh, sphere.center);
+        closest.is_some_and(|closest| closest.distance <= limit) || surface.encloses(mesh, sphere.center)
+    })
+}
+
+/// The point on a mesh, the second of the pair, that is closest to the centre of a sphere, the
+/// first; and whether the centre is inside the mesh.
+pub fn sphere_closest(pair: &PlacedPair, workspace: &mut Workspace) -> Option<(ClosestPoint, bool)> {
+    let (mesh, surface) = fill_second(pair, &LocalAabb::EVERYWHERE, workspace)?;
+    let center = pair.box_a.center;
+    let closest = surface.closest_point(mesh, center)?;
+    Some((closest, surface.encloses(mesh, center)))
+}
+
+/// Whether a point is inside a closed mesh, the second of the pair.
+#[cfg_attr(not(feature = "rapier"), expect(dead_code, reason = "asked for shapes of Rapier's alone"))]
+pub fn encloses(pair: &PlacedPair, point: Vec3A, workspace: &mut Workspace) -> bool {
+    // An open one is not even put in place.
+    pair.b.shape.polygons().is_some_and(|(mesh, _)| mesh.is_closed())
+        && fill_second(pair, &LocalAabb::NOWHERE, workspace)
+            .is_some_and(|(mesh, surface)| surface.encloses(mesh, point))
+}
+
+/// Puts the second mesh in place, with the edges and faces in a region.
+fn fill_second<'a>(
+    pair: &PlacedPair<'a>,
+    region: &LocalAabb,
+    workspace: &'a mut Workspace,
+) -> Option<(&'a PolygonMesh, &'a Surface)> {
+    let polygons = pair.b.shape.polygons()?;
+    let surface = &mut workspace.surfaces[1];
+    surface.fill(polygons, pair.b, &pair.box_b, region, pair.tolerance);
+    Some((polygons.0, surface))
+}
+
+/// Puts the second mesh in place, with the edges and faces near a sphere, the first of the pair.
+pub fn fill_second_near<'a>(
+    pair: &PlacedPair<'a>,
+    workspace: &'a mut Workspace,
+) -> Option<(&'a PolygonMesh, &'a Surface)> {
+    let reach = (pair.box_a.center, pair.box_a.half);
+    fill_second(pair, &LocalAabb::shared(reach, reach, 2.0 * pair.tolerance), workspace)
+}
+
+/// Puts both meshes in place, with the edges and faces where their boxes overlap.
+pub fn fill<'a>(pair: &PlacedPair<'a>, workspace: &mut Workspace) -> Option<[&'a PolygonMesh; 2]> {
+    let reach = |bounds: &OrientedBox| (bounds.center, bounds.reach());
+    let margin = 2.0 * pair.tolerance;
+    let region = LocalAabb::shared(reach(&pair.box_a), reach(&pair.box_b), margin);
+    fill_region(pair, region, workspace)
+}
+
+/// Puts both meshes in place, with all edges and faces.
+pub fn fill_all<'a>(pair: &PlacedPair<'a>, workspace: &mut Workspace) -> Option<[&'a PolygonMesh; 2]> {
+    fill_region(pair, LocalAabb::EVERYWHERE, workspace)
+}
+
+/// Puts the second mesh in place, with all edges and faces.
+pub fn fill_second_all<'a>(
+    pair: &PlacedPair<'a>,
+    workspace: &'a mut Workspace,
+) -> Option<(&'a PolygonMesh, &'a Surface)> {
+    fill_second(pair, &LocalAabb::EVERYWHERE, workspace)
+}
+
+fn fill_region<'a>(
+    pair: &PlacedPair<'a>,
+    region: LocalAabb,
+    workspace: &mut Workspace,
+) -> Option<[&'a PolygonMesh; 2]> {
+    let (a, b) = (pair.a.shape.polygons()?, pair.b.shape.polygons()?);
+    let [on_a, on_b] = &mut workspace.surfaces;
+    on_a.fill(a, pair.a, &pair.box_a, &region, pair.tolerance);
+    on_b.fill(b, pair.b, &pair.box_b, &region, pair.tolerance);
+    Some([a.0, b.0])
+}
+
+pub fn for_each_touch(
+    meshes: [&PolygonMesh; 2],
+    workspace: &Workspace,
+    tolerance: f32,
+    mut visit: impl FnMut(Touch) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let [a, b] = &workspace.surfaces;
+    one_way(a, meshes[1], b, tolerance, -1.0, &mut visit)?;
+    one_way(b, meshes[0], a, tolerance, 1.0, &mut visit)
+}
+
+fn one_way(
+    edges: &Surface,
+    mesh: &PolygonMesh,
+    faces: &Surface,
+    tolerance: f32,
+    towards_second: f32,
+    visit: &mut impl FnMut(Touch) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    for edge in &edges.edges {
+        for face in &faces.faces {
+            if let Some(point) = faces.touch(mesh, face, edge, tolerance) {
+                let normal = face.normal * towards_second;
+                visit(Touch { point, normal, of_first: towards_second < 0.0, edge: edge.ends, face: *face })?;
+            }
+        }
+    }
+    ControlFlow::Continue(())
+}
+
+/// A point of a part of one mesh that is inside the other. Given that their surfaces do not meet, a
+/// part is inside with all of its vertices or with none.
+pub fn nested(pair: &PlacedPair, meshes: [&PolygonMesh; 2], workspace: &Workspace) -> Option<Vec3A> {
+    let [a, b] = &workspace.surfaces;
+    let within = |part: &PolygonMesh, placed: &Surface, mesh, around: &Surface, bounds: &OrientedBox| {
+        let vertices = part.shells().iter().map(|&vertex| placed.vertices()[vertex as usize]);
+        let mut close = vertices.filter(|&vertex| {
+            let offset = (vertex - bounds.center).abs();
+            offset.cmple(bounds.reach()).all()
+        });
+        close.find(|&vertex| around.encloses(mesh, vertex))
+    };
+    within(meshes[0], a, meshes[1], b, &pair.box_b).or_else(|| within(meshes[1], b, meshes[0], a, &pair.box_a))
+}

@@ -1,0 +1,13 @@
+//! Two placed shapes in a frame of their own, and what is computed in it.
+
+pub(super) mod approach;
+pub(super) mod case;
+pub(super) mod closest;
+pub(super) mod common_point;
+pub(super) mod edge_polygon;
+pub(super) mod large;
+pub(super) mod oriented_box;
+pub(super) mod placed;
+pub(super) mod separation;
+pub(super) mod surface;
+pub(super) mod workspace;

@@ -1,0 +1,132 @@
+//! Boxes with axes of their own: the frame in which every test of a pair is computed.
+
+use bevy::math::bounding::{Aabb3d, BoundingSphere};
+use bevy::math::{Mat3A, Vec3, Vec3A};
+use bevy::transform::components::Transform;
+
+use crate::narrow_phase::{error::BoundsError, shape::Shape};
+
+/// The box around a placed shape, turned with it; the shape itself, if that is a cuboid.
+///
+/// Positions are relative to an origin of the caller's choice: for a pair, the position of one of the
+/// two, so that 32-bit floats are as exact far from the world's origin as close to it.
+#[derive(Clone, Copy, Debug)]
+pub struct OrientedBox {
+    pub center: Vec3A,
+    /// Unit vectors, at right angles to each other.
+    pub axes: Mat3A,
+    /// Half the side along each axis.
+    pub half: Vec3A,
+    /// Around `center`; no larger than half the diagonal, smaller for shapes that miss the corners.
+    pub radius: f32,
+}
+
+impl OrientedBox {
+    #[inline]
+    pub fn of(shape: &Shape, transform: &Transform, origin: Vec3) -> Result<Self, BoundsError> {
+        let rotation = transform.rotation.normalize();
+        let is_finite = || transform.is_finite() && rotation.is_finite();
+        let of_endless = |error| if is_finite() { error } else { BoundsError::NonFinite };
+        let (local_center, local_half, local_radius) = shape.local_bounds().map_err(of_endless)?;
+        let scale = shape.effective_scale(transform.scale);
+        let axes = match shape {
+            // The box around a ball need not turn with it.
+            Shape::Sphere { .. } if rotation.is_finite() => Mat3A::IDENTITY,
+            _ => Mat3A::from_quat(rotation),
+        };
+        let half = local_half * scale.abs();
+        let placed = Self {
+            center: Vec3A::from(transform.translation - origin) + axes * (local_center * scale),
+            axes,
+            half,
+            // Where the square of the first is beyond all numbers, the second is not.
+            radius: half.length().min(local_radius * scale.abs().max_element()),
+        };
+        // A NaN anywhere in axes or extents shows in the reach.
+        if (placed.center.abs() + placed.reach()).is_finite() && placed.radius.is_finite() {
+            Ok(placed)
+        } else {
+            Err(BoundsError::NonFinite)
+        }
+    }
+
+    /// Half extents of the axis-aligned box around this one.
+    #[inline]
+    pub fn reach(&self) -> Vec3A {
+        self.axes.abs() * self.half
+    }
+
+    /// How far the box reaches from its centre along a unit vector.
+    #[inline]
+    pub fn extent(&self, direction: Vec3A) -> f32 {
+        (self.axes.transpose() * direction).abs().dot(self.half)
+    }
+
+    /// The point of the box closest to `point`; `point` itself if inside.
+    #[inline]
+    pub fn closest_point(&self, point: Vec3A) -> Vec3A {
+        let local = self.axes.transpose() * (point - self.center);
+        self.center + self.axes * local.clamp(-self.half, self.half)
+    }
+}
+
+impl Shape {
+    /// Returns an axis-aligned box around the shape in the world, in constant time. It is the smallest one
+    /// for cuboids and spheres, up to rounding; for meshes and Rapier shapes, it is the smallest
+    /// around their own box, turned and scaled with them.
+    ///
+    /// A broad phase should be fed the slightly larger [`NarrowPhase::world_aabb`], so that it
+    /// misses no pair which is in contact by tolerance.
+    ///
+    /// # Errors
+    /// [`BoundsError::NonFinite`] if the transform holds NaN or infinity or overflows;
+    /// [`BoundsError::Unbounded`] for an endless Rapier shape, such as a half-space.
+    ///
+    /// [`NarrowPhase::world_aabb`]: crate::narrow_phase::NarrowPhase::world_aabb
+    #[doc(alias = "aabb")]
+    pub fn world_aabb(&self, transform: &Transform) -> Result<Aabb3d, BoundsError> {
+        let oriented = OrientedBox::of(self, transform, Vec3::ZERO)?;
+        let reach = oriented.reach();
+        Ok(Aabb3d { min: oriented.center - reach, max: oriented.center + reach })
+    }
+
+    /// Returns a sphere around the shape in the world, centred on its box. The smallest one for cuboids and
+    /// spheres.
+    ///
+    /// # Errors
+    /// As for [`world_aabb`](Self::world_aabb).
+    pub fn bounding_sphere(&self, transform: &Transform) -> Result<BoundingSphere, BoundsError> {
+        let oriented = OrientedBox::of(self, transform, Vec3::ZERO)?;
+        Ok(BoundingSphere::new(oriented.center, oriented.radius))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::math::Quat;
+    use std::f32::consts::FRAC_PI_4;
+
+    #[test]
+    fn turned_cube_reaches_further() {
+        let shape = Shape::cuboid(Vec3::ONE).unwrap();
+        let transform = Transform::from_xyz(1.0, 2.0, 3.0)
+            .with_rotation(Quat::from_rotation_z(FRAC_PI_4))
+            .with_scale(Vec3::new(1.0, -1.0, 5.0));
+        let placed = OrientedBox::of(&shape, &transform, Vec3::ZERO).unwrap();
+        let diagonal = 2f32.sqrt();
+        assert!((placed.reach() - Vec3A::new(diagonal, diagonal, 5.0)).length() < 1e-5);
+        assert!((placed.radius - 27f32.sqrt()).abs() < 1e-5);
+    }
+
+    #[test]
+    fn closest_point_is_clamped_along_own_axes() {
+        let shape = Shape::cuboid(Vec3::ONE).unwrap();
+        let turned = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_4));
+        let placed = OrientedBox::of(&shape, &turned, Vec3::ZERO).unwrap();
+        let closest = placed.closest_point(Vec3A::new(5.0, 0.0, 0.0));
+        assert!((closest - Vec3A::new(2f32.sqrt(), 0.0, 0.0)).length() < 1e-5);
+        let inside = Vec3A::new(0.1, 0.2, 0.3);
+        assert!((placed.closest_point(inside) - inside).length() < 1e-6);
+    }
+}

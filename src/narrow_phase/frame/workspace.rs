@@ -1,0 +1,32 @@
+//! Memory that outlives a test, so that a test allocates nothing once warm.
+
+use super::surface::Surface;
+use crate::narrow_phase::stage::StageCounters;
+
+/// The memory that the tests write to: counters, and buffers for meshes. One per thread; reuse it.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    /// How many pairs reached and left each stage since the workspace was made or this was reset.
+    pub counters: StageCounters,
+    /// The two meshes of a pair, in place.
+    pub(in crate::narrow_phase) surfaces: [Surface; 2],
+    /// There was a pair of shapes about which nothing can be said; and somebody has been told.
+    #[cfg(feature = "rapier")]
+    unknown: [bool; 2],
+}
+
+#[cfg(feature = "rapier")]
+impl Workspace {
+    /// A verdict, if there is one; apart, and a note, if not.
+    pub(in crate::narrow_phase) fn known(&mut self, verdict: Option<bool>) -> bool {
+        self.unknown[0] |= verdict.is_none();
+        verdict == Some(true)
+    }
+
+    /// Was there a pair about which nothing can be said, for the first time?
+    pub(crate) fn is_first_unknown(&mut self) -> bool {
+        let [met, told] = self.unknown;
+        self.unknown[1] = met;
+        met && !told
+    }
+}

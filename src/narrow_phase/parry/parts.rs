@@ -1,0 +1,461 @@
+//! Rapier's shapes taken apart: the convex shapes and half-spaces that they consist of, and which of those of two shapes
+//! come near each other.
+
+use std::cell::Cell;
+
+use bevy::math::DVec3;
+use bevy_rapier3d::parry::bounding_volume::Aabb;
+use bevy_rapier3d::parry::partitioning::BvhNode;
+use bevy_rapier3d::parry::shape::{self, CompositeShape, HeightField, Voxels};
+
+use super::convex::{Convex, Isometry};
+use super::gjk::{self, Gap};
+
+/// In so many pieces is a way over a height field or voxels cut at most, to look at what is along them.
+const MOST_PIECES: f64 = 4096.0;
+/// So often may one on its way look how far the other is: more often only if they no more than graze each other.
+const MOST_STEPS: usize = 64;
+/// How close to its border a point counts as on a triangle, as a share of its height.
+const BORDER: f64 = 1e-9;
+/// The least sine of the angle between a ray and a triangle that it crosses.
+const STEEP: f64 = 1e-9;
+
+/// A shape in its place, as something that can be asked.
+#[derive(Clone, Copy)]
+pub enum PosedShape<'a> {
+    Part(Part<'a>),
+    /// What has a tree: a mesh; or a compound, whose parts need not hang together. The scale is for meshes alone.
+    Tree {
+        parts: &'a dyn CompositeShape,
+        is_compound: bool,
+        scale: DVec3,
+        at: Isometry,
+    },
+    HeightField(&'a HeightField, Isometry),
+    Voxels(&'a Voxels, Isometry),
+}
+
+/// What has no parts.
+#[derive(Clone, Copy)]
+pub enum Part<'a> {
+    Convex(Convex<'a>),
+    /// A half-space, by its plane and the normal that points out of it.
+    HalfSpace {
+        normal: DVec3,
+        offset: f64,
+    },
+}
+
+impl<'a> PosedShape<'a> {
+    /// A shape of parry's; `None` if nothing can be said about it.
+    pub fn of(shape: &'a dyn shape::Shape, at: Isometry) -> Option<Self> {
+        if let Some(convex) = Convex::of(shape, at) {
+            return Some(Self::Part(Part::Convex(convex)));
+        }
+        if let Some(side) = shape.as_halfspace() {
+            let normal = at.rotation * side.normal.as_dvec3();
+            return Some(Self::Part(Part::HalfSpace { normal, offset: normal.dot(at.translation) }));
+        }
+        if let Some(field) = shape.as_heightfield() {
+            return Some(Self::HeightField(field, at));
+        }
+        if let Some(voxels) = shape.as_voxels() {
+            return Some(Self::Voxels(voxels, at));
+        }
+        let is_compound = shape.as_compound().is_some();
+        shape.as_composite_shape().map(|parts| Self::Tree { parts, is_compound, scale: DVec3::ONE, at })
+    }
+
+    pub fn isometry(&self) -> Isometry {
+        match self {
+            Self::Part(Part::Convex(convex)) => convex.at,
+            Self::Part(Part::HalfSpace { .. }) => Isometry::IDENTITY,
+            Self::Tree { at, .. } | Self::HeightField(_, at) | Self::Voxels(_, at) => *at,
+        }
+    }
+
+    /// Centre and half extents of the box around the shape, in its own axes; `None` if it has no end.
+    pub fn local_box(&self) -> Option<[DVec3; 2]> {
+        let of = |aabb: Aabb, scale: DVec3| {
+            let (low, high) = (aabb.mins.as_dvec3() * scale, aabb.maxs.as_dvec3() * scale);
+            [(low + high) * 0.5, ((high - low) * 0.5).abs()]
+        };
+        match self {
+            Self::Part(Part::Convex(convex)) => Some(convex.local_box()),
+            Self::Part(Part::HalfSpace { .. }) => None,
+            Self::Tree { parts, scale, .. } => Some(of(parts.bvh().root_aabb(), *scale)),
+            Self::HeightField(field, _) => Some(of(field.local_aabb(), DVec3::ONE)),
+            Self::Voxels(voxels, _) => Some(of(voxels.local_aabb(), DVec3::ONE)),
+        }
+    }
+
+    /// Half the diagonal of that box; infinite without an end.
+    pub fn size(&self) -> f64 {
+        self.local_box().map_or(f64::INFINITY, |[_, half]| half.length())
+    }
+
+    /// Calls `visit` with all parts that a probe admits, and again with their parts. False if there is one about which
+    /// nothing can be said.
+    fn each(&self, probe: &Probe, search: &Search, visit: &mut dyn FnMut(&PosedShape) -> bool) -> bool {
+        match *self {
+            Self::Part(_) => visit(self),
+            Self::Tree { parts, scale, at, .. } => {
+                let mut is_known = true;
+                let may_be = |node: &BvhNode| {
+                    let (one, other) = (node.mins().as_dvec3() * scale, node.maxs().as_dvec3() * scale);
+                    probe.admits(one.min(other), one.max(other), search)
+                };
+                for part in parts.bvh().leaves(may_be) {
+                    parts.map_part_at(part, &mut |pose, part, _| {
+                        let at = at.of_part(pose);
+                        let scaled = part.as_triangle().filter(|_| scale != DVec3::ONE);
+                        is_known &= match scaled {
+                            Some(part) => {
+                                let corners = [part.a, part.b, part.c].map(|corner| corner.as_dvec3() * scale);
+                                visit(&PosedShape::Part(Part::Convex(Convex::triangle(corners, at))))
+                            }
+                            None => PosedShape::of(part, at).is_some_and(|part| visit(&part)),
+                        };
+                    });
+                }
+                is_known
+            }
+            Self::HeightField(field, at) => {
+                let cell = f64::from(field.cell_width().max(field.cell_height()));
+                let mut is_known = true;
+                probe.each_piece(field.local_aabb(), cell, search, |piece| {
+                    field.map_elements_in_local_aabb(&piece, &mut |_, part| {
+                        let corners = [part.a, part.b, part.c].map(|corner| corner.as_dvec3());
+                        let [a, b, c] = corners;
+                        if probe.admits(a.min(b).min(c), a.max(b).max(c), search) {
+                            is_known &= visit(&PosedShape::Part(Part::Convex(Convex::triangle(corners, at))));
+                        }
+                    });
+                });
+                is_known
+            }
+            Self::Voxels(voxels, at) => {
+                let half = voxels.voxel_size() * 0.5;
+                let mut is_known = true;
+                probe.each_piece(voxels.local_aabb(), f64::from(half.max_element()), search, |piece| {
+                    for voxel in voxels.voxels_intersecting_local_aabb(&piece) {
+                        let [low, high] = [voxel.center - half, voxel.center + half].map(|corner| corner.as_dvec3());
+                        if !voxel.state.is_empty() && probe.admits(low, high, search) {
+                            let at = Isometry { translation: at.to_world(voxel.center.as_dvec3()), ..at };
+                            is_known &= visit(&PosedShape::Part(Part::Convex(Convex::cuboid(half, at))));
+                        }
+                    }
+                });
+                is_known
+            }
+        }
+    }
+
+    /// A point of the shape, or of each of its parts if these need not hang together.
+    pub fn each_point(&self, visit: &mut dyn FnMut(DVec3)) {
+        let search = Search::within(f64::INFINITY);
+        match self {
+            Self::Part(Part::Convex(convex)) => visit(convex.furthest(DVec3::X)),
+            Self::Part(Part::HalfSpace { .. }) => {}
+            // Those of a compound are shapes of their own.
+            Self::Tree { is_compound: true, .. } => {
+                self.each(&Probe::Everywhere, &search, &mut |part| {
+                    part.each_point(visit);
+                    true
+                });
+            }
+            _ => {
+                self.each(&Probe::Everywhere, &search, &mut |part| {
+                    if search.goes_on() {
+                        part.each_point(visit);
+                    }
+                    search.end();
+                    true
+                });
+            }
+        }
+    }
+}
+
+impl Part<'_> {
+    fn moved(&self, by: DVec3) -> Self {
+        match *self {
+            Self::Convex(convex) => Self::Convex(convex.moved(by)),
+            Self::HalfSpace { normal, offset } => Self::HalfSpace { normal, offset: offset + normal.dot(by) },
+        }
+    }
+}
+
+/// What is still looked for.
+#[derive(Debug)]
+pub struct Search {
+    /// Up to which distance parts are near each other.
+    pub margin: Cell<f64>,
+    /// Where the first of the two goes.
+    pub direction: DVec3,
+    /// How far it goes.
+    pub limit: Cell<f64>,
+}
+
+impl Search {
+    pub fn within(margin: f64) -> Self {
+        Self { margin: Cell::new(margin), direction: DVec3::ZERO, limit: Cell::new(0.0) }
+    }
+
+    /// Nothing is looked for any more.
+    pub fn end(&self) {
+        self.margin.set(f64::NEG_INFINITY);
+    }
+
+    pub fn goes_on(&self) -> bool {
+        self.margin.get() > f64::NEG_INFINITY
+    }
+
+    /// Calls `visit` with all pairs of what two shapes consist of that are near each other: the two boxes, or that of the
+    /// first on its way and the other. False if there are such about which nothing can be said.
+    pub fn pairs(&self, a: &PosedShape, b: &PosedShape, visit: &mut dyn FnMut(&Part, &Part) -> bool) -> bool {
+        match (a, b) {
+            (PosedShape::Part(a), PosedShape::Part(b)) => visit(a, b),
+            (PosedShape::Part(_), _) => {
+                let probe = Probe::of(a, b.isometry(), self.direction);
+                b.each(&probe, self, &mut |part| self.pairs(a, part, visit))
+            }
+            _ => {
+                let probe = Probe::of(b, a.isometry(), -self.direction);
+                a.each(&probe, self, &mut |part| self.pairs(part, b, visit))
+            }
+        }
+    }
+}
+
+/// Where parts are looked for, in the coordinates of the whole.
+enum Probe {
+    Everywhere,
+    /// A box on its way.
+    Box {
+        center: DVec3,
+        half: DVec3,
+        direction: DVec3,
+    },
+    HalfSpace {
+        normal: DVec3,
+        offset: f64,
+        approach: f64,
+    },
+}
+
+impl Probe {
+    /// Where another shape is, that goes in a direction.
+    fn of(other: &PosedShape, whole: Isometry, direction: DVec3) -> Self {
+        if let PosedShape::Part(Part::HalfSpace { normal, offset }) = other {
+            return Self::HalfSpace {
+                normal: whole.direction_to_local(*normal),
+                offset: offset - normal.dot(whole.translation),
+                approach: normal.dot(direction).max(0.0),
+            };
+        }
+        let Some(bounds) = other.local_box() else { return Self::Everywhere };
+        let [center, half] = whole.bounds_to_local(&other.isometry(), bounds);
+        Self::Box { center, half, direction: whole.direction_to_local(direction) }
+    }
+
+    /// Whether what is in a box may be near.
+    fn admits(&self, low: DVec3, high: DVec3, search: &Search) -> bool {
+        let margin = search.margin.get();
+        match *self {
+            Self::Everywhere => search.goes_on(),
+            Self::HalfSpace { normal, offset, approach } => {
+                let lowest = DVec3::select(normal.cmpge(DVec3::ZERO), low, high).dot(normal) - offset;
+                lowest <= margin + approach * search.limit.get()
+            }
+            Self::Box { center, half, direction } => {
+                let (low, high) = (low - half - center, high + half - center);
+                let away = low.max(-high).max(DVec3::ZERO);
+                let limit = search.limit.get();
+                if limit == 0.0 {
+                    return margin >= 0.0 && away.length_squared() <= margin * margin;
+                }
+                passes(low - margin, high + margin, direction, limit)
+            }
+        }
+    }
+
+    /// How far a box is from it.
+    fn distance(&self, bounds: Option<[DVec3; 2]>) -> f64 {
+        let Some([center, half]) = bounds else { return 0.0 };
+        match *self {
+            Self::Everywhere => 0.0,
+            Self::HalfSpace { normal, offset, .. } => (normal.dot(center) - normal.abs().dot(half) - offset).max(0.0),
+            Self::Box { center: other, half: reach, .. } => {
+                ((other - center).abs() - half - reach).max(DVec3::ZERO).length()
+            }
+        }
+    }
+
+    /// Calls `visit` with boxes that cover what is near within bounds: one after the other along the way.
+    fn each_piece(&self, bounds: Aabb, cell: f64, search: &Search, mut visit: impl FnMut(Aabb)) {
+        let (low, high) = (bounds.mins.as_dvec3(), bounds.maxs.as_dvec3());
+        let margin = search.margin.get();
+        let Self::Box { center, half, direction } = *self else {
+            return if search.goes_on() {
+                visit(bounds)
+            };
+        };
+        // What is as near as rounding, too.
+        let reach = half + margin + f64::from(f32::EPSILON) * (low.abs().max(high.abs()));
+        let Some([start, end]) = passage(low - reach - center, high + reach - center, direction, search.limit.get())
+        else {
+            return;
+        };
+        let step = (4.0 * cell).max(2.0 * half.max_element()).max((end - start) / MOST_PIECES);
+        let mut from = start;
+        while search.goes_on() && from <= search.limit.get() && from <= end {
+            let to = (from + step).min(end);
+            let ends = [from, to].map(|along| center + direction * along);
+            let piece_low = (ends[0].min(ends[1]) - reach).max(low).min(high);
+            let piece_high = (ends[0].max(ends[1]) + reach).min(high).max(low);
+            visit(Aabb::new(piece_low.as_vec3(), piece_high.as_vec3()));
+            if to >= end {
+                break;
+            }
+            from = to;
+        }
+    }
+}
+
+/// Does a way from the origin meet a box?
+fn passes(low: DVec3, high: DVec3, direction: DVec3, limit: f64) -> bool {
+    passage(low, high, direction, limit).is_some()
+}
+
+/// From where to where a way from the origin is in a box.
+fn passage(low: DVec3, high: DVec3, direction: DVec3, limit: f64) -> Option<[f64; 2]> {
+    let (mut start, mut end) = (0f64, limit);
+    for axis in 0..3 {
+        let (low, high, along) = (low[axis], high[axis], direction[axis]);
+        if along == 0.0 || limit == 0.0 {
+            if !(low <= 0.0 && high >= 0.0) {
+                return None;
+            }
+            continue;
+        }
+        let (one, other) = (low / along, high / along);
+        start = start.max(one.min(other));
+        end = end.min(one.max(other));
+    }
+    (start <= end).then_some([start, end])
+}
+
+/// The gap between two that have no parts; see [`gjk::gap`]. An error if nothing can be said about it.
+pub fn gap(a: &Part, b: &Part, limit: f64, with_depth: bool) -> Result<Option<Gap>, Unknown> {
+    match (a, b) {
+        (Part::Convex(a), Part::Convex(b)) => Ok(gjk::gap(a, b, limit, with_depth)),
+        (Part::HalfSpace { normal, offset }, Part::Convex(b)) => {
+            let lowest = b.furthest(-*normal) - *normal * b.radius;
+            let distance = lowest.dot(*normal) - offset;
+            let points = [lowest - *normal * distance, lowest];
+            let between = points[0].midpoint(points[1]);
+            Ok((distance <= limit).then_some(Gap { distance, normal: *normal, points, between }))
+        }
+        (Part::Convex(_), Part::HalfSpace { .. }) => Ok(gap(b, a, limit, with_depth)?.map(Gap::reversed)),
+        (Part::HalfSpace { .. }, Part::HalfSpace { .. }) => Err(Unknown),
+    }
+}
+
+/// How far the first of two that have no parts goes until it meets the other, and how they then are to each other. They
+/// touch if they are no further apart than `near`: the first is for the start, the other for the way.
+///
+/// The distance of two convex shapes along a way is a convex function, whose slope is that of the normal: Newton's method
+/// comes to its zero from before, and never goes past it.
+pub fn first_impact(
+    a: &Part,
+    b: &Part,
+    direction: DVec3,
+    limit: f64,
+    near: [f64; 2],
+) -> Result<Option<(f64, Gap)>, Unknown> {
+    if let (Part::Convex(ray), Part::Convex(target)) = (a, b)
+        && ray.is_point()
+        && let Some(corners) = target.as_triangle()
+        && let Some(found) = ray_triangle(ray.at.translation, direction, corners, near[0])
+    {
+        return Ok(found.filter(|(distance, _)| *distance <= limit));
+    }
+    let (mut time, mut last) = (0.0, None);
+    for _ in 0..MOST_STEPS {
+        let Some(gap) = gap(&a.moved(direction * time), b, f64::INFINITY, false)? else { break };
+        let closing = gap.normal.dot(direction);
+        if gap.distance <= near[usize::from(time > 0.0)] {
+            // What is left of the way, but for rounding; the normal of what overlaps is that of the step before.
+            let rest = if time > 0.0 && closing > 0.0 { (gap.distance / closing).max(0.0) } else { 0.0 };
+            let gap = if gap.distance > 0.0 { gap } else { last.unwrap_or(gap) };
+            return Ok(Some(((time + rest).min(limit), gap)));
+        }
+        if closing <= 0.0 {
+            break;
+        }
+        time += gap.distance / closing;
+        last = Some(gap);
+        if time > limit || time.is_nan() {
+            break;
+        }
+    }
+    Ok(None)
+}
+
+/// Where a ray meets a triangle. `None` if it starts near its plane, or runs along it: then the distance decides.
+fn ray_triangle(origin: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3], near: f64) -> Option<Option<(f64, Gap)>> {
+    let across = (b - a).cross(c - a);
+    let normal = across.try_normalize()?;
+    let (height, steep) = (normal.dot(origin - a), normal.dot(direction));
+    if height.abs() <= near || steep.abs() <= STEEP {
+        return None;
+    }
+    let distance = -height / steep;
+    let point = origin + direction * distance;
+    let [u, v, w] = [[a, b], [b, c], [c, a]].map(|[from, to]| (to - from).cross(point - from).dot(across));
+    // No ray slips through where triangles join.
+    let least = -BORDER * across.length_squared();
+    let meets = distance >= 0.0 && u.min(v).min(w) >= least;
+    let normal = if steep > 0.0 { normal } else { -normal };
+    Some(meets.then_some((distance, Gap { distance: 0.0, normal, points: [point; 2], between: point })))
+}
+
+/// Where two shapes are closest to each other. `None` if nothing can be said about them, or one is empty.
+pub fn nearest(a: &PosedShape, b: &PosedShape) -> Option<Gap> {
+    if let (PosedShape::Part(a), PosedShape::Part(b)) = (a, b) {
+        return gap(a, b, f64::INFINITY, false).ok()?;
+    }
+    let sizes = [a.size(), b.size()].map(|size| if size.is_finite() { size } else { 0.0 });
+    let apart = Probe::of(b, a.isometry(), DVec3::ZERO).distance(a.local_box());
+    let everything = apart + 4.0 * (sizes[0] + sizes[1]);
+    // What is found is the closest, if it is closer than where it was looked for.
+    let mut margin = apart + (0.25 * sizes[0].min(sizes[1])).max(1e-3 * sizes[0].max(sizes[1]));
+    loop {
+        let search = Search::within(margin);
+        let mut best: Option<Gap> = None;
+        let is_known = search.pairs(a, b, &mut |a, b| {
+            let limit = best.map_or(f64::INFINITY, |best| best.distance);
+            let Ok(found) = gap(a, b, limit, false) else { return false };
+            if let Some(found) = found.filter(|found| found.distance < limit) {
+                best = Some(found);
+                search.margin.set(search.margin.get().min(found.distance));
+                if found.distance <= 0.0 {
+                    search.end();
+                }
+            }
+            true
+        });
+        match best {
+            _ if !is_known => return None,
+            Some(found) if found.distance <= margin => return best,
+            Some(found) => margin = found.distance,
+            None if margin > everything => return None,
+            None => margin *= 4.0,
+        }
+    }
+}
+
+/// Nothing can be said about two shapes.
+#[derive(Clone, Copy, Debug)]
+pub struct Unknown;

@@ -1,0 +1,7 @@
+//! How far shapes are apart, and where they are closest.
+
+mod boxes;
+mod polygons;
+mod query;
+#[cfg(test)]
+mod tests;

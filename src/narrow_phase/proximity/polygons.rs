@@ -1,0 +1,100 @@
+//! The closest points of two shapes made of polygons.
+
+use bevy::math::Vec3A;
+
+use crate::narrow_phase::{
+    frame::{
+        closest, edge_polygon,
+        placed::PlacedPair,
+        surface::{LocalAabb, Surface},
+        workspace::Workspace,
+    },
+    mesh::polygon_mesh::PolygonMesh,
+};
+
+/// The closest pair of points so far.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearest {
+    pub points: [Vec3A; 2],
+    squared: f32,
+}
+
+impl Default for Nearest {
+    fn default() -> Self {
+        Self { points: [Vec3A::NAN; 2], squared: f32::INFINITY }
+    }
+}
+
+impl Nearest {
+    /// Takes up a pair of points if it is the closest so far.
+    #[inline]
+    pub fn consider(&mut self, points: [Vec3A; 2]) {
+        let squared = points[0].distance_squared(points[1]);
+        if squared < self.squared {
+            *self = Self { points, squared };
+        }
+    }
+}
+
+/// The closest points of two shapes made of polygons: the same one twice, if they overlap. `None` if one is not.
+///
+/// Where no edge crosses a polygon, either one of the closest points is a corner, or both are on edges.
+pub fn closest_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+    let meshes = edge_polygon::fill_all(pair, workspace)?;
+    if let Some(point) = edge_polygon::nested(pair, meshes, workspace) {
+        return Some([point; 2]);
+    }
+    let [a, b] = &mut workspace.surfaces;
+    let mut nearest = Nearest::default();
+    // Back and forth. What is further away than that need not be looked at.
+    let on_b = b.closest_point(meshes[1], pair.box_a.center)?.point;
+    let on_a = a.closest_point(meshes[0], on_b)?.point;
+    nearest.consider([on_a, b.closest_point(meshes[1], on_a)?.point]);
+    let [reach_a, reach_b] = [&pair.box_a, &pair.box_b].map(|bounds| (bounds.center, bounds.reach()));
+    let region = LocalAabb::shared(reach_a, reach_b, nearest.squared.sqrt() + 2.0 * pair.tolerance);
+    a.keep(&region);
+    b.keep(&region);
+
+    edges_to_faces(a, meshes[1], b, &mut nearest, |on_edge, on_face| [on_edge, on_face]);
+    edges_to_faces(b, meshes[0], a, &mut nearest, |on_edge, on_face| [on_face, on_edge]);
+    for edge in &a.edges {
+        for other in &b.edges {
+            if edge.bounds.gap_squared(&other.bounds) < nearest.squared {
+                nearest.consider(closest::segments(edge.ends, other.ends).into());
+            }
+        }
+    }
+    Some(nearest.points)
+}
+
+/// Where edges cross polygons, and the distances of their ends from these.
+fn edges_to_faces(
+    edges: &Surface,
+    mesh: &PolygonMesh,
+    faces: &Surface,
+    nearest: &mut Nearest,
+    in_order: impl Fn(Vec3A, Vec3A) -> [Vec3A; 2],
+) {
+    for edge in &edges.edges {
+        // A polygon without a normal is no more than its border.
+        for face in faces.faces.iter().filter(|face| face.normal != Vec3A::ZERO) {
+            if edge.bounds.gap_squared(&face.bounds) >= nearest.squared {
+                continue;
+            }
+            let corners = mesh.polygon(face.polygon as usize);
+            let heights = edge.ends.map(|end| end.dot(face.normal) - face.plane);
+            if heights[0] * heights[1] < 0.0 {
+                let crossing = edge.ends[0].lerp(edge.ends[1], heights[0] / (heights[0] - heights[1]));
+                if faces.covers(corners, face.normal, crossing) {
+                    nearest.consider([crossing; 2]);
+                }
+            }
+            for (end, height) in edge.ends.into_iter().zip(heights) {
+                let below = end - face.normal * height;
+                if height * height < nearest.squared && faces.covers(corners, face.normal, below) {
+                    nearest.consider(in_order(end, below));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! Distances of placed shapes, from a point and from each other.
+
+use bevy::math::{Vec3, Vec3A};
+use bevy::transform::components::Transform;
+
+use super::{boxes, polygons};
+use crate::narrow_phase::{
+    answer::Proximity,
+    error::BoundsError,
+    frame::{
+        case::Case,
+        edge_polygon,
+        large::Smaller,
+        placed::{Placed, PlacedPair, in_order},
+        workspace::Workspace,
+    },
+    length::length,
+    parry,
+    settings::NarrowPhase,
+    shape::{Kind, Shape},
+};
+
+impl NarrowPhase {
+    /// Returns the point of a shape that is closest to `point`; `point` itself, if it is inside.
+    ///
+    /// Exact for every kind of shape. `None` if anything is not finite.
+    ///
+    /// Cuboids, spheres: O(1); meshes: linear in their polygons. Allocates nothing once the workspace is warm.
+    ///
+    /// ```
+    /// use bevy::{math::Vec3, transform::components::Transform};
+    /// use bevy_octree::narrow_phase::{NarrowPhase, Placed, Shape, Workspace};
+    ///
+    /// let (brick, at) = (Shape::cuboid(Vec3::new(2.0, 1.0, 1.0))?, Transform::from_xyz(5.0, 0.0, 0.0));
+    /// let brick = Placed::new(&brick, &at);
+    /// let closest = NarrowPhase::default().closest_point(brick, Vec3::Y, &mut Workspace::default());
+    /// assert_eq!(closest, Some(Vec3::new(3.0, 1.0, 0.0)));
+    /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
+    /// ```
+    #[doc(alias = "project_point")]
+    #[must_use]
+    pub fn closest_point(&self, target: Placed, point: Vec3, workspace: &mut Workspace) -> Option<Vec3> {
+        if target.shape.kind() == Kind::Foreign {
+            let is_finite = point.is_finite() && target.transform.is_finite();
+            let closest = is_finite.then(|| parry::closest_point(target, point)).flatten();
+            return closest.filter(|closest| closest.is_finite());
+        }
+        let (at_point, here) = (Shape::Sphere { radius: 0.0 }, Transform::from_translation(point));
+        let pair = PlacedPair::new(Placed::new(&at_point, &here), target, self.tolerance()).ok()?;
+        if pair.is_wide()
+            && let Some(smaller) = Smaller::of(&pair, self)
+        {
+            let [at_point, target] = smaller.placed(&pair);
+            let closest = smaller.tests.closest_point(target, at_point.transform.translation, workspace)?;
+            return Some(closest * smaller.factor).filter(|closest| closest.is_finite());
+        }
+        // The frame of the pair has its origin at the point.
+        let closest = point + Vec3::from(closest_to_center(&pair, workspace)?);
+        closest.is_finite().then_some(closest)
+    }
+
+    /// Returns how far two shapes are apart, and where they are closest to each other.
+    ///
+    /// Exact for every kind of shape, up to rounding. Shapes
+    /// overlap as they do for [`intersects`](Self::intersects): one inside the other too, if that is closed. Those that are
+    /// in contact by tolerance alone have a distance, which is no more than the tolerance. Swapping the two swaps the
+    /// points and turns the offset around, unless they are equal in all things, position included. `None` if anything is not
+    /// finite, and for pairs of which nothing is known, such as two half-spaces: see the [module](super).
+    ///
+    /// Two cuboids: O(1), in the order of 0.1 µs if turned alike, and 1 µs if not; two spheres, and a sphere and a cuboid:
+    /// O(1); a sphere and a mesh: linear in its polygons; two meshes: linear in their polygons where they are far from each
+    /// other, and in the pairs of those that are close to the other mesh. Height
+    /// fields and voxels: linear in the cells that are as near, in each direction, as what is closest. Allocates nothing
+    /// once the workspace is warm, but when a mesh first meets a shape of Rapier's.
+    ///
+    /// ```
+    /// use bevy::{math::Vec3, transform::components::Transform};
+    /// use bevy_octree::narrow_phase::{NarrowPhase, Placed, Shape, Workspace};
+    ///
+    /// let (brick, ball) = (Shape::cuboid(Vec3::ONE)?, Shape::sphere(0.5)?);
+    /// let (here, there) = (Transform::IDENTITY, Transform::from_xyz(4.0, 5.0, 0.0));
+    /// let (brick, ball) = (Placed::new(&brick, &here), Placed::new(&ball, &there));
+    /// let found = NarrowPhase::default().closest_points(brick, ball, &mut Workspace::default()).unwrap();
+    /// assert_eq!(found.distance, 4.5);
+    /// assert_eq!(found.points[0], Vec3::new(1.0, 1.0, 0.0));
+    /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
+    /// ```
+    #[doc(alias = "distance")]
+    #[must_use]
+    pub fn closest_points(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Proximity> {
+        if let Some(found) = parry::with_own(a, b, |a, b| self.closest_points(a, b, workspace)) {
+            return found;
+        }
+        let (first, second, swapped) = in_order(a, b);
+        let points = match PlacedPair::new(first, second, self.tolerance()) {
+            Ok(pair) if pair.is_wide() => match Smaller::of(&pair, self) {
+                Some(smaller) => {
+                    let [a, b] = smaller.placed(&pair);
+                    return larger(smaller.tests.closest_points(a, b, workspace)?, smaller.factor, swapped);
+                }
+                None => local_points(&pair, workspace),
+            },
+            Ok(pair) => local_points(&pair, workspace),
+            Err(BoundsError::Unbounded) => unbounded(first, second),
+            Err(BoundsError::NonFinite) => None,
+        };
+        let [mut from, mut to] = points?;
+        if swapped {
+            std::mem::swap(&mut from, &mut to);
+        }
+        let (origin, offset) = (first.transform.translation, to - from);
+        let points = [from, to].map(|point| origin + Vec3::from(point));
+        Proximity { distance: length(offset), points, offset: offset.into() }.if_finite()
+    }
+}
+
+/// What was found at a smaller scale, by the order in which it was asked for.
+fn larger(found: Proximity, factor: f32, swapped: bool) -> Option<Proximity> {
+    let Proximity { distance, points: [from, to], offset } = found;
+    let points = if swapped { [to, from] } else { [from, to] }.map(|point| point * factor);
+    let offset = if swapped { -offset } else { offset } * factor;
+    Proximity { distance: distance * factor, points, offset }.if_finite()
+}
+
+/// The closest points of two shapes, in the frame of the pair.
+fn local_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+    match pair.case() {
+        Case::Spheres | Case::SphereFirst => sphere_other(pair, workspace),
+        Case::SphereSecond => {
+            let [on_ball, on_other] = sphere_other(&pair.swapped(), workspace)?;
+            Some([on_other, on_ball])
+        }
+        Case::Cuboids => boxes::closest_points(pair, workspace),
+        Case::Convex | Case::Polygons => polygons::closest_points(pair, workspace),
+        Case::Foreign => foreign(pair, workspace),
+    }
+}
+
+/// Two of which one is of Rapier's.
+fn foreign(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+    match parry::enclosed(pair, workspace) {
+        Some(point) => Some([point; 2]),
+        None => parry::closest_points(pair.a, pair.b),
+    }
+}
+
+/// A sphere, the first of the pair, and any other shape.
+fn sphere_other(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+    let sphere = &pair.box_a;
+    let closest = closest_to_center(pair, workspace)?;
+    let offset = closest - sphere.center;
+    let distance = offset.length();
+    let on_sphere =
+        if distance > sphere.radius { sphere.center + offset * (sphere.radius / distance) } else { closest };
+    Some([on_sphere, closest])
+}
+
+/// The point of the second shape that is closest to the centre of the first.
+fn closest_to_center(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec3A> {
+    let center = pair.box_a.center;
+    match pair.b.shape.kind() {
+        Kind::Cuboid => Some(pair.box_b.closest_point(center)),
+        Kind::Sphere => {
+            let offset = pair.box_b.center - center;
+            Some(center + offset * (1.0 - (pair.box_b.radius / offset.length()).min(1.0)))
+        }
+        Kind::Convex | Kind::Mesh => match edge_polygon::sphere_closest(pair, workspace)? {
+            (_, true) => Some(center),
+            (closest, false) => Some(closest.point),
+        },
+        Kind::Foreign => None,
+    }
+}
+
+/// The closest points of two shapes of which one has no bounds, relative to the position of the first.
+fn unbounded(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
+    let is_finite = a.transform.is_finite() && b.transform.is_finite();
+    is_finite.then(|| parry::closest_points(a, b)).flatten()
+}
