@@ -137,7 +137,7 @@ pub(crate) fn leave(world: &mut DeferredWorld, entity: Entity) {
     if let Some(mut way) = world.get_mut::<SweptWay>(entity) {
         way.forget();
     }
-    collision_index::in_index(world, entity, |index, id| index.remove(id));
+    collision_index::in_index(world, entity, collision_index::CollisionIndex::remove);
     if let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(entity) {
         proxy.id = None;
     }

@@ -72,6 +72,7 @@ pub struct Collisions<'w, 's> {
 
 impl Collisions<'_, '_> {
     /// All contacts. O(1) for each, and O(log n) for those with geometry.
+    #[must_use]
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Collision> {
         self.contacts.iter().map(|contact| self.collision(contact))
     }

@@ -181,7 +181,7 @@ fn a_shape_that_changes_at_any_moment_counts_by_the_next_tick() {
                 let look = |spatial: SpatialQuery| {
                     let mut found = Vec::new();
                     spatial.for_each_point_intersection(Vec3::X * 2.0, &SpatialQueryFilter::DEFAULT, |entity| {
-                        found.push(entity)
+                        found.push(entity);
                     });
                     found
                 };
