@@ -44,7 +44,7 @@ impl Plugin for BoundsPlugin {
 /// Boxes are grown by the tolerance: when that changes, so do all of them.
 fn outdate_all(mut proxies: Query<&mut BroadPhaseProxy>, settings: Res<NarrowPhaseSettings>) {
     if settings.is_changed() {
-        proxies.iter_mut().for_each(|mut proxy| proxy.set_changed());
+        proxies.iter_mut().for_each(|mut proxy| BroadPhaseProxy::outdate(&mut proxy));
     }
 }
 
@@ -64,7 +64,7 @@ fn update_roots(
     settings: Res<NarrowPhaseSettings>,
 ) {
     for (entity, shape, transform, mut aabb, mut proxy) in &mut roots {
-        proxy.bypass_change_detection().pose = *transform;
+        BroadPhaseProxy::note_pose(&mut proxy, *transform);
         *aabb = world_aabb(settings.tests(), entity, shape, transform);
     }
     for mut aabb in &mut nowhere {
@@ -97,7 +97,7 @@ pub(crate) fn update_children(
             return;
         };
         let placement = shear::place(own, &place, sheared.as_deref());
-        proxy.bypass_change_detection().pose = placement.transform;
+        BroadPhaseProxy::note_pose(&mut proxy, placement.transform);
         if let Some(mut sheared) = sheared {
             sheared.follow(own, placement.turn);
             *aabb = world_aabb(&tests, entity, sheared.shape(), &placement.transform);

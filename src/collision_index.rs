@@ -1,33 +1,25 @@
-//! The broad phase as a resource: entities in, candidate pairs out.
+//! The index as a resource: bodies behind handles, and the candidate pairs that come of them.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use bevy::{
-    ecs::{
-        archetype::Archetype, change_detection::Tick, component::ComponentId, entity_disabling::DefaultQueryFilters,
-        system::RegisteredSystemError, world::DeferredWorld,
-    },
+    ecs::{archetype::Archetype, change_detection::Tick, component::ComponentId},
+    math::{bounding::Aabb3d, primitives::HalfSpace},
     prelude::*,
 };
 
 use crate::{
-    broad_phase::{BroadPhase, BroadPhaseMethod, Pair, PairFilter, ProxyId, SpatialIndex},
-    components::{self, BroadPhaseProxy, CollisionShape, WorldAabb},
-    counters::CollisionCounters,
-    filters::{self, FilterParts},
+    broad_phase::{BroadPhase, BroadPhaseMethod, Pair, PairFilter, PairKinds, ProxyId, SpatialIndex},
     narrow_phase::{Moving, NarrowPhase, Placed, Shape},
-    schedule::{CollisionSystems, add_to_tick},
-    settings::{BroadPhaseSettings, NarrowPhaseSettings},
-    shear::{self, Sheared},
-    swept::{self, Swept, SweptWay},
 };
 
-/// The [`SpatialIndex`] of all entities with a [`CollisionShape`].
+/// The [`SpatialIndex`] of all entities with a [`CollisionShape`](crate::components::CollisionShape).
 ///
 /// It may be taken out of the world for a while, or be replaced by another: at the next tick, or
 /// [update](crate::spatial_query::update_spatial_index), it holds what it should.
 #[derive(Resource, Debug, Reflect)]
 #[reflect(Debug, Default, from_reflect = false)]
+#[type_path = "bevy_octree"]
 pub struct CollisionIndex {
     #[reflect(ignore)]
     index: SpatialIndex,
@@ -82,20 +74,35 @@ pub(crate) struct Upkeep {
 }
 
 impl Upkeep {
-    fn disables(&self, archetype: &Archetype) -> bool {
+    /// Takes note that something came to pass which the index does not know of.
+    pub(crate) const fn miss(&mut self) {
+        self.missed = true;
+    }
+
+    /// Did this index miss anything, or is it another than the last one?
+    pub(crate) const fn is_due(&self, index: &CollisionIndex) -> bool {
+        self.missed || self.index != index.number
+    }
+
+    /// Takes note that this index knows of everything.
+    pub(crate) const fn done(&mut self, index: &CollisionIndex) {
+        (self.index, self.missed) = (index.number, false);
+    }
+
+    /// Does one of the components that disable entities belong to this archetype?
+    pub(crate) fn disables(&self, archetype: &Archetype) -> bool {
         self.disabling.iter().any(|id| archetype.contains(*id))
     }
-}
 
-/// Does something to an entity's entry, at once. What the index misses, it mends at the next tick.
-pub(crate) fn in_index(world: &mut DeferredWorld, entity: Entity, act: impl FnOnce(&mut CollisionIndex, ProxyId)) {
-    let Some(id) = world.get::<BroadPhaseProxy>(entity).and_then(BroadPhaseProxy::id) else { return };
-    if let Some(mut index) = world.get_resource_mut::<CollisionIndex>()
-        && index.is_entry_of(id, entity)
-    {
-        act(&mut index, id);
-    } else if let Some(mut upkeep) = world.get_resource_mut::<Upkeep>() {
-        upkeep.missed = true;
+    /// Is this component, which disables entities, observed?
+    pub(crate) fn watches(&self, id: ComponentId) -> bool {
+        self.disabling.contains(&id)
+    }
+
+    /// Takes note of a component that disables entities, and is observed from now on. What it disables already, was missed.
+    pub(crate) fn watch(&mut self, id: ComponentId) {
+        self.disabling.push(id);
+        self.miss();
     }
 }
 
@@ -105,8 +112,46 @@ pub(crate) struct Body {
     pub(crate) entity: Entity,
     pub(crate) pose: Transform,
     pub(crate) shape: Shape,
-    /// When the entity's own shape became this one.
-    reshaped: Tick,
+}
+
+impl Body {
+    /// The shape, where it is at the end of the tick.
+    #[inline]
+    pub(crate) const fn placed(&self) -> Placed<'_> {
+        Placed { shape: &self.shape, transform: &self.pose }
+    }
+
+    /// The shape on its way in this tick: at rest where it is, if it is not swept.
+    fn moving(&self, start: Option<&Transform>) -> Moving<'_> {
+        Moving::new(&self.shape, start.unwrap_or(&self.pose), &self.pose)
+    }
+}
+
+/// The two of a pair, as the exact tests look at them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Candidate<'a> {
+    /// Where they are at the end of the tick.
+    AtTheEnd([Placed<'a>; 2]),
+    /// All along their ways, since one of them is swept.
+    OnTheWay([Moving<'a>; 2]),
+}
+
+/// Where an entity is, as the broad phase has it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Extent {
+    /// In a box, which is refused if it is none.
+    Box(Aabb3d),
+    /// It has no end, and is all in this half-space; `None` if it may be anywhere.
+    Unbounded(Option<HalfSpace>),
+}
+
+/// All that the index is to know of an entity that is new in it, or in no box.
+#[derive(Clone, Debug)]
+pub(crate) struct Seen {
+    pub(crate) body: Body,
+    pub(crate) extent: Extent,
+    /// Which pairs it makes, if it comes in; `None` if it is to stay out.
+    pub(crate) filter: Option<PairFilter>,
 }
 
 impl CollisionIndex {
@@ -116,7 +161,7 @@ impl CollisionIndex {
         &self.index
     }
 
-    /// Searches with a broad phase of one's own from the next tick on, until the method in the [`BroadPhaseSettings`]
+    /// Searches with a broad phase of one's own from the next tick on, until the method in the [`BroadPhaseSettings`](crate::settings::BroadPhaseSettings)
     /// changes. It must be empty.
     pub fn set_engine(&mut self, engine: Box<dyn BroadPhase>) {
         self.index.set_engine(engine);
@@ -142,34 +187,46 @@ impl CollisionIndex {
         self.index.proxies().contains(id).then(|| &self.bodies[id.index()])
     }
 
+    /// The two of a pair, as the exact tests are to look at them. `None` if one is gone: pairs may be older than that.
+    #[inline]
+    pub(crate) fn candidate(&self, pair: Pair) -> Option<Candidate<'_>> {
+        let (a, b) = (self.body(pair.a)?, self.body(pair.b)?);
+        Some(match (self.start(pair.a), self.start(pair.b)) {
+            (None, None) => Candidate::AtTheEnd([a.placed(), b.placed()]),
+            (start_a, start_b) => Candidate::OnTheWay([a.moving(start_a), b.moving(start_b)]),
+        })
+    }
+
+    /// The two shapes of a pair, where they are at the end of the tick. `None` if one is gone.
+    #[inline]
+    pub(crate) fn placed(&self, pair: Pair) -> Option<[Placed<'_>; 2]> {
+        Some([self.body(pair.a)?.placed(), self.body(pair.b)?.placed()])
+    }
+
+    /// What is behind a handle, on its way in this tick: at rest where it is, if it is not swept.
+    pub(crate) fn moving(&self, id: ProxyId) -> Option<Moving<'_>> {
+        Some(self.body(id)?.moving(self.start(id)))
+    }
+
     /// May there be pairs of which one is swept?
     pub(crate) const fn has_swept(&self) -> bool {
         !self.starts.is_empty()
     }
 
-    /// Was one of the two looked for all along its way?
-    #[inline]
-    pub(crate) fn is_swept(&self, pair: Pair) -> bool {
-        self.has_swept() && (self.is_on_its_way(pair.a) || self.is_on_its_way(pair.b))
-    }
-
     /// Is what is behind a handle looked for all along its way?
     #[inline]
     pub(crate) fn is_on_its_way(&self, id: ProxyId) -> bool {
-        self.starts.get(id.index()).is_some_and(Option::is_some)
+        self.start(id).is_some()
     }
 
-    /// What is behind a handle, on its way in this tick: at rest where it is, if it is not swept.
-    pub(crate) fn moving(&self, id: ProxyId) -> Option<Moving<'_>> {
-        let body = self.body(id)?;
-        Some(match self.starts.get(id.index()) {
-            Some(Some(start)) => Moving::new(&body.shape, start, &body.pose),
-            _ => Moving::resting(Placed::new(&body.shape, &body.pose)),
-        })
+    /// Where the way of what is behind a handle begins, if it is on one.
+    #[inline]
+    fn start(&self, id: ProxyId) -> Option<&Transform> {
+        self.starts.get(id.index())?.as_ref()
     }
 
     /// Puts what is behind a handle elsewhere, at once. Ways and pairs stay as they are.
-    pub(crate) fn place(&mut self, id: ProxyId, pose: &Transform, tests: &NarrowPhase) {
+    pub(crate) fn put(&mut self, id: ProxyId, pose: &Transform, tests: &NarrowPhase) {
         let Some(body) = self.bodies.get_mut(id.index()) else { return };
         // What cannot be there stays where it is until the next tick, which says so.
         if let Ok(aabb) = tests.world_aabb(Placed::new(&body.shape, pose))
@@ -179,13 +236,37 @@ impl CollisionIndex {
         }
     }
 
-    /// Has queries find everything where it was [put](Self::place).
-    pub(crate) fn update(&mut self) {
+    /// Has queries find everything where it was [put](Self::put).
+    pub(crate) fn settle(&mut self) {
         self.index.update();
         // An update without a search would have the next one look at everything. The exact tests see nothing of this
         // search: for the next one, which is for them, the same have moved.
         self.index.find_pairs();
         self.index.touch_moved();
+    }
+
+    /// Searches by this method from now on, and for these kinds of pairs.
+    pub(crate) fn set_method(&mut self, method: &BroadPhaseMethod, kinds: PairKinds) {
+        if *method != self.method {
+            self.method = method.clone();
+            self.index.set_method(method);
+        }
+        self.index.set_pair_kinds(kinds);
+    }
+
+    /// Brings the broad phase up to date with all that changed.
+    pub(crate) fn update(&mut self) {
+        self.index.update();
+    }
+
+    /// Searches for the pairs that the exact tests are to look at, and lists them.
+    pub(crate) fn list_candidates(&mut self, candidates: &mut ResMut<CandidatePairs>) {
+        let pairs = self.index.find_pairs();
+        candidates.0.clear();
+        candidates.0.extend_from_slice(pairs.moving());
+        self.listed = candidates.last_changed();
+        self.search += 1;
+        self.moved_at_search.clear();
     }
 
     /// Are the candidates just those that were found, each once?
@@ -205,7 +286,7 @@ impl CollisionIndex {
     }
 
     /// Keeps in mind what had moved when pairs were last searched for, before the index is updated without a search.
-    fn keep_search(&mut self) {
+    pub(crate) fn keep_search(&mut self) {
         if self.moved_at_search.is_empty() {
             let proxies = self.index.proxies();
             let handles = (0..proxies.capacity() as u32).map(ProxyId::new);
@@ -229,12 +310,14 @@ impl CollisionIndex {
         rested(pair.a) && rested(pair.b) && self.entities(pair) == entities
     }
 
-    fn set_start(&mut self, id: ProxyId, start: Option<Transform>) {
+    /// Says where the way of what is behind a handle begins, if it is on one.
+    #[inline]
+    pub(crate) fn set_start(&mut self, id: ProxyId, start: Option<Transform>) {
         if start.is_some() && self.starts.len() <= id.index() {
             self.starts.resize(id.index() + 1, None);
         }
-        if let Some(place) = self.starts.get_mut(id.index()) {
-            *place = start;
+        if let Some(slot) = self.starts.get_mut(id.index()) {
+            *slot = start;
         }
     }
 
@@ -262,234 +345,84 @@ impl CollisionIndex {
     }
 
     /// Removes all whose entities do not say that the entry is theirs.
-    fn remove_strays(&mut self, is_entry: impl Fn(ProxyId, Entity) -> bool) {
+    pub(crate) fn remove_strays(&mut self, is_entry: impl Fn(ProxyId, Entity) -> bool) {
         let proxies = self.index.proxies();
         let all = proxies.iter().map(|(id, _)| id).chain(proxies.unbounded());
         let strays: Vec<_> = all.filter(|id| !is_entry(*id, self.bodies[id.index()].entity)).collect();
         strays.into_iter().for_each(|id| self.remove(id));
     }
 
-    /// Takes up the box of this tick of an entity that is in, and gives what is to follow it.
+    /// Gives an entity that is in, and in a box, its box of this tick. Returns what is to follow it; `None` if it is not in by
+    /// this handle, or one of the boxes is none: then [`upsert`](Self::upsert) has to decide.
     #[inline]
-    fn follow(&mut self, entity: Entity, aabb: &WorldAabb, proxy: &BroadPhaseProxy) -> Option<(ProxyId, &mut Body)> {
-        let id = proxy.id?;
+    pub(crate) fn follow(&mut self, id: ProxyId, entity: Entity, aabb: &Aabb3d) -> Option<&mut Body> {
         let body = self.bodies.get_mut(id.index()).filter(|body| body.entity == entity)?;
-        self.index.set(id, &aabb.0).ok()?;
+        self.index.set(id, aabb).ok()?;
         // It may have turned inside its box.
         self.index.touch(id);
-        Some((id, body))
+        Some(body)
     }
 
-    /// Takes up one that is new, has no end, or none any longer, or whose box is refused, which takes it out. The filter is
-    /// that of a new one; `None` if it is not to come in.
+    /// Decides about an entity that cannot [follow](Self::follow), given the handle that it says is its own. Returns the one
+    /// that it has from now on.
+    ///
+    /// | its own handle is | it has | it |
+    /// |---|---|---|
+    /// | that of one without an end | no end | stays, and is updated |
+    /// | any, or none | a place, and a filter | leaves, if it was in, and enters anew |
+    /// | any, or none | no box, or no filter | leaves, if it was in |
     #[cold]
-    fn take_up(
-        &mut self,
-        entity: Entity,
-        (aabb, start): (&WorldAabb, Option<&Transform>),
-        proxy: &BroadPhaseProxy,
-        shape: &Shape,
-        tests: &NarrowPhase,
-        filter: Option<PairFilter>,
-    ) -> Option<ProxyId> {
-        let own = proxy.id.filter(|id| self.is_entry_of(*id, entity));
-        // What fills all the space there is has no end: where it is, is up to its shape.
-        let side = (*aabb == WorldAabb::UNBOUNDED).then(|| {
-            let moving = match start {
-                Some(start) => Moving::new(shape, start, &proxy.pose),
-                None => Moving::resting(Placed::new(shape, &proxy.pose)),
-            };
-            swept::side(tests, &moving)
-        });
-        let body = Body { entity, pose: proxy.pose, shape: shape.clone(), reshaped: Tick::default() };
-        if let (Some(id), Some(side)) = (own, side)
-            && self.index.set_unbounded(id, side).is_ok()
+    pub(crate) fn upsert(&mut self, id: Option<ProxyId>, seen: Seen) -> Option<ProxyId> {
+        let Seen { body, extent, filter } = seen;
+        let own = id.filter(|id| self.is_entry_of(*id, body.entity));
+        if let (Some(own), Extent::Unbounded(side)) = (own, extent)
+            && self.index.set_unbounded(own, side).is_ok()
         {
-            self.index.touch(id);
-            self.bodies[id.index()] = body;
-            return own;
+            self.index.touch(own);
+            self.bodies[own.index()] = body;
+            return Some(own);
         }
-        if let Some(old) = own {
-            self.index.remove(old);
+        if let Some(own) = own {
+            self.index.remove(own);
         }
-        let filter = filter?;
-        let id = self.index.insert(aabb.0).ok().or_else(|| self.index.insert_unbounded(side?).ok())?;
+        self.enter(body, extent, filter?)
+    }
+
+    /// Gives a new entity a handle, unless its box is refused.
+    fn enter(&mut self, body: Body, extent: Extent, filter: PairFilter) -> Option<ProxyId> {
+        let entered = match extent {
+            Extent::Box(aabb) => self.index.insert(aabb),
+            Extent::Unbounded(side) => self.index.insert_unbounded(side),
+        };
+        let id = entered.ok()?;
         self.change_filter(id, |old| *old = filter);
+        debug_assert!(id.index() <= self.bodies.len(), "handles are dense");
         match self.bodies.get_mut(id.index()) {
-            Some(place) => *place = body,
+            Some(slot) => *slot = body,
             None => self.bodies.push(body),
         }
         Some(id)
     }
 }
 
-impl Body {
-    /// Takes up its entity's shape, which became what it is in this tick, unless an ancestor shears it.
-    #[cold]
-    fn take_shape(&mut self, shape: &Shape, reshaped: Tick) {
-        self.reshaped = reshaped;
-        if !self.shape.is_same(shape) {
-            self.shape = shape.clone();
-        }
-    }
-}
-
 /// The pairs that the exact tests look at in this tick: those whose boxes overlap and of which at least one entity
 /// moved. The verdict on all other pairs is still that of the last tick.
 ///
-/// A system after [`BroadPhase`](CollisionSystems::BroadPhase) and before
-/// [`NarrowPhase`](CollisionSystems::NarrowPhase) may take pairs out: they are then not in contact. A pair that is listed
+/// A system after [`BroadPhase`](crate::CollisionSystems::BroadPhase) and before
+/// [`NarrowPhase`](crate::CollisionSystems::NarrowPhase) may take pairs out: they are then not in contact. A pair that is listed
 /// twice, or the wrong way round, is one contact. What a
 /// [swept](crate::swept::Swept) entity meets after a bounce, within the same tick, is not among them: layers, lists and
 /// [hooks](crate::filters::PairHook) see that too.
 #[derive(Resource, Clone, Debug, Default, Deref, DerefMut, Reflect)]
 #[reflect(Resource, Debug, Default)]
+#[type_path = "bevy_octree"]
 pub struct CandidatePairs(pub Vec<Pair>);
 
-/// Octree maintenance and the search for candidate pairs.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct BroadPhasePlugin;
-
-impl Plugin for BroadPhasePlugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<Upkeep>();
-        add_to_tick(app, |app, schedule| {
-            let maintain = (watch_disabling.run_if(some_new_disabling), mend, maintain).chain();
-            app.add_systems(
-                schedule,
-                (maintain.in_set(CollisionSystems::Maintenance), find_candidates.in_set(CollisionSystems::BroadPhase)),
-            );
-        });
-    }
-}
-
-/// Takes up all boxes that changed, at any moment.
-pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
-    if let Some(mut index) = world.get_resource_mut::<CollisionIndex>() {
-        index.keep_search();
-    }
-    world.run_system_cached(watch_disabling)?;
-    world.run_system_cached(mend)?;
-    world.run_system_cached(maintain)
-}
-
-/// Has an index that missed something, or is a new one, forget all that is not there, and take up all that is.
-fn mend(
-    mut index: ResMut<CollisionIndex>,
-    mut upkeep: ResMut<Upkeep>,
-    mut entities: Query<(Entity, &BroadPhaseProxy, &Archetype, FilterParts, &mut WorldAabb)>,
-) {
-    if !upkeep.missed && upkeep.index == index.number {
-        return;
-    }
-    index.remove_strays(|id, entity| {
-        let entry = entities.get(entity).ok().filter(|(_, _, archetype, ..)| !upkeep.disables(archetype));
-        entry.is_some_and(|(_, proxy, ..)| proxy.id == Some(id))
-    });
-    for (entity, proxy, _, parts, mut aabb) in &mut entities {
-        if let Some(id) = proxy.id.filter(|id| index.is_entry_of(*id, entity)) {
-            index.change_filter(id, |old| *old = filters::filter(parts));
-        }
-        aabb.set_changed();
-    }
-    (upkeep.index, upkeep.missed) = (index.number, false);
-}
-
-type Boxed<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy);
-type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<(&'a Swept, &'a SweptWay)>);
-
-fn maintain(
-    mut index: ResMut<CollisionIndex>,
-    (settings, narrow, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhaseSettings>, Res<Upkeep>),
-    mut boxes: Query<ChangedBoxes, Changed<WorldAabb>>,
-    (archetypes, sheared): (Query<&Archetype>, Query<&Sheared>),
-    mut counters: ResMut<CollisionCounters>,
-) {
-    let index = &mut *index;
-    if settings.method != index.method {
-        index.method = settings.method.clone();
-        index.index.set_method(&settings.method);
-    } else if narrow.is_changed() {
-        index.index.touch_all();
-    }
-    index.index.set_pair_kinds(settings.pair_kinds);
-    let some_sheared = !sheared.is_empty();
-    for ((entity, aabb, own, mut proxy), parts, swept) in &mut boxes {
-        let proxy = proxy.bypass_change_detection();
-        let way = swept.map(|(_, way)| way).filter(|way| way.belongs_to(entity, proxy.id));
-        let start = way.and_then(|way| way.to(&proxy.pose)).copied();
-        let id = if let Some((id, body)) = index.follow(entity, aabb, proxy) {
-            body.pose = proxy.pose;
-            // It may have changed when nobody looked, between two sets.
-            if body.reshaped != own.last_changed() || some_sheared {
-                body.take_shape(shear::shape(&own, sheared.get(entity).ok()), own.last_changed());
-            }
-            id
-        } else {
-            let is_disabled = archetypes.get(entity).is_ok_and(|archetype| upkeep.disables(archetype));
-            let filter = (!is_disabled).then(|| filters::filter(parts));
-            let shape = shear::shape(&own, sheared.get(entity).ok());
-            proxy.id = index.take_up(entity, (aabb, start.as_ref()), proxy, shape, narrow.tests(), filter);
-            let Some(id) = proxy.id else { continue };
-            id
-        };
-        index.set_start(id, start);
-    }
-    index.index.update();
-    let proxies = index.index.proxies();
-    counters.tick.objects = (proxies.len() + proxies.unbounded().count()) as u64;
-    counters.tick.moved = proxies.moved().len() as u64;
-}
-
-pub(crate) fn find_candidates(
-    mut index: ResMut<CollisionIndex>,
-    mut candidates: ResMut<CandidatePairs>,
-    mut counters: ResMut<CollisionCounters>,
-) {
-    let pairs = index.index.find_pairs();
-    candidates.0.clear();
-    candidates.0.extend_from_slice(pairs.moving());
-    counters.tick.candidates = candidates.len() as u64;
-    counters.tick.resting_pairs = pairs.resting().len() as u64;
-    counters.tick.pairs_tested = index.index.pairs_tested();
-    index.listed = candidates.last_changed();
-    index.search += 1;
-    index.moved_at_search.clear();
-}
-
-/// The components that disable entities, and are not observed yet.
-fn new_disabling(filters: &DefaultQueryFilters, upkeep: &Upkeep) -> impl Iterator<Item = ComponentId> {
-    filters.disabling_ids().filter(move |id| !upkeep.disabling.contains(id))
-}
-
-fn some_new_disabling(filters: Option<Res<DefaultQueryFilters>>, upkeep: Res<Upkeep>) -> bool {
-    filters.is_some_and(|filters| new_disabling(&filters, &upkeep).next().is_some())
-}
-
-/// Has them observed. What they disable already, maintenance deals with.
-fn watch_disabling(world: &mut World) {
-    let (Some(filters), Some(upkeep)) = (world.get_resource(), world.get_resource()) else { return };
-    for id in new_disabling(filters, upkeep).collect::<Vec<_>>() {
-        world.spawn(Observer::new(on_disabled).with_component(id));
-        world.spawn(Observer::new(on_enabled).with_component(id));
-        let mut upkeep = world.resource_mut::<Upkeep>();
-        upkeep.disabling.push(id);
-        upkeep.missed = true;
-    }
-}
-
-/// A disabled entity is out of the world until it is enabled again.
-fn on_disabled(event: On<Add>, mut world: DeferredWorld) {
-    components::leave(&mut world, event.entity);
-}
-
-/// Has the box computed anew, which puts the entity back into the index. What comes back has not passed through what was
-/// between.
-fn on_enabled(event: On<Remove>, mut world: DeferredWorld) {
-    if let Some(mut way) = world.get_mut::<SweptWay>(event.entity) {
-        way.forget();
-    }
-    if let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(event.entity) {
-        proxy.set_changed();
-    }
+/// What others read though nothing maintains the index.
+pub(crate) fn register(app: &mut App) {
+    app.init_resource::<CollisionIndex>()
+        .init_resource::<CandidatePairs>()
+        .init_resource::<Upkeep>()
+        .register_type::<CollisionIndex>()
+        .register_type::<CandidatePairs>();
 }

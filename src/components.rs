@@ -7,12 +7,10 @@ use bevy::{
 };
 
 use crate::{
-    broad_phase::{EVERYWHERE, ProxyId},
-    collision_index,
-    motion::Velocity,
+    broad_phase::{EVERYWHERE, PairFilter, ProxyId},
+    collision_index::{CollisionIndex, Upkeep},
     narrow_phase::{Shape, ShapeError},
-    response::Bounce,
-    swept::SweptWay,
+    way::SweptWay,
 };
 
 /// The shape of an entity. An entity that has one takes part in collision detection; one that loses it, or is
@@ -22,8 +20,8 @@ use crate::{
 /// It is placed by the [`Transform`]s of the entity and its ancestors. What becomes of shapes that a scaled parent shears is
 /// said of the [`BoundsPlugin`](crate::BoundsPlugin#sheared-shapes).
 ///
-/// An entity with a shape and no [`Velocity`] is *static*: while its [`Transform`] stays
-/// unchanged, it is looked at by nothing.
+/// An entity with a shape and no [`Velocity`](crate::motion::Velocity) is *at rest*: while its [`Transform`] stays unchanged, it is
+/// looked at by nothing.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -37,6 +35,7 @@ use crate::{
 #[derive(Component, Clone, Debug, Deref, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Clone, Debug)]
+#[type_path = "bevy_octree"]
 #[require(Transform, WorldAabb, BroadPhaseProxy)]
 #[component(on_remove = leave_index)]
 pub struct CollisionShape(pub Shape);
@@ -72,13 +71,6 @@ impl Default for CollisionShape {
     }
 }
 
-/// A moving cube of side 1 that bounces: everything that a cube of the report's test sets needs, in one component.
-/// Scale it by its [`Transform`].
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Component, Debug, Default, PartialEq)]
-#[require(CollisionShape, Velocity, Bounce)]
-pub struct Cube;
-
 /// The box along the world's axes around an entity's shape, as the broad phase sees it: grown by half the
 /// [tolerance](crate::narrow_phase::NarrowPhase::tolerance) of the exact tests. That of an entity which is
 /// [swept](crate::swept::Swept) is around all of its way in the tick.
@@ -88,6 +80,7 @@ pub struct Cube;
 /// at the next tick.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect, Deref)]
 #[reflect(Component, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 #[component(on_insert = compute_anew, on_remove = leave_index)]
 pub struct WorldAabb(pub Aabb3d);
 
@@ -107,16 +100,20 @@ impl Default for WorldAabb {
     }
 }
 
-/// An entity's entry in the [`CollisionIndex`](crate::collision_index::CollisionIndex). Comes and goes with the [`CollisionShape`]; a
-/// cloned entity gets one of its own, as does one that is given a copy of another's.
+/// An entity's entry in the [`CollisionIndex`]. Comes and goes with the [`CollisionShape`]; a cloned entity gets one of its
+/// own, as does one that is given a copy of another's.
+///
+/// For systems of one's own it is a handle to look at. That it counts as [changed](bevy::ecs::query::Changed) has a meaning of
+/// its own: the box of the entity is out of date.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default)]
+#[type_path = "bevy_octree"]
 #[component(on_discard = leave_index, clone_behavior = Ignore)]
 pub struct BroadPhaseProxy {
     #[reflect(ignore)]
-    pub(crate) id: Option<ProxyId>,
+    id: Option<ProxyId>,
     /// Where the shape was when its box was computed.
-    pub(crate) pose: Transform,
+    pose: Transform,
 }
 
 impl BroadPhaseProxy {
@@ -125,6 +122,51 @@ impl BroadPhaseProxy {
     pub const fn id(&self) -> Option<ProxyId> {
         self.id
     }
+
+    /// Where in the world the shape was when its box was computed.
+    pub(crate) const fn pose(&self) -> &Transform {
+        &self.pose
+    }
+}
+
+/// # Out of date or not
+///
+/// The set [`Bounds`](crate::CollisionSystems::Bounds) computes the boxes of those whose transform, shape or proxy changed.
+/// So the change tick of a proxy is a flag, "the box is out of date", and these are all who may write to one:
+///
+/// | method | who calls it | is the box out of date then? |
+/// |---|---|---|
+/// | [`outdate`](Self::outdate) | whoever makes a box wrong that no transform and no shape tells of | yes |
+/// | [`note_pose`](Self::note_pose) | who computes the box, or puts the entity elsewhere together with its box | no |
+/// | [`note_id`](Self::note_id) | maintenance, which gives out handles | no |
+/// | [`leave`] | hooks, as the entity leaves the index | yes: its box brings it back, if it has all it needs |
+impl BroadPhaseProxy {
+    /// Has the box computed anew in the next tick.
+    pub(crate) fn outdate(proxy: &mut Mut<Self>) {
+        proxy.set_changed();
+    }
+
+    /// Takes note of where the shape is that the box is around.
+    #[inline]
+    pub(crate) fn note_pose(proxy: &mut Mut<Self>, pose: Transform) {
+        proxy.bypass_change_detection().pose = pose;
+    }
+
+    /// Takes note of the handle.
+    pub(crate) fn note_id(proxy: &mut Mut<Self>, id: Option<ProxyId>) {
+        proxy.bypass_change_detection().id = id;
+    }
+}
+
+/// Has the box of an entity computed anew in the next tick, if it takes part.
+pub(crate) fn outdate(world: &mut DeferredWorld, entity: Entity) {
+    if let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(entity) {
+        BroadPhaseProxy::outdate(&mut proxy);
+    }
+}
+
+fn compute_anew(mut world: DeferredWorld, context: HookContext) {
+    outdate(&mut world, context.entity);
 }
 
 /// Takes an entity out of the index at the moment in which it loses its shape, its box, its entry or its life.
@@ -137,14 +179,30 @@ pub(crate) fn leave(world: &mut DeferredWorld, entity: Entity) {
     if let Some(mut way) = world.get_mut::<SweptWay>(entity) {
         way.forget();
     }
-    collision_index::in_index(world, entity, collision_index::CollisionIndex::remove);
+    in_index(world, entity, CollisionIndex::remove);
     if let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(entity) {
         proxy.id = None;
     }
 }
 
-fn compute_anew(mut world: DeferredWorld, context: HookContext) {
-    if let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(context.entity) {
-        proxy.set_changed();
+/// Does something to an entity's entry, at once. What the index misses, it mends at the next tick.
+pub(crate) fn in_index(world: &mut DeferredWorld, entity: Entity, act: impl FnOnce(&mut CollisionIndex, ProxyId)) {
+    let Some(id) = world.get::<BroadPhaseProxy>(entity).and_then(BroadPhaseProxy::id) else { return };
+    if let Some(mut index) = world.get_resource_mut::<CollisionIndex>()
+        && index.is_entry_of(id, entity)
+    {
+        act(&mut index, id);
+    } else if let Some(mut upkeep) = world.get_resource_mut::<Upkeep>() {
+        upkeep.miss();
     }
+}
+
+/// Changes which pairs an entity makes, at once: for hooks of components that say so. Before its first tick, an entity is
+/// not in the index, which then looks at its components.
+pub(crate) fn change_filter(mut world: DeferredWorld, context: HookContext, change: impl FnOnce(&mut PairFilter)) {
+    in_index(&mut world, context.entity, |index, id| index.change_filter(id, change));
+}
+
+pub(crate) fn register(app: &mut App) {
+    app.register_type::<CollisionShape>().register_type::<WorldAabb>().register_type::<BroadPhaseProxy>();
 }

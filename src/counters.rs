@@ -4,11 +4,15 @@ use std::ops::AddAssign;
 
 use bevy::prelude::*;
 
-use crate::narrow_phase::StageCounters;
+use crate::{
+    narrow_phase::StageCounters,
+    schedule::{CollisionSystems, add_to_tick},
+};
 
 /// Counters of the last tick, and their sums since the start.
 #[derive(Resource, Clone, Debug, Default, Reflect)]
 #[reflect(Resource, Debug, Default)]
+#[type_path = "bevy_octree"]
 pub struct CollisionCounters {
     /// The last tick, or the current one as far as it has come.
     pub tick: TickCounters,
@@ -19,6 +23,7 @@ pub struct CollisionCounters {
 /// Counters of one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct TickCounters {
     /// Entities in the index.
     pub objects: u64,
@@ -58,7 +63,7 @@ impl AddAssign for TickCounters {
 }
 
 impl CollisionCounters {
-    pub(crate) fn begin_tick(mut counters: ResMut<Self>) {
+    fn begin_tick(mut counters: ResMut<Self>) {
         counters.tick = TickCounters::default();
     }
 
@@ -66,4 +71,13 @@ impl CollisionCounters {
         let tick = counters.tick;
         counters.total += tick;
     }
+}
+
+/// Counts from one tick to the next.
+pub(crate) fn register(app: &mut App) {
+    app.init_resource::<CollisionCounters>().register_type::<CollisionCounters>();
+    add_to_tick(app, |app, schedule| {
+        let begin = CollisionCounters::begin_tick.before(CollisionSystems::First);
+        app.add_systems(schedule, (begin, CollisionCounters::end_tick.after(CollisionSystems::Last)));
+    });
 }

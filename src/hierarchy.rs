@@ -16,7 +16,7 @@ use bevy::{
     prelude::*,
 };
 
-use crate::components::{BroadPhaseProxy, CollisionShape, WorldAabb};
+use crate::components::{self, BroadPhaseProxy, CollisionShape, WorldAabb};
 
 /// An ancestor of entities with a shape. It stays one when the last of them is gone: that costs a look at it when it moves.
 #[derive(Component, Clone, Copy, Debug, Default)]
@@ -266,7 +266,7 @@ pub(crate) fn on_unparented(event: On<Remove, ChildOf>, mut world: DeferredWorld
         if let Some(mut transform) = world.get_mut::<Transform>(entity) {
             transform.set_changed();
         }
-    } else if let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(entity) {
-        proxy.set_changed();
+    } else {
+        components::outdate(&mut world, entity);
     }
 }

@@ -26,7 +26,7 @@
 //! | [`CollisionShape`](components::CollisionShape) | makes the entity take part; brings the next two with it |
 //! | [`WorldAabb`](components::WorldAabb) | its box in the world, kept up to date |
 //! | [`BroadPhaseProxy`](components::BroadPhaseProxy) | its entry in the index |
-//! | [`Velocity`](motion::Velocity) | moves it each tick; without one it is static, until something else moves it |
+//! | [`Velocity`](motion::Velocity) | moves it each tick; without one it is at rest, until something else moves it |
 //! | [`PositionTrack`](motion::PositionTrack) | moves it along keyframes instead |
 //! | [`MovedElsewhere`](motion::MovedElsewhere) | has it moved by something else, such as a physics engine |
 //! | [`Bounce`](response::Bounce) | changes its velocity on contact |
@@ -35,7 +35,7 @@
 //! | [`InCollisionWorld`](worlds::InCollisionWorld) | puts it in a world of its own, apart from all others |
 //! | [`CollisionEventsEnabled`](contacts::CollisionEventsEnabled) | has its observers told of its contacts |
 //! | [`CollidingEntities`](contacts::CollidingEntities) | lists the entities that it touches |
-//! | [`Cube`](components::Cube) | shape, velocity and bounce in one: a moving cube |
+//! | [`Cube`](scene::Cube) | shape, velocity and bounce in one: a moving cube |
 //!
 //! With the feature `rapier`, the plugin and the components of the module `rapier` work side by side with
 //! `bevy_rapier3d`.
@@ -75,6 +75,7 @@ pub mod diagnostics;
 pub mod filters;
 mod frame;
 mod hierarchy;
+mod maintenance;
 pub mod motion;
 pub mod narrow_phase;
 pub mod octree;
@@ -92,9 +93,11 @@ mod shear;
 pub mod spatial_query;
 pub mod swept;
 pub mod trace;
+mod way;
 pub mod worlds;
 
 pub use bounds::BoundsPlugin;
+pub use maintenance::BroadPhasePlugin;
 pub use plugin::OctreePlugins;
 pub use schedule::CollisionSystems;
 
@@ -110,7 +113,7 @@ pub mod prelude {
         broad_phase::{BroadPhaseMethod, ObjectOctreeSettings, PairKinds},
         collision_index::{CandidatePairs, CollisionIndex},
         collision_layers,
-        components::{CollisionShape, Cube, WorldAabb},
+        components::{CollisionShape, WorldAabb},
         contacts::{
             CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted,
             Collisions, Contacts, EventScope,
@@ -124,6 +127,7 @@ pub mod prelude {
         narrow_phase::Shape,
         plugin::OctreePlugins,
         response::{Bounce, BouncePlugin},
+        scene::Cube,
         schedule::CollisionSystems,
         settings::{BroadPhaseSettings, NarrowPhaseSettings},
         spatial_query::{PairHit, PointHit, RayHit, ShapeHit, SpatialQuery, SpatialQueryFilter, update_spatial_index},

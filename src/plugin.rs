@@ -8,20 +8,17 @@ use bevy::{
 
 use crate::{
     bounds::BoundsPlugin,
-    collision_index::{BroadPhasePlugin, CandidatePairs, CollisionIndex},
-    components::{BroadPhaseProxy, CollisionShape, Cube, WorldAabb},
-    contacts::{
-        CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted, Contacts,
-        NarrowPhasePlugin, ReportPlugin,
-    },
-    counters::CollisionCounters,
+    collision_index, components,
+    contacts::{self, NarrowPhasePlugin, ReportPlugin},
+    counters,
     filters::FilterPlugin,
-    motion::{CollisionClock, MotionPlugin, MotionSettings, Velocity},
-    response::{Bounce, BouncePlugin},
-    scene::{SceneDescription, TestSet},
+    maintenance::BroadPhasePlugin,
+    motion::{self, CollisionClock, MotionPlugin},
+    response::{self, BouncePlugin},
+    scene::ScenePlugin,
     schedule::{CollisionSchedulePlugin, CollisionSystems, add_to_tick},
-    settings::{BroadPhaseSettings, NarrowPhaseSettings},
-    swept::SweptPlugin,
+    settings,
+    swept::{self, SweptPlugin},
 };
 
 /// Everything: motion, octree maintenance, broad phase, narrow phase, bounce response and messages.
@@ -75,57 +72,31 @@ impl PluginGroup for OctreePlugins {
             .add(SweptPlugin)
             .add(NarrowPhasePlugin)
             .add(BouncePlugin)
-            .add(ReportPlugin);
+            .add(ReportPlugin)
+            .add(ScenePlugin);
         #[cfg(feature = "asset")]
         let group = group.add(crate::scene::SceneAssetPlugin);
         group
     }
 }
 
-/// What the other plugins share: the clock, the resources, and type registration.
+/// What the other plugins share: resources, types known to reflection, counters and the clock. It is in the app whichever of
+/// the others are not.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CollisionCorePlugin;
 
 impl Plugin for CollisionCorePlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<CollisionClock>()
-            .init_resource::<MotionSettings>()
-            .init_resource::<BroadPhaseSettings>()
-            .init_resource::<NarrowPhaseSettings>()
-            .init_resource::<CollisionIndex>()
-            .init_resource::<CandidatePairs>()
-            .init_resource::<Contacts>()
-            .init_resource::<CollisionEventSettings>()
-            .init_resource::<CollisionCounters>()
-            .register_type::<CollisionShape>()
-            .register_type::<WorldAabb>()
-            .register_type::<BroadPhaseProxy>()
-            .register_type::<Cube>()
-            .register_type::<Velocity>()
-            .register_type::<Bounce>()
-            .register_type::<BroadPhaseSettings>()
-            .register_type::<NarrowPhaseSettings>()
-            .register_type::<MotionSettings>()
-            .register_type::<CollisionClock>()
-            .register_type::<CollisionIndex>()
-            .register_type::<CandidatePairs>()
-            .register_type::<Contacts>()
-            .register_type::<CollisionCounters>()
-            .register_type::<SceneDescription>()
-            .register_type::<TestSet>()
-            .register_type::<CollisionStarted>()
-            .register_type::<CollisionEnded>()
-            .register_type::<CollisionEventSettings>()
-            .register_type::<CollisionEventsEnabled>()
-            .register_type::<CollidingEntities>();
+        settings::register(app);
+        counters::register(app);
+        motion::register(app);
+        collision_index::register(app);
+        components::register(app);
+        swept::register(app);
+        contacts::register(app);
+        response::register(app);
         add_to_tick(app, |app, schedule| {
-            app.add_systems(
-                schedule,
-                (
-                    CollisionCounters::begin_tick.before(CollisionSystems::First),
-                    (CollisionCounters::end_tick, CollisionClock::advance).after(CollisionSystems::Last),
-                ),
-            );
+            app.add_systems(schedule, CollisionClock::advance.after(CollisionSystems::Last));
         });
     }
 }

@@ -10,6 +10,7 @@ use crate::{
 /// Settings of the broad phase. Changes take effect at the next tick.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Reflect)]
 #[reflect(Resource, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct BroadPhaseSettings {
     /// How overlapping boxes are searched for.
     pub method: BroadPhaseMethod,
@@ -28,4 +29,11 @@ impl NarrowPhaseSettings {
     pub(crate) const fn tests(&self) -> &NarrowPhase {
         &self.0
     }
+}
+
+pub(crate) fn register(app: &mut App) {
+    app.init_resource::<BroadPhaseSettings>()
+        .init_resource::<NarrowPhaseSettings>()
+        .register_type::<BroadPhaseSettings>()
+        .register_type::<NarrowPhaseSettings>();
 }

@@ -48,7 +48,7 @@ use bevy::{
     prelude::*,
 };
 
-use crate::{broad_phase::PairFilter, filters::change_filter};
+use crate::{broad_phase::PairFilter, components::change_filter};
 
 /// The world that an entity is in. Insert another to move it; remove it, and the entity is in the default world. Contacts
 /// follow at the next tick.

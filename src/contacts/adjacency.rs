@@ -1,14 +1,14 @@
 //! The contacts of each object.
 
-use super::ContactPair;
+use super::pair::ContactPair;
 use crate::broad_phase::ProxyId;
 
-/// For each object, the places of its contacts in a list of all: one array, cut into a range for each object.
+/// For each object, the indices of its contacts in a list of all: one array, cut into a range for each object.
 #[derive(Clone, Debug)]
 pub(super) struct Adjacency {
     /// By handle, where its range begins; and at the end, where the last one ends.
     starts: Vec<u32>,
-    places: Vec<u32>,
+    slots: Vec<u32>,
 }
 
 impl Adjacency {
@@ -16,7 +16,7 @@ impl Adjacency {
     pub(super) fn new(contacts: &[ContactPair]) -> Self {
         let both = |contact: &ContactPair| [contact.pair.a.index(), contact.pair.b.index()];
         let handles = contacts.iter().flat_map(both).max().map_or(0, |last| last + 1);
-        // Two places later than their own, counts become starts, and starts become ends while the ranges fill.
+        // Two slots later than their own, counts become starts, and starts become ends while the ranges fill.
         let mut starts = vec![0; handles + 2];
         for handle in contacts.iter().flat_map(both) {
             starts[handle + 2] += 1;
@@ -24,21 +24,22 @@ impl Adjacency {
         for handle in 2..starts.len() {
             starts[handle] += starts[handle - 1];
         }
-        let mut places = vec![0; 2 * contacts.len()];
-        for (place, contact) in contacts.iter().enumerate() {
+        let mut slots = vec![0; 2 * contacts.len()];
+        for (slot, contact) in contacts.iter().enumerate() {
             for handle in both(contact) {
                 let next = &mut starts[handle + 1];
-                places[*next as usize] = place as u32;
+                slots[*next as usize] = slot as u32;
                 *next += 1;
             }
         }
-        Self { starts, places }
+        debug_assert!(starts.is_sorted() && starts[handles] as usize == slots.len(), "ranges lie side by side");
+        Self { starts, slots }
     }
 
-    /// The places of an object's contacts.
+    /// The indices of an object's contacts, in the list that this was made from.
     pub(super) fn of(&self, id: ProxyId) -> &[u32] {
         match self.starts.get(id.index()..) {
-            Some([start, end, ..]) => &self.places[*start as usize..*end as usize],
+            Some([start, end, ..]) => &self.slots[*start as usize..*end as usize],
             _ => &[],
         }
     }
@@ -68,7 +69,7 @@ mod tests {
             let adjacency = Adjacency::new(&contacts);
             for id in (0..objects + 3).map(ProxyId::new) {
                 let expected: Vec<_> = (0..pairs.len() as u32)
-                    .filter(|place| [pairs[*place as usize].a, pairs[*place as usize].b].contains(&id))
+                    .filter(|index| [pairs[*index as usize].a, pairs[*index as usize].b].contains(&id))
                     .collect();
                 assert_eq!(adjacency.of(id), expected);
             }

@@ -5,7 +5,7 @@ use bevy::{
     prelude::*,
 };
 
-use super::Contacts;
+use super::list::Contacts;
 use crate::components::BroadPhaseProxy;
 
 /// The entities that this entity is in contact with. Add it to entities that are to have it; it is kept up to date in
@@ -21,6 +21,7 @@ use crate::components::BroadPhaseProxy;
 /// [`Collisions::colliding_with`](super::Collisions::colliding_with).
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq, Deref, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 #[component(clone_behavior = Ignore)]
 pub struct CollidingEntities(#[entities] pub EntityHashSet);
 
@@ -34,7 +35,7 @@ pub(super) fn is_in_use(lists: Query<(), (With<CollidingEntities>, Allow<Disable
 pub(super) fn follow_contacts(contacts: Res<Contacts>, mut lists: Query<Lists, Allow<Disabled>>) {
     for (entity, mut list, proxy) in &mut lists {
         let others = || {
-            let own = proxy.and_then(BroadPhaseProxy::id).map(|id| contacts.of(entity, id));
+            let own = proxy.and_then(BroadPhaseProxy::id).map(|id| contacts.of_handle(entity, id));
             own.into_iter().flatten().map(|contact| contact.other(entity))
         };
         // No two contacts of an entity are with the same other.
@@ -43,6 +44,10 @@ pub(super) fn follow_contacts(contacts: Res<Contacts>, mut lists: Query<Lists, A
             list.0.extend(others());
         }
     }
+}
+
+pub(super) fn register(app: &mut App) {
+    app.register_type::<CollidingEntities>();
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::Collision;
+use super::pair::Collision;
 use crate::{filters::CollisionLayers, narrow_phase::Contact};
 
 /// Two entities have come into contact: a message, and an event for observers.
@@ -13,7 +13,7 @@ use crate::{filters::CollisionLayers, narrow_phase::Contact};
 /// [`Contacts`](super::Contacts).
 ///
 /// As an **event** it is triggered right after, in the same order, for each of the two entities that has opted in by
-/// [`CollisionEventsEnabled`], with that entity first:
+/// [`CollisionEventsEnabled`](super::CollisionEventsEnabled), with that entity first:
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -27,6 +27,7 @@ use crate::{filters::CollisionLayers, narrow_phase::Contact};
 /// ```
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Event, Message, Clone, Debug, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct CollisionStarted {
     /// Of an event, the target. Of a message, the entity with the lower handle in the
     /// [`CollisionIndex`](crate::collision_index::CollisionIndex).
@@ -35,7 +36,7 @@ pub struct CollisionStarted {
     /// The other one.
     pub b: Entity,
     /// Where they meet, with the normal from `a` to `b`. `Some` in every event; in a message, if somebody
-    /// [asked](CollisionEventSettings::geometry).
+    /// [asked](super::CollisionEventSettings::geometry).
     pub contact: Option<Contact>,
     /// The layers of `a`, and those of `b`: the default ones, where no [`CollisionLayers`] were given.
     pub layers: [CollisionLayers; 2],
@@ -50,6 +51,7 @@ pub struct CollisionStarted {
 /// Every contact that started ends exactly once, and whoever was told of the start is told of the end.
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Event, Message, Clone, Debug, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct CollisionEnded {
     /// Of an event, the target. Of a message, the entity with the lower handle in the
     /// [`CollisionIndex`](crate::collision_index::CollisionIndex).
@@ -58,7 +60,7 @@ pub struct CollisionEnded {
     /// The other one.
     pub b: Entity,
     /// Where they met when they were last found in contact, with the normal from `a` to `b`. `Some` in every event; in
-    /// a message, if somebody had [asked](CollisionEventSettings::geometry) by then.
+    /// a message, if somebody had [asked](super::CollisionEventSettings::geometry) by then.
     pub contact: Option<Contact>,
     /// The layers of `a`, and those of `b`, when they were last found in contact: also of an entity that is gone, or
     /// has other layers now.
@@ -77,48 +79,6 @@ impl From<Collision> for CollisionEnded {
     }
 }
 
-/// Opts an entity in to collision events: its observers are told of the contacts that it starts and ends, and where
-/// they are is computed.
-///
-/// It may come and go at any time, and is looked at in the set
-/// [`NarrowPhase`](crate::CollisionSystems::NarrowPhase). What an entity is told of are its contacts *while it has
-/// opted in*: one that opts in during a contact is told at the next tick that it started, and one that opts out is
-/// told at the next tick that it ended. So for every start there is one end, whatever happens.
-///
-/// Who else is told, is up to the [`CollisionEventSettings`]. Costs by the contact: where all of 20 000 moving cubes opt in
-/// and 782 contacts start and end in each tick, a tick takes 1.12 times the instructions.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Component, Clone, Debug, Default, PartialEq)]
-pub struct CollisionEventsEnabled;
-
-/// Which contacts something is done for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
-pub enum EventScope {
-    /// All of them.
-    All,
-    /// Those of entities with [`CollisionEventsEnabled`].
-    Enabled,
-}
-
-/// Who is told about contacts, and how much. May be changed at any time: contacts that come into a scope start for it,
-/// and contacts that leave it end, at the next tick.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
-#[reflect(Resource, Debug, Default, PartialEq)]
-pub struct CollisionEventSettings {
-    /// The contacts that messages are written for: by default, all. [`EventScope::Enabled`] are those of which one
-    /// entity or both have opted in.
-    pub messages: EventScope,
-    /// The entities that events are triggered for: by default, those that have opted in. Observers are
-    /// looked for once for each event, and there may be none: [`EventScope::All`] is not free.
-    pub observers: EventScope,
-    /// The contacts of which the geometry is computed, in every tick in which one of the two entities moves: by
-    /// default, those of which one entity or both have opted in. It is computed for every contact that an event is
-    /// triggered for in any case.
-    pub geometry: EventScope,
-}
-
-impl Default for CollisionEventSettings {
-    fn default() -> Self {
-        Self { messages: EventScope::All, observers: EventScope::Enabled, geometry: EventScope::Enabled }
-    }
+pub(super) fn register(app: &mut App) {
+    app.register_type::<CollisionStarted>().register_type::<CollisionEnded>();
 }

@@ -2,13 +2,19 @@
 
 use bevy::prelude::*;
 
-use super::{CollisionEventSettings, CollisionEventsEnabled, Contacts, SweptContact};
+use super::{
+    list::Contacts,
+    pair::SweptContact,
+    settings::{CollisionEventSettings, CollisionEventsEnabled},
+    verdicts::Verdicts,
+};
 use crate::{
     broad_phase::Pair,
-    collision_index::{CandidatePairs, CollisionIndex, find_candidates},
+    collision_index::{Candidate, CandidatePairs, CollisionIndex},
     components::BroadPhaseProxy,
     counters::CollisionCounters,
-    narrow_phase::{NarrowPhase, Placed, TimedContact, Workspace},
+    maintenance::find_candidates,
+    narrow_phase::Workspace,
     schedule::{CollisionSystems, ImpactSystems, add_to_tick},
     settings::NarrowPhaseSettings,
 };
@@ -24,7 +30,7 @@ impl Plugin for NarrowPhasePlugin {
                 schedule,
                 (
                     search_all.in_set(CollisionSystems::BroadPhase).before(find_candidates).run_if(is_out_of_step),
-                    (test_candidates.before(ImpactSystems), take_up_verdicts.after(ImpactSystems))
+                    (test_candidates.before(ImpactSystems), merge_verdicts.after(ImpactSystems))
                         .in_set(CollisionSystems::NarrowPhase),
                 ),
             );
@@ -42,17 +48,6 @@ fn search_all(mut index: ResMut<CollisionIndex>) {
     index.search_all();
 }
 
-/// The two shapes of a pair, where they are. Entities may have gone since the pair was found.
-fn placed(index: &CollisionIndex, pair: Pair) -> Option<[Placed<'_>; 2]> {
-    let (a, b) = (index.body(pair.a)?, index.body(pair.b)?);
-    Some([Placed::new(&a.shape, &a.pose), Placed::new(&b.shape, &b.pose)])
-}
-
-/// When and how two meet in a tick.
-fn impact(index: &CollisionIndex, pair: Pair, tests: &NarrowPhase, workspace: &mut Workspace) -> Option<TimedContact> {
-    tests.time_of_impact(&index.moving(pair.a)?, &index.moving(pair.b)?, workspace)
-}
-
 /// A pair as contacts have it. Those who write candidates may have it the wrong way round, or one entity twice.
 fn in_order(pair: Pair) -> Option<Pair> {
     (pair.a != pair.b).then(|| Pair::new(pair.a, pair.b))
@@ -64,44 +59,47 @@ fn test_candidates(
     candidates: Res<CandidatePairs>,
     (settings, event_settings): (Res<NarrowPhaseSettings>, Res<CollisionEventSettings>),
     enabled: Query<&BroadPhaseProxy, With<CollisionEventsEnabled>>,
-    mut contacts: ResMut<Contacts>,
+    (contacts, mut verdicts): (Res<Contacts>, ResMut<Verdicts>),
     mut counters: ResMut<CollisionCounters>,
     mut workspace: Local<Workspace>,
 ) {
     if !contacts.are_out_of_step(&index) {
         return;
     }
-    let contacts = &mut *contacts;
+    let verdicts = &mut *verdicts;
     let tests = settings.tests();
-    contacts.tracking.refresh(&event_settings, enabled.iter().filter_map(BroadPhaseProxy::id));
+    verdicts.watch.refresh(&event_settings, enabled.iter().filter_map(BroadPhaseProxy::id));
     let may_repeat = !index.has_listed(&candidates);
-    contacts.clear_found(index.search(), may_repeat);
-    if contacts.tracking.is_idle() && !index.has_swept() {
-        let mut touch =
-            |pair: &Pair| placed(&index, *pair).is_some_and(|[a, b]| tests.intersects(a, b, &mut workspace));
+    verdicts.begin(index.search(), may_repeat);
+    if verdicts.watch.is_idle() && !index.has_swept() {
+        let mut touch = |pair: &Pair| index.placed(*pair).is_some_and(|[a, b]| tests.intersects(a, b, &mut workspace));
         let touching = candidates.iter().copied().filter(|pair| touch(pair));
         if may_repeat {
-            contacts.found.extend(touching.filter_map(in_order));
+            verdicts.extend(touching.filter_map(in_order));
         } else {
-            contacts.found.extend(touching);
+            verdicts.extend(touching);
         }
     } else {
         for pair in candidates.iter().copied().filter_map(in_order) {
-            if index.is_swept(pair) {
-                let met = impact(&index, pair, tests, &mut workspace);
-                contacts.impacts.extend(met.map(|met| SweptContact { pair, met }));
-                continue;
+            match index.candidate(pair) {
+                None => {}
+                Some(Candidate::OnTheWay([a, b])) => {
+                    if let Some(met) = tests.time_of_impact(&a, &b, &mut workspace) {
+                        verdicts.meet(SweptContact { pair, met });
+                    }
+                }
+                Some(Candidate::AtTheEnd([a, b])) => {
+                    if verdicts.watch.wants(pair) {
+                        if let Some(geometry) = tests.contact(a, b, &mut workspace) {
+                            verdicts.touch(pair, Some(geometry));
+                        }
+                    } else if tests.intersects(a, b, &mut workspace) {
+                        verdicts.touch(pair, None);
+                    }
+                }
             }
-            let Some([a, b]) = placed(&index, pair) else { continue };
-            if contacts.tracking.wants(pair) {
-                let Some(geometry) = tests.contact(a, b, &mut workspace) else { continue };
-                contacts.found_geometry.push((pair, geometry));
-            } else if !tests.intersects(a, b, &mut workspace) {
-                continue;
-            }
-            contacts.found.push(pair);
         }
-        contacts.sort_impacts();
+        verdicts.sort_impacts();
     }
     counters.tick.stages = std::mem::take(&mut workspace.counters);
     #[cfg(feature = "rapier")]
@@ -113,7 +111,7 @@ fn test_candidates(
 /// Tells of the first pair of shapes about which nothing can be said.
 #[cfg(feature = "rapier")]
 fn warn_of_unknown(index: &CollisionIndex, candidates: &CandidatePairs) {
-    let is_unknown = |pair: &&Pair| placed(index, **pair).is_some_and(|[a, b]| !crate::narrow_phase::is_known(a, b));
+    let is_unknown = |pair: &&Pair| index.placed(**pair).is_some_and(|[a, b]| !crate::narrow_phase::is_known(a, b));
     let Some(pair) = candidates.iter().find(is_unknown) else { return };
     if let (Some(a), Some(b)) = (index.body(pair.a), index.body(pair.b)) {
         tracing::warn!(
@@ -126,18 +124,17 @@ fn warn_of_unknown(index: &CollisionIndex, candidates: &CandidatePairs) {
     }
 }
 
-fn take_up_verdicts(
+fn merge_verdicts(
     index: Res<CollisionIndex>,
     settings: Res<NarrowPhaseSettings>,
-    mut contacts: ResMut<Contacts>,
+    (mut contacts, mut verdicts): (ResMut<Contacts>, ResMut<Verdicts>),
     mut counters: ResMut<CollisionCounters>,
     mut workspace: Local<Workspace>,
 ) {
-    if contacts.has_verdicts() {
-        let contacts = &mut *contacts;
-        contacts.take_up(&index);
-        contacts.track(|pair| placed(&index, pair).and_then(|[a, b]| settings.tests().contact(a, b, &mut workspace)));
-        contacts.has_news = true;
+    let geometry = |pair| index.placed(pair).and_then(|[a, b]| settings.tests().contact(a, b, &mut workspace));
+    if let Some(search) = verdicts.take_search() {
+        let changes = contacts.merge(search, &mut verdicts, &index, geometry);
+        (counters.tick.started, counters.tick.ended) = (changes.started, changes.ended);
     }
     counters.tick.contacts = contacts.len() as u64;
 }

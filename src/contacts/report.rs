@@ -5,15 +5,14 @@ use std::cmp::Ordering;
 use bevy::prelude::*;
 
 use super::{
-    Collision, CollisionEnded, CollisionEventSettings, CollisionStarted, ContactPair, Contacts, EventScope,
     colliding_entities::{follow_contacts, is_in_use},
-    compare,
-    tracking::{self, TrackedContact},
+    events::{CollisionEnded, CollisionStarted},
+    list::Contacts,
+    pair::{Collision, ContactPair, compare},
+    settings::{CollisionEventSettings, EventScope},
+    watched::{self, WatchedContact},
 };
-use crate::{
-    counters::CollisionCounters,
-    schedule::{CollisionSystems, add_to_tick},
-};
+use crate::schedule::{CollisionSystems, add_to_tick};
 
 /// Messages and events about contacts that started and ended, and [`CollidingEntities`](super::CollidingEntities).
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,9 +23,9 @@ impl Plugin for ReportPlugin {
         app.add_message::<CollisionStarted>().add_message::<CollisionEnded>();
         add_to_tick(app, |app, schedule| {
             // Observers come last, so that they find everything else up to date, and see no change but their own.
-            let report = (write_messages, follow_contacts.run_if(is_in_use), trigger_events.run_if(anything_tracked));
+            let report = (write_messages, follow_contacts.run_if(is_in_use), trigger_events.run_if(anything_watched));
             // Each change is told once, though the exact tests or this may be skipped in a tick.
-            let report = report.chain().run_if(|contacts: Res<Contacts>| contacts.has_news);
+            let report = report.chain().run_if(|contacts: Res<Contacts>| contacts.has_news());
             app.add_systems(schedule, report.in_set(CollisionSystems::Report));
         });
     }
@@ -36,46 +35,19 @@ fn write_messages(
     mut contacts: ResMut<Contacts>,
     settings: Res<CollisionEventSettings>,
     (mut scope_before, mut in_time): (Local<Option<EventScope>>, Local<Vec<CollisionStarted>>),
-    mut counters: ResMut<CollisionCounters>,
     mut started: MessageWriter<CollisionStarted>,
     mut ended: MessageWriter<CollisionEnded>,
 ) {
-    contacts.bypass_change_detection().has_news = false;
-    let contacts = &*contacts;
-    let counters = &mut counters.tick;
-    let scopes = [scope_before.replace(settings.messages).unwrap_or(settings.messages), settings.messages];
-    // Where nothing was met on the way, the order of contacts is that of time.
-    let is_in_time = scopes == [EventScope::All; 2] && contacts.impacts.is_empty();
-    let mut written = [0, 0];
-    let write = |old: Option<&ContactPair>, new: Option<&ContactPair>| match (old, new) {
-        (Some(old), None) => {
-            ended.write(old.seen_with(&contacts.tracked_before).into());
-            written[0] += 1;
+    contacts.bypass_change_detection().note_reported();
+    let scope = settings.messages;
+    let before = in_scope(scope_before.replace(scope).unwrap_or(scope), contacts.before());
+    let now = in_scope(scope, contacts.now());
+    for change in compare(before, now, ContactPair::key) {
+        match change {
+            (Some(old), None) => _ = ended.write(seen_with(old, contacts.before().1).into()),
+            (None, Some(new)) => in_time.push(seen_with(new, contacts.now().1).into()),
+            _ => {}
         }
-        (None, Some(new)) => {
-            let start = new.seen_with(&contacts.tracked).into();
-            if is_in_time {
-                started.write(start);
-            } else {
-                in_time.push(start);
-            }
-            written[1] += 1;
-        }
-        _ => {}
-    };
-    let (before, now) = (&contacts.before[..], &contacts.pairs[..]);
-    let key = ContactPair::key;
-    if scopes == [EventScope::All; 2] {
-        compare(before.iter(), now.iter(), key, write);
-        [counters.ended, counters.started] = written;
-    } else {
-        let before_in_scope = in_scope(scopes[0], before, &contacts.tracked_before);
-        compare(before_in_scope, in_scope(scopes[1], now, &contacts.tracked), key, write);
-        // The counters are about contacts, whoever is told.
-        compare(before.iter(), now.iter(), key, |old, new| {
-            counters.started += u64::from(old.is_none());
-            counters.ended += u64::from(new.is_none());
-        });
     }
     in_time.sort_by(earlier);
     started.write_batch(in_time.drain(..));
@@ -86,37 +58,25 @@ fn earlier(a: &CollisionStarted, b: &CollisionStarted) -> Ordering {
     a.time.total_cmp(&b.time)
 }
 
-/// The contacts that messages are about.
+/// The contacts that messages are about: of all, or of those of which more is known.
 fn in_scope<'a>(
     scope: EventScope,
-    all: &'a [ContactPair],
-    tracked: &'a [TrackedContact],
+    (all, watched): (&'a [ContactPair], &'a [WatchedContact]),
 ) -> impl Iterator<Item = &'a ContactPair> {
-    let (all, tracked) = match scope {
-        EventScope::All => (all, &[][..]),
-        EventScope::Enabled => (&[][..], tracked),
+    let (all, watched): (&[_], &[_]) = match scope {
+        EventScope::All => (all, &[]),
+        EventScope::Enabled => (&[], watched),
     };
-    all.iter().chain(tracked.iter().filter(|tracked| tracked.enabled).map(|tracked| &tracked.contact))
+    all.iter().chain(watched.iter().filter(|watched| watched.enabled).map(|watched| &watched.contact))
 }
 
-impl ContactPair {
-    /// With what is known of it.
-    fn seen_with(&self, tracked: &[TrackedContact]) -> Collision {
-        let contact = tracking::find(tracked, self.pair).map(|tracked| tracked.geometry);
-        self.collision(contact)
-    }
+/// With what is known of it. O(log n).
+fn seen_with(contact: &ContactPair, watched: &[WatchedContact]) -> Collision {
+    contact.collision(watched::find(watched, contact.pair).map(|watched| watched.geometry))
 }
 
-impl TrackedContact {
-    /// From one of its two sides.
-    fn seen_from(&self, side: usize) -> Collision {
-        let collision = self.contact.collision(Some(self.geometry));
-        if side == 0 { collision } else { collision.reversed() }
-    }
-}
-
-fn anything_tracked(contacts: Res<Contacts>) -> bool {
-    !(contacts.tracked.is_empty() && contacts.tracked_before.is_empty())
+fn anything_watched(contacts: Res<Contacts>) -> bool {
+    !(contacts.before().1.is_empty() && contacts.now().1.is_empty())
 }
 
 /// Triggers events: first those of all contacts that ended, in the order of the contacts, then those of all that started,
@@ -126,9 +86,10 @@ fn anything_tracked(contacts: Res<Contacts>) -> bool {
 /// told in the next tick, and nothing in this one.
 fn trigger_events(world: &mut World, mut ended: Local<Vec<CollisionEnded>>, mut started: Local<Vec<CollisionStarted>>) {
     let contacts = world.resource::<Contacts>();
-    let collect = |old: Option<&TrackedContact>, new: Option<&TrackedContact>| {
+    let (before, now) = (contacts.before().1.iter(), contacts.now().1.iter());
+    for (old, new) in compare(before, now, |watched| watched.contact.key()) {
         for side in [0, 1] {
-            let observed = |tracked: &&TrackedContact| tracked.observed[side];
+            let observed = |watched: &&WatchedContact| watched.observed[side];
             match (old.filter(observed), new.filter(observed)) {
                 // It goes on for others, perhaps: the latest that is known.
                 (Some(old), None) => ended.push(new.unwrap_or(old).seen_from(side).into()),
@@ -136,8 +97,7 @@ fn trigger_events(world: &mut World, mut ended: Local<Vec<CollisionEnded>>, mut 
                 _ => {}
             }
         }
-    };
-    compare(contacts.tracked_before.iter(), contacts.tracked.iter(), |tracked| tracked.contact.key(), collect);
+    }
     started.sort_by(earlier);
     for event in ended.drain(..) {
         world.trigger(event);

@@ -21,10 +21,10 @@ pub(super) fn draw_ways(mut gizmos: Gizmos<CollisionGizmos>, swept: Query<Way, W
     let color @ Some(_) = gizmos.config_ext.sweeps else { return };
     for (shape, sheared, proxy, way, own) in &swept {
         let shape = shear::shape(shape, sheared);
-        let way = way.last_start().filter(|start| start.translation != proxy.pose.translation);
+        let way = way.last_start().filter(|start| start.translation != proxy.pose().translation);
         if let Some(start) = way
             && let Some(color) = DebugDraw::color(own, color)
-            && let [Ok(start), Ok(end)] = [start, &proxy.pose].map(|at| shape.world_aabb(at))
+            && let [Ok(start), Ok(end)] = [start, proxy.pose()].map(|at| shape.world_aabb(at))
         {
             swept_box(&mut gizmos, &start, &end, color);
         }

@@ -6,7 +6,8 @@ use bevy::{
 };
 
 use crate::{
-    collision_index::{CandidatePairs, CollisionIndex, in_index},
+    collision_index::{CandidatePairs, CollisionIndex},
+    components::in_index,
     schedule::{PairFilterSystems, add_to_tick},
 };
 

@@ -5,11 +5,11 @@ use bevy::{
     prelude::*,
 };
 
-use super::{change::change_filter, mask::LayerMask};
+use super::mask::LayerMask;
 use crate::{
     broad_phase::PairFilter,
     collision_index::CollisionIndex,
-    components::BroadPhaseProxy,
+    components::{BroadPhaseProxy, change_filter},
     schedule::{CollisionSystems, add_to_tick},
 };
 

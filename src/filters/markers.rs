@@ -5,7 +5,7 @@ use bevy::{
     prelude::*,
 };
 
-use super::change::change_filter;
+use crate::components::change_filter;
 
 /// An entity that does not meet others of its kind: walls, floors, scenery. Two static entities make no pair, however
 /// they overlap, and however they are moved; unless the

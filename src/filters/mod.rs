@@ -23,7 +23,6 @@
 //! [settings](crate::settings::BroadPhaseSettings::pair_kinds): a pair that they rule out is gone before anything
 //! else sees it. Lists and hooks are asked about candidate pairs, before the exact tests.
 
-mod change;
 mod hooks;
 mod ignore;
 mod layers;
@@ -33,7 +32,6 @@ mod pair_filter;
 
 use bevy::prelude::*;
 
-pub(crate) use change::change_filter;
 pub use hooks::{PairHook, PairHookPlugin};
 pub use ignore::IgnoreCollisions;
 pub use layers::CollisionLayers;

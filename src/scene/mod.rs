@@ -61,6 +61,7 @@
 #[cfg(feature = "asset")]
 mod asset;
 mod clip_report;
+mod cube;
 mod description;
 mod error;
 #[cfg(feature = "scene_files")]
@@ -75,6 +76,7 @@ use bevy::prelude::*;
 #[cfg(feature = "asset")]
 pub use asset::{SceneAssetPlugin, SceneLoader};
 pub use clip_report::{CollisionReport, Interval, PairContacts, TickOutOfOrder};
+pub use cube::Cube;
 pub use description::{Content, Motion, ObjectDescription, SceneDescription};
 pub use error::{ObjectProblem, SceneError, SceneProblem};
 pub use shape::ShapeDescription;
@@ -86,6 +88,7 @@ pub struct ScenePlugin;
 
 impl Plugin for ScenePlugin {
     fn build(&self, app: &mut App) {
+        cube::register(app);
         description::register(app);
         test_set::register(app);
     }

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::{bounds, collision_index, filters, swept};
+use crate::{bounds, filters, maintenance, swept};
 
 /// Computes the boxes of all entities that changed, and takes them up in the
 /// [`CollisionIndex`](crate::collision_index::CollisionIndex), now: entities spawned, moved, reshaped, reparented or put
@@ -37,7 +37,7 @@ use crate::{bounds, collision_index, filters, swept};
 /// Costs as much as the sets `Bounds` and `Maintenance` of a tick, linear in the entities that changed; the next tick
 /// then searches anew for all pairs, those of resting entities included. Does nothing without the plugins.
 pub fn update_spatial_index(world: &mut World) {
-    let stages = [bounds::refresh, swept::refresh, filters::refresh, collision_index::refresh];
+    let stages = [bounds::refresh, swept::refresh, filters::refresh, maintenance::refresh];
     if let Err(error) = stages.into_iter().try_for_each(|refresh| refresh(world)) {
         tracing::warn!("the spatial index could not be brought up to date: {error}");
     }

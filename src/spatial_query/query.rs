@@ -8,7 +8,7 @@ use super::filter::SpatialQueryFilter;
 use crate::{
     broad_phase::ProxyId,
     collision_index::{Body, CollisionIndex},
-    narrow_phase::{NarrowPhase, Placed, Shape},
+    narrow_phase::{NarrowPhase, Shape},
     settings::NarrowPhaseSettings,
 };
 
@@ -71,12 +71,6 @@ impl SpatialQuery<'_> {
     pub(super) fn candidate(&self, id: ProxyId, filter: &SpatialQueryFilter) -> Option<&Body> {
         let object = self.index.index().proxies().filter(id);
         self.index.body(id).filter(|body| filter.accepts(body.entity, &object))
-    }
-}
-
-impl Body {
-    pub(super) fn placed(&self) -> Placed<'_> {
-        Placed::new(&self.shape, &self.pose)
     }
 }
 

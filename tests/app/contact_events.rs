@@ -453,11 +453,11 @@ fn collisions_are_those_of_the_list_by_entity() {
                 for &b in &cubes {
                     let touching = expected.contains(&pair(a, b));
                     assert_eq!((collisions.contains(a, b), others.contains(&b)), (touching, touching));
-                    let found = collisions.get(a, b);
+                    let found = collisions.between(a, b);
                     assert_eq!(found, of.iter().find(|collision| collision.b == b).copied());
                     let asked = enabled.contains(&a) || enabled.contains(&b);
                     assert_eq!(found.is_some_and(|found| found.contact.is_some()), touching && asked);
-                    assert_eq!(collisions.get(b, a), found.map(Collision::reversed));
+                    assert_eq!(collisions.between(b, a), found.map(Collision::reversed));
                 }
             }
             let in_order: Vec<_> = collisions
@@ -514,7 +514,7 @@ fn the_end_names_the_layers_of_one_that_is_gone() {
     app.world_mut().entity_mut(a).insert(RED);
     tick(&mut app, 2);
     let world = app.world_mut();
-    let told = world.run_system_once(move |collisions: Collisions| collisions.get(b, a).unwrap().layers).unwrap();
+    let told = world.run_system_once(move |collisions: Collisions| collisions.between(b, a).unwrap().layers).unwrap();
     assert_eq!(told, [plain, RED]);
     app.world_mut().despawn(a);
     tick(&mut app, 1);

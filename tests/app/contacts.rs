@@ -35,17 +35,9 @@ fn ball(app: &mut App, radius: f32, center: Vec3, step: Vec3, parts: impl Bundle
     app.world_mut().spawn((shape, velocity, Transform::from_translation(center), parts)).id()
 }
 
-fn handles(app: &App, entities: EntityPair) -> Pair {
-    let [a, b] = entities.map(|entity| get::<BroadPhaseProxy>(app, entity).id().unwrap());
-    Pair::new(a, b)
-}
-
 /// As the first of the two sees it, whichever has the lower handle.
-fn geometry(app: &App, entities: EntityPair) -> Option<Contact> {
-    let pair = handles(app, entities);
-    let contact = app.world().resource::<Contacts>().geometry(pair).copied()?;
-    let is_first = get::<BroadPhaseProxy>(app, entities[0]).id() == Some(pair.a);
-    Some(Contact { normal: if is_first { contact.normal } else { -contact.normal }, ..contact })
+fn geometry(app: &App, [a, b]: EntityPair) -> Option<Contact> {
+    app.world().resource::<Contacts>().between(a, b)?.contact
 }
 
 /// All starts so far, as messages.
@@ -103,7 +95,7 @@ fn what_is_found_at_the_end_and_on_the_way_is_one_contact() {
     assert_eq!((counters(&app).contacts, counters(&app).started), (2, 2));
     assert_eq!(get::<CollidingEntities>(&app, a).len(), 2);
     // What is known of it is what happened first.
-    let on_the_way = app.world().resource::<Contacts>().time_of_impact(handles(&app, [a, c])).unwrap();
+    let on_the_way = app.world().resource::<Contacts>().time_of_impact(a, c).unwrap();
     assert!(on_the_way > 0.3 && on_the_way < 0.5, "{on_the_way}");
     assert_eq!(geometry(&app, [a, c]).map(|contact| contact.normal), Some(Vec3::X));
     tick(&mut app, 3);
@@ -175,7 +167,9 @@ fn what_is_met_on_the_way_is_told_in_the_order_of_time() {
     assert_eq!(told.iter().map(|message| pair(message.a, message.b)).collect::<Vec<_>>(), expected);
     assert!(told.is_sorted_by(|a, b| a.time <= b.time));
     // The list stays in the order of handles.
-    assert!(app.world().resource::<Contacts>().iter().is_sorted_by_key(|contact| contact.pair));
+    let handle = |entity| get::<BroadPhaseProxy>(&app, entity).id();
+    let all = app.world().resource::<Contacts>().iter();
+    assert!(all.is_sorted_by_key(|contact| [contact.a, contact.b].map(handle)));
 }
 
 /// Between two ticks, an update of the index may give the handle of one to another.
@@ -199,7 +193,7 @@ fn an_entity_has_no_contacts_of_who_had_its_handle() {
     assert_eq!(get::<BroadPhaseProxy>(&app, other).id(), handle);
     let ask = move |all: Collisions| {
         let of = all.of(other).count() + all.colliding_with(other).count();
-        (of, all.contains(other, b), all.contains(b, other), all.get(other, b), all.get(b, other))
+        (of, all.contains(other, b), all.contains(b, other), all.between(other, b), all.between(b, other))
     };
     assert_eq!(app.world_mut().run_system_once(ask).unwrap(), (0, false, false, None, None));
     tick(&mut app, 1);

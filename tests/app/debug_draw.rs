@@ -219,13 +219,13 @@ fn contacts_have_their_normal_where_it_is_known_and_a_line_else() {
         draw(&mut app, CollisionGizmos { contacts: Some(CONTACTS), ..NOTHING });
         let drawn = lines(&app, CONTACTS);
         assert_eq!(paths(&app).len(), drawn.len());
-        let contact = app.world().resource::<Contacts>().iter().next().copied().unwrap();
+        let contact = app.world().resource::<Contacts>().iter().next().unwrap();
         let centers: [Vec3; 2] = [contact.a, contact.b].map(|entity| aabb(&app, entity).center().into());
         if geometry == EventScope::Enabled {
             assert_eq!(drawn, [centers]);
             continue;
         }
-        let Contact { normal, point, .. } = *app.world().resource::<Contacts>().geometry(contact.pair).unwrap();
+        let Contact { normal, point, .. } = contact.contact.unwrap();
         assert!(drawn.contains(&[point, point + 2.0 * normal]), "{drawn:?}");
         assert_eq!(drawn.len(), 3 + 5, "a cross and an arrow");
         let mut flat = NOTHING;

@@ -14,9 +14,8 @@ use bevy::{
     time::TimePlugin,
 };
 use bevy_octree::{
-    BoundsPlugin,
+    BoundsPlugin, BroadPhasePlugin,
     broad_phase::{BroadPhase, BroadPhaseStats, Exhaustive, Pair, Proxies, RootPolicy, Visitor},
-    collision_index::BroadPhasePlugin,
     contacts::{NarrowPhasePlugin, ReportPlugin},
     diagnostics::CollisionDiagnosticsPlugin,
     motion::{MotionPlugin, PositionTrack},
@@ -319,30 +318,29 @@ fn everything_is_registered_for_reflection() {
     let app = app(BroadPhaseMethod::default());
     let registry = app.world().resource::<AppTypeRegistry>().read();
     let components = [
-        "components::CollisionShape",
-        "components::WorldAabb",
-        "components::BroadPhaseProxy",
-        "components::Cube",
+        "CollisionShape",
+        "WorldAabb",
+        "BroadPhaseProxy",
+        "Cube",
         "Velocity",
         "PositionTrack",
-        "response::Bounce",
-        "contacts::events::CollisionEventsEnabled",
-        "contacts::colliding_entities::CollidingEntities",
+        "Bounce",
+        "CollisionEventsEnabled",
+        "CollidingEntities",
     ];
     // All but the index, which makes no sense without the entities behind it.
     let resources = [
-        "settings::BroadPhaseSettings",
-        "collision_index::CandidatePairs",
-        "contacts::Contacts",
-        "contacts::events::CollisionEventSettings",
-        "counters::CollisionCounters",
+        "BroadPhaseSettings",
+        "CandidatePairs",
+        "Contacts",
+        "CollisionEventSettings",
+        "CollisionCounters",
         "CollisionClock",
         "MotionSettings",
         "settings::NarrowPhaseSettings",
     ];
     // The index is not made from reflected values: it makes no sense without the entities behind it.
-    let others =
-        ["collision_index::CollisionIndex", "contacts::events::CollisionStarted", "contacts::events::CollisionEnded"];
+    let others = ["CollisionIndex", "CollisionStarted", "CollisionEnded"];
     let find = |name: &str| registry.get_with_type_path(&format!("bevy_octree::{name}"));
     let component = |name: &&str| find(name).and_then(|found| found.data::<ReflectComponent>()).is_some();
     let resource = |name: &&str| find(name).and_then(|found| found.data::<ReflectResource>()).is_some();

@@ -104,8 +104,8 @@ fn shapes_of_ours_touch_height_fields_and_voxels() {
             let probe = app.world_mut().spawn((shape, Transform::from_xyz(1.3, 0.49, 0.7), events)).id();
             tick(&mut app, 2);
             assert_eq!(contacts(&app), [pair(ground, probe)]);
-            let found = app.world().resource::<Contacts>().iter().next().copied().expect("there is one");
-            let geometry = app.world().resource::<Contacts>().geometry(found.pair).expect("somebody asked");
+            let found = app.world().resource::<Contacts>().iter().next().expect("there is one");
+            let geometry = found.contact.expect("somebody asked");
             assert!(geometry.depth < 1.0 && geometry.normal.is_normalized(), "{geometry:?}");
             get_mut::<Transform>(&mut app, probe).translation.y = 0.51;
             tick(&mut app, 1);

@@ -49,8 +49,7 @@ fn assert_near(found: Vec3, expected: Vec3, within: f32) {
 
 /// The time of impact of two in contact.
 fn time(app: &App, a: Entity, b: Entity) -> Option<f32> {
-    let id = |entity| get::<bevy_octree::components::BroadPhaseProxy>(app, entity).id().unwrap();
-    app.world().resource::<Contacts>().time_of_impact(bevy_octree::broad_phase::Pair::new(id(a), id(b)))
+    app.world().resource::<Contacts>().time_of_impact(a, b)
 }
 
 #[test]

@@ -136,10 +136,9 @@ fn what_hangs_on_a_swept_entity_bounces_with_it() {
                 .resource::<Contacts>()
                 .iter()
                 .find(|contact| [contact.a, contact.b].contains(&part))
-                .copied()
                 .unwrap();
             assert_eq!(met.time < 1.0, swept);
-            let contact = app.world().resource::<Contacts>().geometry(met.pair).copied().unwrap();
+            let contact = met.contact.unwrap();
             assert!((contact.point.x - if swept { 0.2 } else { x }).abs() < 0.12, "{contact:?}");
             // It goes on from there.
             tick(&mut app, 1);

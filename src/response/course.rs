@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::Swept;
+use super::bounce::{Bounce, Party, respond};
 use crate::{
     broad_phase::ProxyId,
     collision_index::CollisionIndex,
@@ -10,7 +10,7 @@ use crate::{
     frame::{Ancestor, Frame},
     motion::{Velocity, is_moved_by_velocity},
     narrow_phase::{Contact, Moving, approach},
-    response::{Bounce, Party, respond},
+    swept::Swept,
 };
 
 /// A body that met something in this tick, and where it is going since.

@@ -7,16 +7,18 @@ use std::{
 
 use bevy::{platform::collections::HashMap, prelude::*};
 
-use super::track::{Track, meet};
+use super::{
+    course::{Track, meet},
+    outcomes::{Outcome, Outcomes},
+};
 use crate::{
     broad_phase::{BroadPhaseMethod, ObjectOctreeSettings, Pair, ProxyId, SpatialIndex},
     collision_index::CollisionIndex,
     components::BroadPhaseProxy,
-    contacts::{Contacts, SweptContact},
-    counters::CollisionCounters,
+    contacts::{SweptContact, Verdicts},
     filters,
     frame::{Ancestor, Frame},
-    motion::{MotionSettings, Velocity},
+    motion::MotionSettings,
     narrow_phase::{Contact, Moving, NarrowPhase, Placed, TimedContact, Workspace},
     settings::NarrowPhaseSettings,
 };
@@ -61,59 +63,12 @@ impl PartialEq for Impact {
 
 impl Eq for Impact {}
 
-/// What becomes of bodies that met something on the way.
-#[derive(Resource, Debug, Default)]
-pub(crate) struct Outcomes {
-    /// In the order of their entities.
-    bodies: Vec<Outcome>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Outcome {
-    entity: Entity,
-    /// In its own space.
-    velocity: Option<Vec3>,
-    bounces: u64,
-    /// Where it is at the end of the tick, if it changed course.
-    place: Option<Place>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    in_world: Vec3,
-    /// In its own space, if it goes there by itself, and not with what it hangs on.
-    own: Option<Vec3>,
-}
-
-impl Outcome {
-    /// What has become of a body whose space is reached from the world by `to_own`.
-    fn of(track: &Track, to_own: impl FnOnce(Vec3) -> Option<Vec3>) -> Self {
-        let in_world = (track.version > 0).then(|| track.place(1.0));
-        let place = in_world.and_then(|in_world| {
-            let own = if track.has_turned { Some(to_own(in_world)?) } else { None };
-            Some(Place { in_world, own })
-        });
-        Self { entity: track.entity, velocity: track.own_velocity(), bounces: track.bounces, place }
-    }
-}
-
-impl Outcomes {
-    pub(crate) const fn is_empty(&self) -> bool {
-        self.bodies.is_empty()
-    }
-
-    /// Has the velocity of this entity answered to an impact in this tick?
-    pub(crate) fn has_bounced(&self, entity: Entity) -> bool {
-        self.bodies.binary_search_by_key(&entity, |body| body.entity).is_ok_and(|place| self.bodies[place].bounces > 0)
-    }
-}
-
 /// The state of the search: impacts to come, and what has become of bodies so far.
 ///
 /// Bodies that changed course are in an index of their own, the N-objects octree, which takes up one change as fast as
 /// there are few; all others are in the main index, with the boxes of their whole way.
 #[derive(Debug)]
-pub(crate) struct Resolver {
+pub(super) struct Resolver {
     tracks: HashMap<ProxyId, Track>,
     to_come: BinaryHeap<Reverse<Impact>>,
     happened: Vec<SweptContact>,
@@ -146,11 +101,11 @@ impl Default for Resolver {
 
 /// Goes through the impacts of a tick: each may change the course of the two that meet, and so what they meet after it.
 /// Impacts that thereby come to nothing are no contacts; those that come of it are.
-pub(crate) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) {
+pub(super) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) {
     let resolver = &mut *resolver;
     let time = world.get_resource::<Time>().copied();
     let seconds = world.resource::<MotionSettings>().step.seconds(time.as_ref()).unwrap_or(0.0);
-    resolver.begin(world.resource::<Contacts>(), world.resource::<CollisionIndex>());
+    resolver.begin(world.resource::<Verdicts>(), world.resource::<CollisionIndex>());
     // Impacts are found for those who changed course, and nobody does so more often than its sub-steps say, plus once.
     while let Some(Reverse(impact)) = resolver.to_come.pop() {
         let Impact { pair, met, versions, at_end, .. } = impact;
@@ -177,17 +132,17 @@ pub(crate) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) 
     resolver.tell(world, &mut outcomes);
     world.resource_mut::<Outcomes>().bodies = outcomes;
     let displaced = resolver.tracks.iter().filter(|(_, track)| track.is_displaced()).map(|(id, _)| *id);
-    world.resource_mut::<Contacts>().set_impacts(resolver.happened.drain(..), displaced, resolver.at_end.drain(..));
+    world.resource_mut::<Verdicts>().replace_impacts(resolver.happened.drain(..), displaced, resolver.at_end.drain(..));
     resolver.end();
 }
 
 impl Resolver {
-    fn begin(&mut self, contacts: &Contacts, index: &CollisionIndex) {
+    fn begin(&mut self, verdicts: &Verdicts, index: &CollisionIndex) {
         let impact = |&SweptContact { pair, met }: &SweptContact| {
             let closing = closing(&index.moving(pair.a)?, &index.moving(pair.b)?, &met);
             Some(Reverse(Impact { pair, met, closing, versions: [0; 2], at_end: false }))
         };
-        self.to_come.extend(contacts.impacts().iter().filter_map(impact));
+        self.to_come.extend(verdicts.impacts().iter().filter_map(impact));
     }
 
     /// How often a body has changed course.
@@ -395,42 +350,4 @@ impl Resolver {
 fn closing(a: &Moving, b: &Moving, met: &TimedContact) -> f32 {
     let velocity = |moving: &Moving| moving.velocity_at(met.time, met.contact.point);
     (velocity(a) - velocity(b)).dot(met.contact.normal)
-}
-
-/// Velocities and places become what the impacts have made of them.
-pub(crate) fn apply_outcomes(
-    outcomes: Res<Outcomes>,
-    mut bodies: Query<(Option<&mut Velocity>, &mut Transform, &mut BroadPhaseProxy)>,
-    settings: Res<NarrowPhaseSettings>,
-    mut index: ResMut<CollisionIndex>,
-    mut counters: ResMut<CollisionCounters>,
-) {
-    for outcome in &outcomes.bodies {
-        // It may be gone.
-        let Ok((velocity, mut transform, mut proxy)) = bodies.get_mut(outcome.entity) else { continue };
-        if outcome.bounces > 0
-            && let (Some(mut velocity), Some(answer)) = (velocity, outcome.velocity)
-        {
-            velocity.0 = answer;
-            counters.tick.bounces += outcome.bounces;
-        }
-        if let Some(place) = outcome.place
-            && let Some(id) = proxy.id
-        {
-            if let Some(own) = place.own {
-                transform.translation = own;
-            }
-            let proxy = proxy.bypass_change_detection();
-            proxy.pose.translation = place.in_world;
-            index.place(id, &proxy.pose, settings.tests());
-        }
-    }
-    if outcomes.bodies.iter().any(|outcome| outcome.place.is_some()) {
-        index.update();
-    }
-}
-
-/// Each outcome is applied once.
-pub(crate) fn clear_outcomes(mut outcomes: ResMut<Outcomes>) {
-    outcomes.bodies.clear();
 }

@@ -1,0 +1,144 @@
+//! What the exact tests of a tick have found.
+
+use bevy::prelude::*;
+
+use super::{pair::SweptContact, watched::Watch};
+use crate::{
+    broad_phase::{Pair, ProxyId},
+    narrow_phase::Contact,
+};
+
+/// The verdicts of a tick, on their way from the exact tests, which write them, by the response to impacts, which may replace
+/// some, to the list of contacts, which [merges](super::Contacts::merge) them. Nobody else looks at them.
+#[derive(Resource, Debug, Default)]
+pub(crate) struct Verdicts {
+    /// The search for pairs that they are about, by its number in the index; `None` once they are merged.
+    search: Option<u64>,
+    /// Those in contact at the end of the tick, in any order.
+    found: Vec<Pair>,
+    /// May one of them have been found twice?
+    may_repeat: bool,
+    /// Where they meet, of those that somebody asked about.
+    geometry: Vec<(Pair, Contact)>,
+    /// When and how the pairs met of which one is swept: the first time of each, in the order of pairs.
+    impacts: Vec<SweptContact>,
+    /// Who is elsewhere at the end of the tick than where it was looked at, in the order of handles.
+    displaced: Vec<ProxyId>,
+    /// Who has asked about contacts.
+    pub(super) watch: Watch,
+}
+
+/// # Testing
+impl Verdicts {
+    /// Begins anew, with a search that has not been looked at. A pair may come up twice, if the candidates were changed.
+    pub(super) fn begin(&mut self, search: u64, may_repeat: bool) {
+        (self.search, self.may_repeat) = (Some(search), may_repeat);
+        self.found.clear();
+        self.geometry.clear();
+        self.impacts.clear();
+        self.displaced.clear();
+    }
+
+    /// These are in contact, and nobody asked where.
+    pub(super) fn extend(&mut self, pairs: impl Iterator<Item = Pair>) {
+        self.found.extend(pairs);
+    }
+
+    /// These two are in contact.
+    pub(super) fn touch(&mut self, pair: Pair, geometry: Option<Contact>) {
+        self.found.push(pair);
+        self.geometry.extend(geometry.map(|geometry| (pair, geometry)));
+    }
+
+    /// These two met on the way.
+    pub(super) fn meet(&mut self, impact: SweptContact) {
+        self.impacts.push(impact);
+    }
+
+    /// The first of each pair, in the order of pairs.
+    pub(super) fn sort_impacts(&mut self) {
+        self.impacts.sort_by(|a, b| a.pair.cmp(&b.pair).then(a.met.time.total_cmp(&b.met.time)));
+        self.impacts.dedup_by_key(|impact| impact.pair);
+    }
+}
+
+/// # The response to impacts
+impl Verdicts {
+    /// Those that met on the way, as long as that is not merged.
+    pub(crate) fn impacts(&self) -> &[SweptContact] {
+        if self.search.is_some() { &self.impacts } else { &[] }
+    }
+
+    /// Replaces those that met on the way by others, in any order, a pair maybe several times. Whoever is `displaced` is
+    /// elsewhere at the end of the tick than where it was looked at, and in contact with what it is found to touch there.
+    pub(crate) fn replace_impacts(
+        &mut self,
+        impacts: impl Iterator<Item = SweptContact>,
+        displaced: impl Iterator<Item = ProxyId>,
+        found: impl Iterator<Item = (Pair, Contact)>,
+    ) {
+        self.impacts.clear();
+        self.impacts.extend(impacts);
+        self.sort_impacts();
+        self.displaced.extend(displaced);
+        self.displaced.sort_unstable();
+        if self.displaced.is_empty() {
+            return;
+        }
+        let displaced = &self.displaced;
+        self.found.retain(|pair| !is_one_of(displaced, *pair));
+        self.geometry.retain(|(pair, _)| !is_one_of(displaced, *pair));
+        for (pair, geometry) in found {
+            self.found.push(pair);
+            self.geometry.push((pair, geometry));
+        }
+    }
+}
+
+/// # Merging
+impl Verdicts {
+    /// The number of the search, if the verdicts on it are to be merged; once.
+    pub(super) const fn take_search(&mut self) -> Option<u64> {
+        self.search.take()
+    }
+
+    /// Puts all in the order of pairs, those in contact once each, those that met on the way among them.
+    pub(super) fn sort(&mut self) {
+        self.found.extend(self.impacts.iter().map(|impact| impact.pair));
+        self.found.sort_unstable();
+        if self.may_repeat || !self.impacts.is_empty() {
+            self.found.dedup();
+        }
+        debug_assert!(self.found.is_sorted_by(|a, b| a < b), "each pair is found once");
+        self.geometry.sort_unstable_by_key(|(pair, _)| *pair);
+    }
+
+    /// All pairs in contact.
+    pub(super) fn found(&self) -> &[Pair] {
+        &self.found
+    }
+
+    /// Where they meet at the end of the tick, a pair maybe several times.
+    pub(super) fn geometry(&self) -> &[(Pair, Contact)] {
+        &self.geometry
+    }
+
+    /// Is anybody elsewhere than where it was looked at?
+    pub(super) const fn displaces(&self) -> bool {
+        !self.displaced.is_empty()
+    }
+
+    /// Is one of the two elsewhere than where it was looked at?
+    pub(super) fn is_displaced(&self, pair: Pair) -> bool {
+        is_one_of(&self.displaced, pair)
+    }
+
+    /// Hands over those that met on the way, in the order of pairs.
+    pub(super) const fn swap_impacts(&mut self, impacts: &mut Vec<SweptContact>) {
+        std::mem::swap(&mut self.impacts, impacts);
+    }
+}
+
+fn is_one_of(displaced: &[ProxyId], pair: Pair) -> bool {
+    [pair.a, pair.b].iter().any(|id| displaced.binary_search(id).is_ok())
+}

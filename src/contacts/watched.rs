@@ -1,0 +1,85 @@
+//! Contacts of which more is known than that they are: where, and who is told.
+
+use super::{
+    pair::{Collision, ContactPair},
+    settings::{CollisionEventSettings, EventScope},
+};
+use crate::{
+    broad_phase::{Pair, ProxyId},
+    narrow_phase::Contact,
+};
+
+/// A contact that somebody asked about.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WatchedContact {
+    pub(super) contact: ContactPair,
+    pub(super) geometry: Contact,
+    /// Are the observers of `a`, and those of `b`, told?
+    pub(super) observed: [bool; 2],
+    /// Does one of the two carry the marker?
+    pub(super) enabled: bool,
+}
+
+impl WatchedContact {
+    pub(super) const fn pair(&self) -> Pair {
+        self.contact.pair
+    }
+
+    /// From one of its two sides.
+    pub(super) fn seen_from(&self, side: usize) -> Collision {
+        let collision = self.contact.collision(Some(self.geometry));
+        if side == 0 { collision } else { collision.reversed() }
+    }
+}
+
+/// What is known of a pair. O(log n).
+pub(super) fn find(watched: &[WatchedContact], pair: Pair) -> Option<&WatchedContact> {
+    watched.binary_search_by_key(&pair, WatchedContact::pair).ok().map(|index| &watched[index])
+}
+
+/// Who has asked about contacts in this tick.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Watch {
+    all_observed: bool,
+    all: bool,
+    /// By handle: who carries the marker.
+    enabled: Vec<bool>,
+}
+
+impl Watch {
+    /// Asks the settings, and the objects that carry the marker. O(marked objects).
+    pub(super) fn refresh(&mut self, settings: &CollisionEventSettings, enabled: impl Iterator<Item = ProxyId>) {
+        self.all_observed = settings.observers == EventScope::All;
+        self.all = self.all_observed || settings.geometry == EventScope::All;
+        self.enabled.clear();
+        for id in enabled {
+            if self.enabled.len() <= id.index() {
+                self.enabled.resize(id.index() + 1, false);
+            }
+            self.enabled[id.index()] = true;
+        }
+    }
+
+    /// Has nobody asked about anything?
+    pub(super) fn is_idle(&self) -> bool {
+        !self.all && self.enabled.is_empty()
+    }
+
+    /// Has somebody asked about the contact of this pair?
+    #[inline]
+    pub(super) fn wants(&self, pair: Pair) -> bool {
+        self.all || self.enabled(pair).contains(&true)
+    }
+
+    /// The contact, with all that is to be known of it.
+    pub(super) fn watched(&self, contact: ContactPair, geometry: Contact) -> WatchedContact {
+        let enabled = self.enabled(contact.pair);
+        let observed = if self.all_observed { [true; 2] } else { enabled };
+        WatchedContact { contact, geometry, observed, enabled: enabled.contains(&true) }
+    }
+
+    #[inline]
+    fn enabled(&self, pair: Pair) -> [bool; 2] {
+        [pair.a, pair.b].map(|id| self.enabled.get(id.index()).is_some_and(|enabled| *enabled))
+    }
+}

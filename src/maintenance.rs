@@ -1,0 +1,172 @@
+//! Maintenance of the index, and the search for candidate pairs: the systems of the broad phase.
+
+use bevy::{
+    ecs::{
+        archetype::Archetype, component::ComponentId, entity_disabling::DefaultQueryFilters,
+        system::RegisteredSystemError, world::DeferredWorld,
+    },
+    prelude::*,
+};
+
+use crate::{
+    collision_index::{Body, CandidatePairs, CollisionIndex, Extent, Seen, Upkeep},
+    components::{self, BroadPhaseProxy, CollisionShape, WorldAabb},
+    counters::CollisionCounters,
+    filters::{self, FilterParts},
+    narrow_phase::{Moving, NarrowPhase},
+    schedule::{CollisionSystems, add_to_tick},
+    settings::{BroadPhaseSettings, NarrowPhaseSettings},
+    shear::{self, Sheared},
+    swept::{self, Swept},
+    way::SweptWay,
+};
+
+/// Octree maintenance and the search for candidate pairs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BroadPhasePlugin;
+
+impl Plugin for BroadPhasePlugin {
+    fn build(&self, app: &mut App) {
+        add_to_tick(app, |app, schedule| {
+            let maintain = (watch_disabling.run_if(some_new_disabling), mend, maintain).chain();
+            app.add_systems(
+                schedule,
+                (maintain.in_set(CollisionSystems::Maintenance), find_candidates.in_set(CollisionSystems::BroadPhase)),
+            );
+        });
+    }
+}
+
+/// Takes up all boxes that changed, at any moment.
+pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
+    if let Some(mut index) = world.get_resource_mut::<CollisionIndex>() {
+        index.keep_search();
+    }
+    world.run_system_cached(watch_disabling)?;
+    world.run_system_cached(mend)?;
+    world.run_system_cached(maintain)
+}
+
+/// Has an index that missed something, or is a new one, forget all that is not there, and take up all that is.
+fn mend(
+    mut index: ResMut<CollisionIndex>,
+    mut upkeep: ResMut<Upkeep>,
+    mut entities: Query<(Entity, &BroadPhaseProxy, &Archetype, FilterParts, &mut WorldAabb)>,
+) {
+    if !upkeep.is_due(&index) {
+        return;
+    }
+    index.remove_strays(|id, entity| {
+        let entry = entities.get(entity).ok().filter(|(_, _, archetype, ..)| !upkeep.disables(archetype));
+        entry.is_some_and(|(_, proxy, ..)| proxy.id() == Some(id))
+    });
+    for (entity, proxy, _, parts, mut aabb) in &mut entities {
+        if let Some(id) = proxy.id().filter(|id| index.is_entry_of(*id, entity)) {
+            index.change_filter(id, |old| *old = filters::filter(parts));
+        }
+        aabb.set_changed();
+    }
+    upkeep.done(&index);
+}
+
+type Boxed<'a> = (Entity, &'a WorldAabb, &'a CollisionShape, &'a mut BroadPhaseProxy);
+type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<(&'a Swept, &'a SweptWay)>);
+
+fn maintain(
+    mut index: ResMut<CollisionIndex>,
+    (settings, narrow, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhaseSettings>, Res<Upkeep>),
+    mut boxes: Query<ChangedBoxes, Changed<WorldAabb>>,
+    (archetypes, sheared): (Query<&Archetype>, Query<&Sheared>),
+    mut counters: ResMut<CollisionCounters>,
+) {
+    let index = &mut *index;
+    index.set_method(&settings.method, settings.pair_kinds);
+    if narrow.is_changed() {
+        index.search_all();
+    }
+    let some_sheared = !sheared.is_empty();
+    for ((entity, aabb, own, mut proxy), parts, swept) in &mut boxes {
+        let shape = if some_sheared { shear::shape(own, sheared.get(entity).ok()) } else { own };
+        let way = swept.map(|(_, way)| way).filter(|way| way.belongs_to(entity, proxy.id()));
+        let start = way.and_then(|way| way.to(proxy.pose())).copied();
+        if let Some(id) = proxy.id()
+            && let Some(body) = index.follow(id, entity, &aabb.0)
+        {
+            body.pose = *proxy.pose();
+            if !body.shape.is_same(shape) {
+                body.shape = shape.clone();
+            }
+            index.set_start(id, start);
+        } else {
+            let is_disabled = archetypes.get(entity).is_ok_and(|archetype| upkeep.disables(archetype));
+            let filter = (!is_disabled).then(|| filters::filter(parts));
+            let body = Body { entity, pose: *proxy.pose(), shape: shape.clone() };
+            let extent = extent(aabb, &body, start.as_ref(), narrow.tests());
+            let id = index.upsert(proxy.id(), Seen { body, extent, filter });
+            BroadPhaseProxy::note_id(&mut proxy, id);
+            if let Some(id) = id {
+                index.set_start(id, start);
+            }
+        }
+    }
+    index.update();
+    let proxies = index.index().proxies();
+    counters.tick.objects = (proxies.len() + proxies.unbounded().count()) as u64;
+    counters.tick.moved = proxies.moved().len() as u64;
+}
+
+/// Where an entity is in this tick. What fills all the space there is has no end: where that is, is up to its shape.
+#[cold]
+fn extent(aabb: &WorldAabb, body: &Body, start: Option<&Transform>, tests: &NarrowPhase) -> Extent {
+    if *aabb == WorldAabb::UNBOUNDED {
+        let moving = Moving::new(&body.shape, start.unwrap_or(&body.pose), &body.pose);
+        Extent::Unbounded(swept::side(tests, &moving))
+    } else {
+        Extent::Box(aabb.0)
+    }
+}
+
+pub(crate) fn find_candidates(
+    mut index: ResMut<CollisionIndex>,
+    mut candidates: ResMut<CandidatePairs>,
+    mut counters: ResMut<CollisionCounters>,
+) {
+    index.list_candidates(&mut candidates);
+    let index = index.index();
+    counters.tick.candidates = candidates.len() as u64;
+    counters.tick.resting_pairs = index.pairs().resting().len() as u64;
+    counters.tick.pairs_tested = index.pairs_tested();
+}
+
+/// The components that disable entities, and are not observed yet.
+fn new_disabling(filters: &DefaultQueryFilters, upkeep: &Upkeep) -> impl Iterator<Item = ComponentId> {
+    filters.disabling_ids().filter(move |id| !upkeep.watches(*id))
+}
+
+fn some_new_disabling(filters: Option<Res<DefaultQueryFilters>>, upkeep: Res<Upkeep>) -> bool {
+    filters.is_some_and(|filters| new_disabling(&filters, &upkeep).next().is_some())
+}
+
+/// Has them observed. What they disable already, maintenance deals with.
+fn watch_disabling(world: &mut World) {
+    let (Some(filters), Some(upkeep)) = (world.get_resource(), world.get_resource()) else { return };
+    for id in new_disabling(filters, upkeep).collect::<Vec<_>>() {
+        world.spawn(Observer::new(on_disabled).with_component(id));
+        world.spawn(Observer::new(on_enabled).with_component(id));
+        world.resource_mut::<Upkeep>().watch(id);
+    }
+}
+
+/// A disabled entity is out of the world until it is enabled again.
+fn on_disabled(event: On<Add>, mut world: DeferredWorld) {
+    components::leave(&mut world, event.entity);
+}
+
+/// Has the box computed anew, which puts the entity back into the index. What comes back has not passed through what was
+/// between.
+fn on_enabled(event: On<Remove>, mut world: DeferredWorld) {
+    if let Some(mut way) = world.get_mut::<SweptWay>(event.entity) {
+        way.forget();
+    }
+    components::outdate(&mut world, event.entity);
+}

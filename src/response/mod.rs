@@ -1,0 +1,46 @@
+//! What contacts do to velocities.
+
+mod bounce;
+mod course;
+mod discrete;
+mod impacts;
+mod outcomes;
+
+use bevy::prelude::*;
+
+use crate::{
+    contacts::Verdicts,
+    schedule::{CollisionSystems, ImpactSystems, add_to_tick},
+};
+
+pub use bounce::Bounce;
+use discrete::{reflect, reverse};
+use impacts::resolve_impacts;
+use outcomes::{Outcomes, apply_outcomes, clear_outcomes};
+
+/// Bounce response: contacts to velocities.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BouncePlugin;
+
+impl Plugin for BouncePlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Outcomes>();
+        add_to_tick(app, |app, schedule| {
+            // Where nothing bounces, contacts are not looked at.
+            let something_bounces = any_with_component::<Bounce>;
+            let some_impacts = |verdicts: Res<Verdicts>| !verdicts.impacts().is_empty();
+            let some_outcomes = |outcomes: Res<Outcomes>| !outcomes.is_empty();
+            // What was not applied in its tick comes too late.
+            let clear = clear_outcomes.after(CollisionSystems::BroadPhase).before(CollisionSystems::NarrowPhase);
+            let resolve = resolve_impacts.in_set(ImpactSystems).run_if(some_impacts).run_if(something_bounces);
+            let at_rest = (reverse, reflect).chain().run_if(something_bounces);
+            let answer = (apply_outcomes.run_if(some_outcomes), at_rest, clear_outcomes.run_if(some_outcomes));
+            let answer = answer.chain().in_set(CollisionSystems::Response);
+            app.add_systems(schedule, (clear.run_if(some_outcomes), resolve, answer));
+        });
+    }
+}
+
+pub(crate) fn register(app: &mut App) {
+    app.register_type::<Bounce>();
+}
