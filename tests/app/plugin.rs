@@ -21,7 +21,6 @@ use bevy_octree::{
     motion::{MotionPlugin, PositionTrack},
     narrow_phase::NarrowPhase,
     prelude::*,
-    scene::ScenePlugin,
 };
 use common::*;
 
@@ -397,7 +396,7 @@ fn no_path_of_a_type_spells_a_file() {
     app.add_plugins(CollisionPickingPlugin);
     #[cfg(feature = "debug_draw")]
     app.register_type::<CollisionGizmos>().register_type::<DebugDraw>();
-    app.add_plugins((CollisionDiagnosticsPlugin, ScenePlugin));
+    app.add_plugins(CollisionDiagnosticsPlugin);
     let registry = app.world().resource::<AppTypeRegistry>().read();
     let mut ours: Vec<_> = registry
         .iter()
