@@ -25,7 +25,7 @@ fn main() {
 
     println!("\nthe walls of a bullet's way in one tick, by the time of impact:");
     for (wall, time) in shoot(1000.0, |bullet| _ = bullet.insert(Swept::default())).times {
-        println!("  {wall} after {:.4} of the tick", time);
+        println!("  {wall} after {time:.4} of the tick");
     }
 }
 

@@ -239,7 +239,7 @@ pub(crate) fn leave(world: &mut DeferredWorld, entity: Entity) {
     if let Some(mut way) = world.get_mut::<SweptWay>(entity) {
         way.forget();
     }
-    in_index(world, entity, |index, id| index.remove(id));
+    in_index(world, entity, CollisionIndex::remove);
     if let Some(mut proxy) = world.get_mut::<BroadPhaseProxy>(entity) {
         proxy.id = None;
     }

@@ -126,6 +126,7 @@ pub struct StageTimes {
 
 impl StageTimes {
     /// Returns the stages and their times, in the order in which they run.
+    #[must_use]
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (CollisionSystems, Duration)> {
         STAGES.into_iter().zip(self.times)
     }

@@ -62,7 +62,6 @@
 //! ACCAD, 1994; "Swan 1994" or "the report" in the documentation.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
-#![warn(missing_docs, clippy::doc_markdown)]
 
 mod ancestors;
 mod bounds;

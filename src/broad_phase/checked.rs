@@ -142,7 +142,7 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
                 objects.push((id, center, half));
             }
             Step::Shift { which, by } => {
-                change(which, &mut |center, _| *center += Vec3::from(by.map(f32::from)) * UNIT)
+                change(which, &mut |center, _| *center += Vec3::from(by.map(f32::from)) * UNIT);
             }
             Step::Teleport { which, to } => change(which, &mut |center, _| *center = place(*to)),
             Step::Resize { which, size } => change(which, &mut |_, half| *half = f32::from(*size) * UNIT),

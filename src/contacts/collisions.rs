@@ -36,6 +36,7 @@ pub struct Collisions<'w, 's> {
 
 impl Collisions<'_, '_> {
     /// Returns all contacts, each as seen from the entity with the lower handle. O(1) for each.
+    #[must_use]
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Collision> {
         self.contacts.iter()
     }

@@ -44,7 +44,7 @@ impl Vertex {
     /// ```
     /// use bevy_octree::octree::Vertex;
     ///
-    /// let names = Vertex::RUF.directions().map(|direction| direction.name());
+    /// let names = Vertex::RUF.directions().map(Direction::name);
     /// assert_eq!(names, ["RUF", "R", "U", "F", "RU", "RF", "UF"]);
     /// ```
     #[inline]
@@ -62,7 +62,7 @@ impl Vertex {
 /// use bevy_octree::octree::directions_toward;
 ///
 /// // Bevy looks along −z, so that −z is the front; a component of zero is left, down or back.
-/// let names = directions_toward(Vec3::new(0.0, 2.0, -1.0)).map(|direction| direction.name());
+/// let names = directions_toward(Vec3::new(0.0, 2.0, -1.0)).map(Direction::name);
 /// assert_eq!(names, ["LUF", "L", "U", "F", "LU", "LF", "UF"]);
 /// ```
 #[inline]
@@ -89,7 +89,7 @@ mod tests {
             (Vec3::new(-1.0, -1.0, 1.0), "LDB L D B LD LB DB"),
         ];
         for (v, names) in figure {
-            assert_eq!(directions_toward(v).map(|direction| direction.name()).join(" "), names);
+            assert_eq!(directions_toward(v).map(Direction::name).join(" "), names);
         }
     }
 

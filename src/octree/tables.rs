@@ -112,7 +112,7 @@ impl Vertex {
     /// [`None`] if the neighbour is a sibling, or lies across an edge or a vertex of the block.
     #[inline]
     #[must_use]
-    pub const fn common_face(self, octant: Vertex) -> Option<Face> {
+    pub const fn common_face(self, octant: Self) -> Option<Face> {
         match Direction::Vertex(self).exit(octant) {
             Some(Direction::Face(face)) => Some(face),
             _ => None,
@@ -125,7 +125,7 @@ impl Vertex {
     /// [`None`] if the neighbour is a sibling, or lies across a face or a vertex of the block.
     #[inline]
     #[must_use]
-    pub const fn common_edge(self, octant: Vertex) -> Option<Edge> {
+    pub const fn common_edge(self, octant: Self) -> Option<Edge> {
         match Direction::Vertex(self).exit(octant) {
             Some(Direction::Edge(edge)) => Some(edge),
             _ => None,

@@ -102,7 +102,7 @@ pub(super) fn respond(parties: [Party; 2], normal: Vec3) -> [Option<Vec3>; 2] {
 fn reflection(restitutions: [Option<f32>; 2], velocities: [Vec3; 2], normal: Vec3) -> Option<DVec3> {
     let restitution = restitutions.into_iter().flatten().reduce(f32::min)?;
     // In 64 bits, and with the normal's length as rounding left it: bounces by the thousand must not add up to anything.
-    let [a, b, normal] = [velocities[0], velocities[1], normal].map(|v| v.as_dvec3());
+    let [a, b, normal] = [velocities[0], velocities[1], normal].map(Vec3::as_dvec3);
     let speed = (a - b).dot(normal);
     let sharers = restitutions.iter().flatten().count() as f64;
     let change = speed * (1.0 + f64::from(restitution)) / (sharers * normal.length_squared());

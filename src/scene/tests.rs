@@ -1,6 +1,6 @@
 //! Scene texts, good and bad.
 
-use std::path::Path;
+use std::{borrow::Cow, path::Path};
 
 use bevy::math::Vec3;
 
@@ -262,7 +262,7 @@ fn test_sets_write_out_their_cubes() {
     assert_eq!(objects[17].name.as_deref(), Some("right_8"));
     assert_eq!(objects[0].motion, Motion::Velocity(Vec3::X * 4.0));
     assert_eq!(objects[9].position, Vec3::X * 1.53125);
-    let written_out = SceneDescription::new("t1", objects.into_iter().map(|object| object.into_owned()));
+    let written_out = SceneDescription::new("t1", objects.into_iter().map(Cow::into_owned));
     assert_eq!(written_out.validate(), Ok(()));
 }
 
@@ -321,7 +321,7 @@ fn node_count(min: Vec3, size: f32, boxes: &[(Vec3, Vec3)]) -> usize {
 #[test]
 fn figures_5_7_split_and_merge() {
     let scene = asset("figures_5_7");
-    let objects: Vec<_> = scene.objects().map(|object| object.into_owned()).collect();
+    let objects: Vec<_> = scene.objects().map(Cow::into_owned).collect();
     let mut expected = [(0, 9), (19, 9), (20, 73), (26, 73), (32, 73), (33, 9)].into_iter().peekable();
     let mut positions: Vec<_> = objects.iter().map(|object| object.position).collect();
     let mut direction = 1.0;

@@ -21,7 +21,7 @@ struct Plan(Vec<(usize, Act)>);
 
 impl Plan {
     fn add(app: &mut App, gap: usize, act: impl FnMut(&mut World) + Send + Sync + 'static) {
-        app.world_mut().resource_mut::<Plan>().0.push((gap, Box::new(act)));
+        app.world_mut().resource_mut::<Self>().0.push((gap, Box::new(act)));
     }
 
     /// Does what is planned for a gap.
@@ -181,7 +181,7 @@ fn a_shape_that_changes_at_any_moment_counts_by_the_next_tick() {
                 let look = |spatial: SpatialQuery| {
                     let mut found = Vec::new();
                     spatial.for_each_point_intersection(Vec3::X * 2.0, &SpatialQueryFilter::DEFAULT, |entity| {
-                        found.push(entity)
+                        found.push(entity);
                     });
                     found
                 };

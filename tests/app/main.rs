@@ -24,6 +24,7 @@ mod random_scenes;
 mod rapier;
 #[cfg(feature = "rapier")]
 mod rapier_bodies;
+mod schedule;
 mod seams;
 mod shapes;
 mod shear;

@@ -19,7 +19,6 @@ use bevy_octree::{
     motion::PositionTrack,
     plugins::{BoundsPlugin, BroadPhasePlugin, MotionPlugin, NarrowPhasePlugin, ReportPlugin},
     prelude::*,
-    scene::ScenePlugin,
 };
 use common::*;
 
@@ -359,7 +358,7 @@ fn no_path_of_a_type_spells_a_file() {
     app.add_plugins(CollisionPickingPlugin);
     #[cfg(feature = "debug_draw")]
     app.register_type::<CollisionGizmos>().register_type::<DebugDraw>();
-    app.add_plugins((CollisionDiagnosticsPlugin, ScenePlugin));
+    app.add_plugins(CollisionDiagnosticsPlugin);
     let registry = app.world().resource::<AppTypeRegistry>().read();
     let mut ours: Vec<_> = registry
         .iter()

@@ -127,7 +127,7 @@ fn entry(origin: DVec3, direction: DVec3, half: DVec3, place: &DAffine3) -> Opti
 
 /// A cuboid, or the same as a mesh, convex or not.
 fn cuboid(half: Vec3, which: u8) -> CollisionShape {
-    let corners: Vec<Vec3> = corners(half.as_dvec3(), &DAffine3::IDENTITY).map(|corner| corner.as_vec3()).to_vec();
+    let corners: Vec<Vec3> = corners(half.as_dvec3(), &DAffine3::IDENTITY).map(DVec3::as_vec3).to_vec();
     let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     match which {
         0 => CollisionShape::from_half_size(half),

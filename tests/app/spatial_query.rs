@@ -606,7 +606,7 @@ fn pairs_within_a_distance_are_those_of_brute_force() {
                     found.push((pair(near.a, near.b), near.distance));
                 });
                 spatial.for_each_pair_within(limit, &first, &second, |near| {
-                    again.push((pair(near.a, near.b), near.distance))
+                    again.push((pair(near.a, near.b), near.distance));
                 });
                 assert_eq!(found, again);
                 expected.sort_by_key(|(pair, _)| *pair);

@@ -56,7 +56,7 @@ fn impact(
     target: &PosedShape,
 ) -> Option<Impact> {
     let way = direction.as_dvec3();
-    let sizes = [moving, target].map(|body| body.size()).into_iter().filter(|size| size.is_finite());
+    let sizes = [moving, target].map(PosedShape::size).into_iter().filter(|size| size.is_finite());
     let near = NEAR * sizes.sum::<f64>();
     let search = Search { direction: way, limit: Cell::new(max_distance.into()), ..Search::within(near.max(touching)) };
     let mut first: Option<(f64, Gap)> = None;

@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 
-use bevy::math::DVec3;
+use bevy::math::{DVec3, Vec3};
 use bevy_rapier3d::parry::bounding_volume::Aabb;
 use bevy_rapier3d::parry::partitioning::BvhNode;
 use bevy_rapier3d::parry::shape::{self, CompositeShape, HeightField, Voxels};
@@ -125,7 +125,7 @@ impl<'a> PosedShape<'a> {
                 let mut is_known = true;
                 probe.each_piece(field.local_aabb(), cell, search, |piece| {
                     field.map_elements_in_local_aabb(&piece, &mut |_, part| {
-                        let corners = [part.a, part.b, part.c].map(|corner| corner.as_dvec3());
+                        let corners = [part.a, part.b, part.c].map(Vec3::as_dvec3);
                         let [a, b, c] = corners;
                         if probe.admits(a.min(b).min(c), a.max(b).max(c), search) {
                             is_known &= visit(&PosedShape::Part(Part::Convex(Convex::triangle(corners, at))));
@@ -139,7 +139,7 @@ impl<'a> PosedShape<'a> {
                 let mut is_known = true;
                 probe.each_piece(voxels.local_aabb(), f64::from(half.max_element()), search, |piece| {
                     for voxel in voxels.voxels_intersecting_local_aabb(&piece) {
-                        let [low, high] = [voxel.center - half, voxel.center + half].map(|corner| corner.as_dvec3());
+                        let [low, high] = [voxel.center - half, voxel.center + half].map(Vec3::as_dvec3);
                         if !voxel.state.is_empty() && probe.admits(low, high, search) {
                             let at = Isometry { translation: at.to_world(voxel.center.as_dvec3()), ..at };
                             is_known &= visit(&PosedShape::Part(Part::Convex(Convex::cuboid(half, at))));
@@ -298,7 +298,7 @@ impl Probe {
         let margin = search.margin.get();
         let Self::Box { center, half, direction } = *self else {
             return if search.goes_on() {
-                visit(bounds)
+                visit(bounds);
             };
         };
         // What is as near as rounding, too.

@@ -90,7 +90,7 @@ pub fn closest_points(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
     let origin = a.transform.translation;
     let gap = parts::nearest(&posed(a, origin)?, &posed(b, origin)?)?;
     let points = if gap.distance > 0.0 { gap.points } else { [gap.between; 2] };
-    Some(points.map(|point| point.as_vec3a()))
+    Some(points.map(DVec3::as_vec3a))
 }
 
 /// A point of a Rapier shape, if a closed mesh is around it, given that the surfaces do not meet: parts of meshes are

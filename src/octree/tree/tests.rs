@@ -103,7 +103,7 @@ fn data_are_swapped_and_changed_in_place() {
     assert_eq!(tree.swap_data(first, 99), 1);
     *tree.data_mut(NodeId::ROOT) += 5;
     let (root, child) = tree.data_pair_mut(NodeId::ROOT, first).unwrap();
-    std::mem::swap(root, child);
+    mem::swap(root, child);
     assert_eq!((*tree.data(NodeId::ROOT), *tree.data(first)), (99, 5));
     assert!(tree.data_pair_mut(first, first).is_none());
 }

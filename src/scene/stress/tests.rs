@@ -24,7 +24,7 @@ fn after(scene: StressScene, objects: usize, ticks: usize) -> StressSimulation {
 /// FNV-1a over the bits of all boxes.
 fn hash(boxes: &[Aabb3d]) -> u64 {
     let words = boxes.iter().flat_map(|aabb| [aabb.min, aabb.max]).flat_map(|corner| corner.to_array());
-    let bytes = words.flat_map(|word| word.to_le_bytes());
+    let bytes = words.flat_map(f32::to_le_bytes);
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 

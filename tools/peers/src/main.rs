@@ -34,7 +34,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// Measures bevy_octree and its peers side by side.
+/// Measures `bevy_octree` and its peers side by side.
 #[derive(Parser)]
 struct Arguments {
     #[command(subcommand)]

@@ -31,7 +31,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// Measures bevy_octree by itself.
+/// Measures `bevy_octree` by itself.
 #[derive(Parser)]
 struct Arguments {
     #[command(subcommand)]

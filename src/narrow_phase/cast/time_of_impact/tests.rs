@@ -5,7 +5,7 @@ use bevy::transform::components::Transform;
 use proptest::prelude::*;
 
 use crate::narrow_phase::cast::tests::{placed, vectors};
-use crate::narrow_phase::tests::{at, box_of};
+use crate::narrow_phase::tests::{at, box_of, mesh_of};
 use crate::{broad_phase::overlap, narrow_phase::*};
 
 const MOMENTS: usize = 512;
@@ -158,9 +158,7 @@ fn met_in_time(name: &str, search: impl FnOnce() -> Option<TimedContact> + Send 
 #[test]
 fn every_search_has_an_end() {
     let sizes = [1e-30, 1e-3, 0.5, 1e4, 1e10, 1e19, 1e30, 1e37, 1e38];
-    let shapes = |size: f32| {
-        [Shape::sphere(size), box_of(size, size, size), crate::narrow_phase::tests::mesh_of(Vec3::splat(size))]
-    };
+    let shapes = |size: f32| [Shape::sphere(size), box_of(size, size, size), mesh_of(Vec3::splat(size))];
     for (size, far) in sizes.into_iter().flat_map(|size| sizes.map(|far| (size, far))) {
         for (one, other) in shapes(size).into_iter().flat_map(|one| shapes(0.5).map(|other| (one.clone(), other))) {
             for (angle, gap) in [0.0, 0.3, 3.0].into_iter().flat_map(|angle| [0.0, 2e-4, 1.0].map(|gap| (angle, gap))) {

@@ -322,7 +322,7 @@ fn height_fields_and_voxels_are_as_far_as_what_they_are_made_of() {
             {
                 let found = distance((shape, at_field), (probe, at_probe));
                 let off = (found.distance - expected).abs();
-                assert!(off < 1e-4 * (1.0 + far), "{:?} and {probe:?}: {found:?}, not {expected}", shape);
+                assert!(off < 1e-4 * (1.0 + far), "{shape:?} and {probe:?}: {found:?}, not {expected}");
                 let meets = contact((shape, at_field), (probe, at_probe));
                 if (expected - 1e-4).abs() > 5e-5 {
                     assert_eq!(meets.is_some(), expected <= 1e-4, "{probe:?} at {expected}");

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use bevy_octree::scene::TestSet;
+
 use super::{
     measure::Row,
     output::significant,
@@ -100,7 +102,7 @@ fn rank(scores: &[(Row, Vec<f64>)]) -> (Row, Vec<(Row, Comparison)>) {
 }
 
 fn best_n(table: &Table, text: &mut String) -> Row {
-    let objects: Vec<usize> = table.sets.iter().map(|set| set.object_count()).collect();
+    let objects: Vec<usize> = table.sets.iter().map(TestSet::object_count).collect();
     let scores_of_large = scores(table, |set| objects[set] >= RIGHT_HAND_SIDE);
     let (fastest, others) = rank(&scores_of_large);
     let ties: Vec<String> =
