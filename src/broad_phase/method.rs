@@ -125,7 +125,7 @@ mod tests {
             ProxyId::type_path(),
         ];
         for path in paths {
-            let name = path.strip_prefix("bevy_octree::broad_phase::").unwrap();
+            let name = path.strip_prefix("bevy_octree::").unwrap();
             assert!(!name.contains("::"), "{path}");
         }
     }

@@ -15,6 +15,7 @@ mod hierarchies;
 #[path = "../common/hook.rs"]
 mod hook;
 mod interrupted_ticks;
+mod layering;
 mod lifecycle;
 #[cfg(feature = "picking")]
 mod picking;
