@@ -18,7 +18,7 @@ use crate::{
 ///
 /// An entity whose box cannot be computed is left out of collision detection until that changes, with a warning in the
 /// log: one with a transform that is not finite, its own or an ancestor's, and one that is its own ancestor. So is one
-/// that has lost its `Transform`, without a warning. One whose shape has no end has an [unbounded](WorldAabb::UNBOUNDED) box.
+/// that has lost its `Transform`, without a warning. One whose shape is unbounded has an [unbounded](WorldAabb::UNBOUNDED) box.
 ///
 /// # Sheared shapes
 ///
