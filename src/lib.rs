@@ -44,7 +44,7 @@
 //!
 //! | resource or message | what it tells |
 //! |---|---|
-//! | [`Contacts`](contacts::Contacts) | all pairs in contact; by entity through the system parameter [`Collisions`](contacts::Collisions) |
+//! | [`Contacts`](contacts::Contacts) | all pairs in contact, by entity; in systems, through the parameter [`Collisions`](contacts::Collisions) |
 //! | [`CollisionStarted`](contacts::CollisionStarted), [`CollisionEnded`](contacts::CollisionEnded) | messages, and events for observers, about pairs that came into contact, or no longer are |
 //! | [`CandidatePairs`](collision_index::CandidatePairs) | pairs for the exact tests, which systems may thin out |
 //! | [`CollisionIndex`](collision_index::CollisionIndex) | the boxes, the broad phase, queries |
@@ -55,8 +55,8 @@
 //!
 //! [`SpatialQuery`](spatial_query::SpatialQuery) is the way to ask: rays, moving shapes, overlaps, what is near.
 //!
-//! [`OctreePlugins`] brings all of it; [`CollisionSystems`] are the sets to order systems of one's own by. The parts
-//! also work without Bevy's ECS: [`octree`], [`broad_phase`] and [`narrow_phase`].
+//! [`OctreePlugins`] brings all of it, one of the [`plugins`] for each stage; [`CollisionSystems`] are the sets to order
+//! systems of one's own by. The parts also work without Bevy's ECS: [`octree`], [`broad_phase`] and [`narrow_phase`].
 //!
 //! The system is that of J. Edward Swan II, *Fast Collision Detection with an N-Objects Octree*, Ohio State University,
 //! ACCAD, 1994; "Swan 1994" or "the report" in the documentation.

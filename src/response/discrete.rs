@@ -18,15 +18,12 @@ use crate::{
 
 /// Contacts in which neither is a sensor, but for impacts on the way: these are answered when they happen.
 fn solid(contacts: &Contacts, sensors: &Query<(), With<Sensor>>) -> impl Iterator<Item = ContactPair> {
-    let some = !sensors.is_empty();
-    let is_sensor = move |entity| some && sensors.contains(entity);
-    let at_rest = |contact: &ContactPair| !contacts.met_on_the_way(contact.pair);
-    contacts
-        .pairs()
-        .iter()
-        .copied()
-        .filter(at_rest)
-        .filter(move |contact| !is_sensor(contact.a) && !is_sensor(contact.b))
+    let some_sensors = !sensors.is_empty();
+    let is_sensor = move |entity| some_sensors && sensors.contains(entity);
+    let is_solid = move |contact: &&ContactPair| {
+        !contacts.met_on_the_way(contact.pair) && !is_sensor(contact.a) && !is_sensor(contact.b)
+    };
+    contacts.pairs().iter().filter(is_solid).copied()
 }
 
 pub(super) fn reverse(
