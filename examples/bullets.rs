@@ -46,14 +46,14 @@ fn shoot(calibers_per_tick: f32, prepare: impl Fn(&mut EntityWorldMut)) -> Shot 
         .insert_resource(MotionSettings { step: Step::Seconds(1.0) })
         .init_resource::<Hits>()
         .add_systems(Update, count_hits.in_set(CollisionSystems::Last));
-    let paper = CollisionShape::cuboid(Vec3::new(0.001, 5.0, 5.0)).expect("the sides are positive");
+    let paper = CollisionShape::cuboid(0.002, 10.0, 10.0);
     for number in 0..WALLS {
         let place = Transform::from_xyz(number as f32 * 0.77, 0.0, 0.0);
         app.world_mut().spawn((Name::new(format!("wall {}", number + 1)), paper.clone(), place));
     }
     let (start, step) = (-1.0, calibers_per_tick * CALIBER);
     let mut bullet = app.world_mut().spawn((
-        CollisionShape::sphere(CALIBER / 2.0).expect("the radius is positive"),
+        CollisionShape::sphere(CALIBER / 2.0),
         Velocity(Vec3::X * step),
         Transform::from_xyz(start, 0.0, 0.0),
     ));

@@ -69,7 +69,7 @@ fn run(mut arguments: Arguments) -> Outcome {
         .insert_resource(CollisionEventSettings { geometry: EventScope::All, ..default() })
         .insert_gizmo_config(CollisionGizmos { normal_length: 1.0, ..default() }, GizmoConfig::default())
         .add_systems(Update, ask.after(CollisionSystems::Last));
-    spawn(app.world_mut(), objects)?;
+    spawn(app.world_mut(), objects);
     for _ in 0..steps {
         app.update();
     }
@@ -95,14 +95,14 @@ fn run(mut arguments: Arguments) -> Outcome {
 }
 
 /// A field of resting boxes, and a swarm above one corner of it.
-fn spawn(world: &mut World, objects: u16) -> Outcome {
+fn spawn(world: &mut World, objects: u16) {
     let mut random = fastrand::Rng::with_seed(7);
     let mut between = |low: f32, high: f32| low + (high - low) * random.f32();
     for x in -3..3_i8 {
         for z in -3..3_i8 {
             let half = Vec3::new(0.6, between(0.2, 1.2), 0.6);
             let place = Vec3::new(f32::from(x) * 3.0 + 1.5, half.y, f32::from(z) * 3.0 + 1.5);
-            let mut column = world.spawn((CollisionShape::cuboid(half)?, Transform::from_translation(place)));
+            let mut column = world.spawn((CollisionShape::from_half_size(half), Transform::from_translation(place)));
             if (x, z) == (2, -3) {
                 column.insert(DebugDraw::Color(OWN));
             }
@@ -111,11 +111,9 @@ fn spawn(world: &mut World, objects: u16) -> Outcome {
     for number in 0..objects {
         let place = Vec3::new(between(-8.0, 0.0), between(3.0, 8.0), between(-1.0, 7.0));
         let velocity = Velocity(Vec3::new(between(-2.0, 2.0), between(-2.0, 1.0), between(-2.0, 2.0)));
-        let shape =
-            if number % 2 == 0 { CollisionShape::sphere(0.45)? } else { CollisionShape::cuboid(Vec3::splat(0.4))? };
+        let shape = if number % 2 == 0 { CollisionShape::sphere(0.45) } else { CollisionShape::cuboid(0.8, 0.8, 0.8) };
         world.spawn((shape, velocity, Bounce::Reverse, Transform::from_translation(place)));
     }
-    Ok(())
 }
 
 /// Casts a ray and a box across the field, and draws how far they come.

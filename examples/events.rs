@@ -23,7 +23,7 @@ fn main() {
 struct Tick(u32);
 
 fn spawn(mut commands: Commands) {
-    let ball = CollisionShape::sphere(0.5).expect("the radius is positive");
+    let ball = CollisionShape::sphere(0.5);
     commands.spawn((
         Name::new("ball"),
         ball,
@@ -34,7 +34,7 @@ fn spawn(mut commands: Commands) {
     ));
 
     // An observer on one entity. It is told because the entity opts in.
-    let gate = CollisionShape::cuboid(Vec3::new(0.25, 2.0, 2.0)).expect("the sides are positive");
+    let gate = CollisionShape::cuboid(0.5, 4.0, 4.0);
     commands
         .spawn((Name::new("gate"), gate, Transform::from_xyz(-1.0, 0.0, 0.0), CollisionEventsEnabled))
         .observe(|event: On<CollisionStarted>, names: Query<&Name>, tick: Res<Tick>| {

@@ -61,7 +61,7 @@ fn spawn(mut commands: Commands) {
     for height in [0.0, 0.25] {
         commands.spawn((
             Name::new("bullet"),
-            CollisionShape::sphere(0.125).expect("a positive radius"),
+            CollisionShape::sphere(0.125),
             CollisionLayers::new(Layer::Bullet, Layer::Ship),
             IgnoreCollisions::from([shooter]),
             Velocity(Vec3::X),

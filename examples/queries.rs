@@ -16,7 +16,7 @@ fn main() {
 
 fn spawn(mut commands: Commands) {
     let eighth = Quat::from_rotation_y(std::f32::consts::FRAC_PI_4);
-    let (cube, ball) = (CollisionShape::cuboid(Vec3::ONE).unwrap(), CollisionShape::sphere(1.0).unwrap());
+    let (cube, ball) = (CollisionShape::cuboid(2.0, 2.0, 2.0), CollisionShape::sphere(1.0));
     commands.spawn((Name::new("gem"), cube.clone(), Transform::from_xyz(5.0, 0.0, 0.0).with_rotation(eighth)));
     commands.spawn((Name::new("ball"), ball, Transform::from_xyz(10.0, 0.0, 0.0)));
     commands.spawn((Name::new("wall"), cube, Transform::from_xyz(20.0, 0.0, 0.0).with_scale(Vec3::new(0.1, 5.0, 5.0))));

@@ -42,7 +42,7 @@ fn spawn(mut commands: Commands) {
     }
 
     // A gate that Rapier does not know: it needs neither collider nor body. Nothing bounces off a sensor.
-    let gate = CollisionShape::cuboid(Vec3::new(4.0, 0.2, 1.0)).expect("the sides are positive");
+    let gate = CollisionShape::cuboid(8.0, 0.4, 2.0);
     commands
         .spawn((Name::new("gate"), gate, Sensor, Transform::from_xyz(0.0, 2.0, 0.0), CollisionEventsEnabled))
         .observe(print_start)

@@ -20,7 +20,7 @@ fn main() {
     // A ship in the first. Its shield is a child: it goes where the ship goes, and says itself which world it is in.
     let ship = (Name::new("ship"), Velocity(Vec3::X), Transform::from_xyz(-4.0, 0.0, 0.0));
     let ship = app.world_mut().spawn(ship).id();
-    let shield = CollisionShape::sphere(1.0).expect("the radius is positive");
+    let shield = CollisionShape::sphere(1.0);
     let shield = (Name::new("shield"), shield, InCollisionWorld(matches[0]), Transform::from_xyz(0.0, 0.5, 0.0));
     let shield = app.world_mut().spawn((shield, ChildOf(ship))).id();
 

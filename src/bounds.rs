@@ -7,11 +7,10 @@ use crate::{
     hierarchy::{self, Hierarchy},
     narrow_phase::{BoundsError, NarrowPhase, Placed, Shape},
     schedule::{CollisionSystems, add_to_tick},
-    settings::NarrowPhaseSettings,
     shear::{self, Sheared},
 };
 
-/// Computes the [`WorldAabb`] of every entity whose shape or place in the world changed.
+/// The plugin that computes the [`WorldAabb`] of every entity whose shape or place in the world changed.
 ///
 /// The place is taken from the [`Transform`]s of the entity and its ancestors, not from `GlobalTransform`, which is up
 /// to date only after transform propagation: boxes are right in the tick in which something moved. A parent without a
@@ -19,7 +18,8 @@ use crate::{
 ///
 /// An entity whose box cannot be computed is left out of collision detection until that changes, with a warning in the
 /// log: one with a transform that is not finite, its own or an ancestor's, and one that is its own ancestor. So is one
-/// that has lost its `Transform`, without a warning. One whose shape is unbounded has an [unbounded](WorldAabb::UNBOUNDED) box.
+/// that has lost its `Transform`, without a warning. One whose shape is unbounded has an
+/// [unbounded](WorldAabb::UNBOUNDED) box.
 ///
 /// # Sheared shapes
 ///
@@ -42,8 +42,8 @@ impl Plugin for BoundsPlugin {
 }
 
 /// Boxes are grown by the tolerance: when that changes, so do all of them.
-fn outdate_all(mut proxies: Query<&mut BroadPhaseProxy>, settings: Res<NarrowPhaseSettings>) {
-    if settings.is_changed() {
+fn outdate_all(mut proxies: Query<&mut BroadPhaseProxy>, tests: Res<NarrowPhase>) {
+    if tests.is_changed() {
         proxies.iter_mut().for_each(|mut proxy| BroadPhaseProxy::outdate(&mut proxy));
     }
 }
@@ -61,11 +61,11 @@ type ChangedRoot = (Without<ChildOf>, Or<(Changed<Transform>, Changed<CollisionS
 fn update_roots(
     mut roots: Query<Bounded, ChangedRoot>,
     mut nowhere: Query<&mut WorldAabb, (With<CollisionShape>, Without<Transform>)>,
-    settings: Res<NarrowPhaseSettings>,
+    tests: Res<NarrowPhase>,
 ) {
     for (entity, shape, transform, mut aabb, mut proxy) in &mut roots {
         BroadPhaseProxy::note_pose(&mut proxy, *transform);
-        *aabb = world_aabb(settings.tests(), entity, shape, transform);
+        *aabb = world_aabb(&tests, entity, shape, transform);
     }
     for mut aabb in &mut nowhere {
         aabb.set_if_neq(WorldAabb::NONE);
@@ -81,7 +81,7 @@ pub(crate) fn update_children(
     children: &mut QueryState<Child>,
     unparented: &mut QueryState<Entity, (With<Sheared>, Without<ChildOf>)>,
 ) {
-    let Some(&NarrowPhaseSettings(tests)) = world.get_resource() else { return };
+    let Some(&tests) = world.get_resource::<NarrowPhase>() else { return };
     for entity in unparented.iter(world).collect::<Vec<_>>() {
         world.entity_mut(entity).remove::<Sheared>();
         // What takes part is another shape from now on.
@@ -89,14 +89,14 @@ pub(crate) fn update_children(
             shape.set_changed();
         }
     }
-    hierarchy.for_each_moved(world, |world, entity, place| {
+    hierarchy.for_each_moved(world, |world, entity, pose| {
         // It may be disabled.
         let Ok((own, mut aabb, mut proxy, sheared)) = children.get_mut(world, entity) else { return };
-        let Some(place) = place else {
+        let Some(pose) = pose else {
             aabb.set_if_neq(WorldAabb::NONE);
             return;
         };
-        let placement = shear::place(own, &place, sheared.as_deref());
+        let placement = shear::put(own, &pose, sheared.as_deref());
         BroadPhaseProxy::note_pose(&mut proxy, placement.transform);
         if let Some(mut sheared) = sheared {
             sheared.follow(own, placement.turn);
@@ -114,7 +114,7 @@ pub(crate) fn update_children(
     });
 }
 
-/// The box around a shape at a place.
+/// The box around a shape where it is.
 pub(crate) fn world_aabb(tests: &NarrowPhase, entity: Entity, shape: &Shape, transform: &Transform) -> WorldAabb {
     match tests.world_aabb(Placed::new(shape, transform)) {
         Ok(aabb) => WorldAabb(aabb),

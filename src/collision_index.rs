@@ -17,6 +17,7 @@ use crate::{
 ///
 /// It may be taken out of the world for a while, or be replaced by another: at the next tick, or
 /// [update](crate::spatial_query::update_spatial_index), it holds what it should.
+#[doc(alias("bvh", "spatial index"))]
 #[derive(Resource, Debug, Reflect)]
 #[reflect(Debug, Default, from_reflect = false)]
 #[type_path = "bevy_octree"]
@@ -112,9 +113,20 @@ pub(crate) struct Body {
     pub(crate) entity: Entity,
     pub(crate) pose: Transform,
     pub(crate) shape: Shape,
+    /// When the entity's own shape became what it is here: one look at it spares that at the shape.
+    pub(crate) reshaped: Tick,
 }
 
 impl Body {
+    /// Brings the shape up to date with what takes part, which became what it is at that time, unless an ancestor shears it.
+    #[cold]
+    pub(crate) fn reshape(&mut self, shape: &Shape, reshaped: Tick) {
+        self.reshaped = reshaped;
+        if !self.shape.is_same(shape) {
+            self.shape = shape.clone();
+        }
+    }
+
     /// The shape, where it is at the end of the tick.
     #[inline]
     pub(crate) const fn placed(&self) -> Placed<'_> {
@@ -141,7 +153,7 @@ pub(crate) enum Candidate<'a> {
 pub(crate) enum Extent {
     /// In a box, which is refused if it is none.
     Box(Aabb3d),
-    /// It has no end, and is all in this half-space; `None` if it may be anywhere.
+    /// It is unbounded, and all in this half-space; `None` if it may be anywhere.
     Unbounded(Option<HalfSpace>),
 }
 
@@ -155,7 +167,7 @@ pub(crate) struct Seen {
 }
 
 impl CollisionIndex {
-    /// The boxes, the broad phase, and queries, by [`ProxyId`].
+    /// Returns the boxes, the broad phase, and queries, by [`ProxyId`].
     #[must_use]
     pub const fn index(&self) -> &SpatialIndex {
         &self.index
@@ -167,13 +179,13 @@ impl CollisionIndex {
         self.index.set_engine(engine);
     }
 
-    /// The entity behind a handle. For a handle that was removed, the entity that had it last.
+    /// Returns the entity behind a handle. For a handle that was removed, the entity that had it last.
     #[must_use]
     pub fn entity(&self, id: ProxyId) -> Option<Entity> {
         self.bodies.get(id.index()).map(|body| body.entity)
     }
 
-    /// The entities of a pair.
+    /// Returns the entities of a pair.
     ///
     /// # Panics
     /// If the pair is not of this index.
@@ -368,9 +380,9 @@ impl CollisionIndex {
     ///
     /// | its own handle is | it has | it |
     /// |---|---|---|
-    /// | that of one without an end | no end | stays, and is updated |
-    /// | any, or none | a place, and a filter | leaves, if it was in, and enters anew |
-    /// | any, or none | no box, or no filter | leaves, if it was in |
+    /// | that of one that is unbounded | no bounds | stays, and is updated |
+    /// | any, or none | a box or no bounds, and a filter | leaves, if it was in, and enters anew |
+    /// | any, or none | neither, or no filter | leaves, if it was in |
     #[cold]
     pub(crate) fn upsert(&mut self, id: Option<ProxyId>, seen: Seen) -> Option<ProxyId> {
         let Seen { body, extent, filter } = seen;
@@ -413,6 +425,7 @@ impl CollisionIndex {
 /// twice, or the wrong way round, is one contact. What a
 /// [swept](crate::swept::Swept) entity meets after a bounce, within the same tick, is not among them: layers, lists and
 /// [hooks](crate::filters::PairHook) see that too.
+#[doc(alias("broad phase pairs", "possible collisions"))]
 #[derive(Resource, Clone, Debug, Default, Deref, DerefMut, Reflect)]
 #[reflect(Resource, Debug, Default)]
 #[type_path = "bevy_octree"]

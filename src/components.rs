@@ -18,7 +18,7 @@ use crate::{
 /// inserted again, even within a frame, starts anew: its contacts end and start.
 ///
 /// It is placed by the [`Transform`]s of the entity and its ancestors. What becomes of shapes that a scaled parent shears is
-/// said of the [`BoundsPlugin`](crate::BoundsPlugin#sheared-shapes).
+/// said of the [`BoundsPlugin`](crate::plugins::BoundsPlugin#sheared-shapes).
 ///
 /// An entity with a shape and no [`Velocity`](crate::motion::Velocity) is *at rest*: while its [`Transform`] stays unchanged, it is
 /// looked at by nothing.
@@ -28,10 +28,11 @@ use crate::{
 /// use bevy_octree::prelude::*;
 ///
 /// let mut world = World::new();
-/// let wall = world.spawn((CollisionShape::cuboid(Vec3::new(0.1, 2.0, 2.0))?, Transform::from_xyz(3.0, 0.0, 0.0))).id();
+/// let wall = world.spawn((CollisionShape::cuboid(0.2, 4.0, 4.0), Transform::from_xyz(3.0, 0.0, 0.0))).id();
+/// world.spawn(CollisionShape::from(Cuboid::new(1.0, 2.0, 3.0)));
 /// assert!(world.get::<WorldAabb>(wall).is_some());
-/// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
 /// ```
+#[doc(alias = "collider")]
 #[derive(Component, Clone, Debug, Deref, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Clone, Debug)]
@@ -40,27 +41,85 @@ use crate::{
 #[component(on_remove = leave_index)]
 pub struct CollisionShape(pub Shape);
 
+/// # Constructors
+///
+/// As those of [`Shape`], for which see what becomes of [bad numbers](Shape#constructors).
 impl CollisionShape {
-    /// A box, by half its sides.
+    /// Makes a box around the entity's origin, by the lengths of its whole sides, as Bevy's `Cuboid::new` does.
     ///
-    /// # Errors
-    /// As [`Shape::cuboid`].
-    pub fn cuboid(half_size: Vec3) -> Result<Self, ShapeError> {
-        Shape::cuboid(half_size).map(Self)
+    /// See [`Shape::cuboid`].
+    #[must_use]
+    pub fn cuboid(x_length: f32, y_length: f32, z_length: f32) -> Self {
+        Self(Shape::cuboid(x_length, y_length, z_length))
     }
 
-    /// A ball around the entity's origin.
+    /// Makes a box as [`cuboid`](Self::cuboid) does, and refuses bad numbers.
     ///
     /// # Errors
-    /// As [`Shape::sphere`].
-    pub fn sphere(radius: f32) -> Result<Self, ShapeError> {
-        Shape::sphere(radius).map(Self)
+    /// As [`Shape::try_cuboid`].
+    pub fn try_cuboid(x_length: f32, y_length: f32, z_length: f32) -> Result<Self, ShapeError> {
+        Shape::try_cuboid(x_length, y_length, z_length).map(Self)
+    }
+
+    /// Makes a box around the entity's origin, by half the lengths of its sides.
+    ///
+    /// See [`Shape::from_half_size`].
+    #[must_use]
+    pub fn from_half_size(half_size: Vec3) -> Self {
+        Self(Shape::from_half_size(half_size))
+    }
+
+    /// Makes a box as [`from_half_size`](Self::from_half_size) does, and refuses bad numbers.
+    ///
+    /// # Errors
+    /// As [`Shape::try_from_half_size`].
+    pub fn try_from_half_size(half_size: Vec3) -> Result<Self, ShapeError> {
+        Shape::try_from_half_size(half_size).map(Self)
+    }
+
+    /// Makes a ball around the entity's origin.
+    ///
+    /// See [`Shape::sphere`].
+    #[must_use]
+    pub fn sphere(radius: f32) -> Self {
+        Self(Shape::sphere(radius))
+    }
+
+    /// Makes a ball as [`sphere`](Self::sphere) does, and refuses a bad radius.
+    ///
+    /// # Errors
+    /// As [`Shape::try_sphere`].
+    pub fn try_sphere(radius: f32) -> Result<Self, ShapeError> {
+        Shape::try_sphere(radius).map(Self)
+    }
+
+    /// Makes a convex solid of polygons, each a list of vertex indices.
+    ///
+    /// # Errors
+    /// As [`Shape::convex`].
+    pub fn convex<P: AsRef<[u32]>>(
+        vertices: impl Into<Vec<Vec3>>,
+        polygons: impl IntoIterator<Item = P>,
+    ) -> Result<Self, ShapeError> {
+        Shape::convex(vertices, polygons).map(Self)
+    }
+
+    /// Makes a mesh of planar polygons, each a list of vertex indices.
+    ///
+    /// # Errors
+    /// As [`Shape::mesh`].
+    pub fn mesh<P: AsRef<[u32]>>(
+        vertices: impl Into<Vec<Vec3>>,
+        polygons: impl IntoIterator<Item = P>,
+    ) -> Result<Self, ShapeError> {
+        Shape::mesh(vertices, polygons).map(Self)
     }
 }
 
-impl From<Shape> for CollisionShape {
-    fn from(shape: Shape) -> Self {
-        Self(shape)
+/// From whatever a [`Shape`] can be made of: Bevy's primitives, meshes, and, with the feature `rapier`, colliders.
+impl<T: Into<Shape>> From<T> for CollisionShape {
+    fn from(shape: T) -> Self {
+        Self(shape.into())
     }
 }
 
@@ -78,6 +137,7 @@ impl Default for CollisionShape {
 /// Kept up to date in the set [`Bounds`](crate::CollisionSystems::Bounds). A system after that set and before
 /// [`Maintenance`](crate::CollisionSystems::Maintenance) may enlarge it. What is inserted in its place is computed anew
 /// at the next tick.
+#[doc(alias("aabb", "bounding box", "fat aabb"))]
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect, Deref)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -89,7 +149,7 @@ impl WorldAabb {
     /// by the broad phase.
     pub const NONE: Self = Self(Aabb3d { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY });
 
-    /// The box of an entity whose shape has no end, as a half-space: all of space. The index keeps such entities apart
+    /// The box of an entity whose shape is unbounded, as a half-space: all of space. The index keeps such entities apart
     /// from the broad phase.
     pub const UNBOUNDED: Self = Self(EVERYWHERE);
 }
@@ -117,7 +177,7 @@ pub struct BroadPhaseProxy {
 }
 
 impl BroadPhaseProxy {
-    /// The entity's handle in the index; `None` before its first tick, and while it has no valid box.
+    /// Returns the entity's handle in the index; `None` before its first tick, and while it has no valid box.
     #[must_use]
     pub const fn id(&self) -> Option<ProxyId> {
         self.id

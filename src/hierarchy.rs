@@ -1,7 +1,7 @@
 //! Where entities are in the world, by their own transforms and those of their ancestors.
 //!
 //! `GlobalTransform` is up to date only after transform propagation, and entities have to be where they are in the tick in
-//! which something moved. Places are computed in 64 bits, so that a deep hierarchy does not bend what hangs on it.
+//! which something moved. Poses are computed in 64 bits, so that a deep hierarchy does not bend what hangs on it.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -16,18 +16,21 @@ use bevy::{
     prelude::*,
 };
 
-use crate::components::{self, BroadPhaseProxy, CollisionShape, WorldAabb};
+use crate::{
+    ancestors,
+    components::{self, BroadPhaseProxy, CollisionShape, WorldAabb},
+};
 
 /// An ancestor of entities with a shape. It stays one when the last of them is gone: that costs a look at it when it moves.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct Carrier {
     /// Has it lost its transform?
     lost: bool,
-    /// The runs of [`Hierarchy`] in which its place was found, and what hangs on it visited.
+    /// The runs of [`Hierarchy`] in which its pose was found, and what hangs on it visited.
     known: u64,
     visited: u64,
     /// Where it is, in that run; `None` if it is its own ancestor.
-    place: Option<DAffine3>,
+    pose: Option<DAffine3>,
 }
 
 /// Where an entity is in the space of its parent.
@@ -39,25 +42,17 @@ fn local(transform: &Transform) -> DAffine3 {
 }
 
 /// What an ancestor, or the entity itself, has to do with where an entity is.
-pub(crate) type Ancestor<'a> = (&'a Transform, Option<&'a ChildOf>);
+pub(crate) type Link<'a> = (&'a Transform, Option<&'a ChildOf>);
 
 /// Where an entity is in the world; `None` if it is its own ancestor. A parent without a [`Transform`] ends the walk.
 ///
 /// Walks up all ancestors. For the systems that [`see_disabled`] entities: a disabled parent is still where it is.
-pub(crate) fn place_in_world(entity: Entity, ancestors: &Query<Ancestor, Allow<Disabled>>) -> Option<DAffine3> {
-    let mut path = Vec::new();
-    let (mut next, mut mark) = (Some(entity), entity);
-    while let Some(Ok((transform, parent))) = next.map(|ancestor| ancestors.get(ancestor)) {
-        path.push(local(transform));
-        next = parent.map(ChildOf::parent);
-        // Who walks in a circle comes back to where it was when the steps were last a power of two.
-        if next == Some(mark) {
-            return None;
-        }
-        if path.len().is_power_of_two() {
-            mark = next.unwrap_or(mark);
-        }
-    }
+pub(crate) fn pose_in_world(entity: Entity, links: &Query<Link, Allow<Disabled>>) -> Option<DAffine3> {
+    let look = |entity| {
+        let (transform, parent) = links.get(entity).ok()?;
+        Some((local(transform), parent.map(ChildOf::parent)))
+    };
+    let path = ancestors::up(entity, look).collect::<Result<Vec<_>, _>>().ok()?;
     Some(path.into_iter().rev().fold(DAffine3::IDENTITY, |world, local| world * local))
 }
 
@@ -152,8 +147,8 @@ impl Hierarchy {
                 continue;
             }
             let parent = parent.map(ChildOf::parent);
-            let place = self.place_of_parent(world, parent);
-            self.to_visit.push((entity, place));
+            let pose = self.pose_of_parent(world, parent);
+            self.to_visit.push((entity, pose));
             // What hangs on one that moved has moved.
             while let Some((entity, parent)) = self.to_visit.pop() {
                 self.visit(world, entity, parent, &mut found);
@@ -175,7 +170,7 @@ impl Hierarchy {
         }
     }
 
-    /// Puts an entity in its place, given that of its parent, and has what hangs on it visited.
+    /// Finds where an entity is, given where its parent is, and has what hangs on it visited.
     fn visit(
         &mut self,
         world: &mut World,
@@ -186,18 +181,18 @@ impl Hierarchy {
         let Ok((transform, child_of, children, carrier, has_shape)) = self.nodes.0.get_mut(world, entity) else {
             return;
         };
-        let place = transform.and_then(|transform| Some(parent? * local(transform)));
+        let pose = transform.and_then(|transform| Some(parent? * local(transform)));
         let has_shape = has_shape && child_of.is_some();
         if let Some(mut carrier) = carrier {
             if carrier.visited == self.run {
                 return;
             }
-            (carrier.visited, carrier.known, carrier.place) = (self.run, self.run, place);
-            let origin = if transform.is_some() { place } else { Some(DAffine3::IDENTITY) };
+            (carrier.visited, carrier.known, carrier.pose) = (self.run, self.run, pose);
+            let origin = if transform.is_some() { pose } else { Some(DAffine3::IDENTITY) };
             self.to_visit.extend(children.into_iter().flatten().map(|child| (*child, origin)));
         }
         if has_shape {
-            found(world, entity, place);
+            found(world, entity, pose);
         }
     }
 
@@ -211,15 +206,15 @@ impl Hierarchy {
             changed.retain(|(entity, _, parent)| !visited(world.get(*entity)) && !visited(world.get(*parent)));
         }
         for (entity, own, parent) in changed.drain(..) {
-            let place = self.place_of_parent(world, Some(parent));
-            found(world, entity, own.and_then(|own| Some(place? * local(&own))));
+            let pose = self.pose_of_parent(world, Some(parent));
+            found(world, entity, own.and_then(|own| Some(pose? * local(&own))));
         }
         self.altered_children = changed;
     }
 
     /// Where a parent is, each computed once.
-    fn place_of_parent(&mut self, world: &mut World, mut next: Option<Entity>) -> Option<DAffine3> {
-        let mut place = loop {
+    fn pose_of_parent(&mut self, world: &mut World, mut next: Option<Entity>) -> Option<DAffine3> {
+        let mut pose = loop {
             let Some((entity, node)) = next.and_then(|next| Some((next, self.nodes.0.get_mut(world, next).ok()?)))
             else {
                 break Some(DAffine3::IDENTITY);
@@ -236,26 +231,26 @@ impl Hierarchy {
                 break Some(DAffine3::IDENTITY);
             };
             if carrier.known == self.run {
-                let place = carrier.place;
-                if place.is_none() && self.path.iter().any(|(below, _)| *below == entity) {
+                let pose = carrier.pose;
+                if pose.is_none() && self.path.iter().any(|(below, _)| *below == entity) {
                     tracing::warn!(
                         "{entity} is its own ancestor: it and what hangs on it are left out of collision detection"
                     );
                 }
-                break place;
+                break pose;
             }
             // Who comes here again before the way back is in a circle.
-            (carrier.known, carrier.place) = (self.run, None);
+            (carrier.known, carrier.pose) = (self.run, None);
             self.path.push((entity, local(&transform)));
             next = parent;
         };
         for (entity, local) in self.path.drain(..).rev() {
-            place = place.map(|place| place * local);
+            pose = pose.map(|pose| pose * local);
             if let Some(mut carrier) = world.get_mut::<Carrier>(entity) {
-                carrier.place = place;
+                carrier.pose = pose;
             }
         }
-        place
+        pose
     }
 }
 

@@ -63,6 +63,7 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
+mod ancestors;
 mod bounds;
 pub mod broad_phase;
 pub mod collision_index;
@@ -82,7 +83,7 @@ pub mod octree;
 mod parallel;
 #[cfg(feature = "picking")]
 pub mod picking;
-pub mod plugin;
+mod plugin;
 #[cfg(feature = "rapier")]
 pub mod rapier;
 pub mod response;
@@ -96,10 +97,26 @@ pub mod trace;
 mod way;
 pub mod worlds;
 
-pub use bounds::BoundsPlugin;
-pub use maintenance::BroadPhasePlugin;
 pub use plugin::OctreePlugins;
 pub use schedule::CollisionSystems;
+
+/// The plugins that [`OctreePlugins`] consist of, to disable or replace: one for each stage of a tick, and what they share.
+pub mod plugins {
+    #[cfg(feature = "asset")]
+    pub use crate::scene::SceneAssetPlugin;
+    pub use crate::{
+        bounds::BoundsPlugin,
+        contacts::{NarrowPhasePlugin, ReportPlugin},
+        filters::FilterPlugin,
+        maintenance::BroadPhasePlugin,
+        motion::MotionPlugin,
+        plugin::CollisionCorePlugin,
+        response::BouncePlugin,
+        scene::ScenePlugin,
+        schedule::CollisionSchedulePlugin,
+        swept::SweptPlugin,
+    };
+}
 
 /// What most users need.
 pub mod prelude {
@@ -124,12 +141,12 @@ pub mod prelude {
             StaticCollider,
         },
         motion::{CollisionClock, MotionSettings, MovedElsewhere, PositionTrack, Step, Velocity},
-        narrow_phase::Shape,
+        narrow_phase::{NarrowPhase, Shape},
         plugin::OctreePlugins,
         response::{Bounce, BouncePlugin},
         scene::Cube,
         schedule::CollisionSystems,
-        settings::{BroadPhaseSettings, NarrowPhaseSettings},
+        settings::BroadPhaseSettings,
         spatial_query::{PairHit, PointHit, RayHit, ShapeHit, SpatialQuery, SpatialQueryFilter, update_spatial_index},
         swept::Swept,
         worlds::{CollisionWorld, InCollisionWorld},

@@ -15,13 +15,13 @@ use crate::{
     filters::{self, FilterParts},
     narrow_phase::{Moving, NarrowPhase},
     schedule::{CollisionSystems, add_to_tick},
-    settings::{BroadPhaseSettings, NarrowPhaseSettings},
+    settings::BroadPhaseSettings,
     shear::{self, Sheared},
     swept::{self, Swept},
     way::SweptWay,
 };
 
-/// Octree maintenance and the search for candidate pairs.
+/// The plugin for maintenance of the [`CollisionIndex`] and the search for [`CandidatePairs`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BroadPhasePlugin;
 
@@ -37,7 +37,7 @@ impl Plugin for BroadPhasePlugin {
     }
 }
 
-/// Takes up all boxes that changed, at any moment.
+/// Brings the index up to date with all boxes that changed, at any moment.
 pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     if let Some(mut index) = world.get_resource_mut::<CollisionIndex>() {
         index.keep_search();
@@ -47,7 +47,7 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     world.run_system_cached(maintain)
 }
 
-/// Has an index that missed something, or is a new one, forget all that is not there, and take up all that is.
+/// Has an index that missed something, or is a new one, forget all that is not there, and learn of all that is.
 fn mend(
     mut index: ResMut<CollisionIndex>,
     mut upkeep: ResMut<Upkeep>,
@@ -69,45 +69,47 @@ fn mend(
     upkeep.done(&index);
 }
 
-type Boxed<'a> = (Entity, &'a WorldAabb, &'a CollisionShape, &'a mut BroadPhaseProxy);
+type Boxed<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy);
 type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<(&'a Swept, &'a SweptWay)>);
 
 fn maintain(
     mut index: ResMut<CollisionIndex>,
-    (settings, narrow, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhaseSettings>, Res<Upkeep>),
+    (settings, tests, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhase>, Res<Upkeep>),
     mut boxes: Query<ChangedBoxes, Changed<WorldAabb>>,
     (archetypes, sheared): (Query<&Archetype>, Query<&Sheared>),
     mut counters: ResMut<CollisionCounters>,
 ) {
     let index = &mut *index;
     index.set_method(&settings.method, settings.pair_kinds);
-    if narrow.is_changed() {
+    if tests.is_changed() {
         index.search_all();
     }
     let some_sheared = !sheared.is_empty();
     for ((entity, aabb, own, mut proxy), parts, swept) in &mut boxes {
-        let shape = if some_sheared { shear::shape(own, sheared.get(entity).ok()) } else { own };
+        let shape = || shear::shape(&own, sheared.get(entity).ok());
         let way = swept.map(|(_, way)| way).filter(|way| way.belongs_to(entity, proxy.id()));
         let start = way.and_then(|way| way.to(proxy.pose())).copied();
-        if let Some(id) = proxy.id()
+        let id = if let Some(id) = proxy.id()
             && let Some(body) = index.follow(id, entity, &aabb.0)
         {
             body.pose = *proxy.pose();
-            if !body.shape.is_same(shape) {
-                body.shape = shape.clone();
+            // It may have changed when nobody looked, between two sets.
+            if body.reshaped != own.last_changed() || some_sheared {
+                body.reshape(shape(), own.last_changed());
             }
-            index.set_start(id, start);
+            id
         } else {
             let is_disabled = archetypes.get(entity).is_ok_and(|archetype| upkeep.disables(archetype));
             let filter = (!is_disabled).then(|| filters::filter(parts));
-            let body = Body { entity, pose: *proxy.pose(), shape: shape.clone() };
-            let extent = extent(aabb, &body, start.as_ref(), narrow.tests());
+            let (pose, reshaped) = (*proxy.pose(), own.last_changed());
+            let body = Body { entity, pose, shape: shape().clone(), reshaped };
+            let extent = extent(aabb, &body, start.as_ref(), &tests);
             let id = index.upsert(proxy.id(), Seen { body, extent, filter });
             BroadPhaseProxy::note_id(&mut proxy, id);
-            if let Some(id) = id {
-                index.set_start(id, start);
-            }
-        }
+            let Some(id) = id else { continue };
+            id
+        };
+        index.set_start(id, start);
     }
     index.update();
     let proxies = index.index().proxies();
@@ -115,7 +117,7 @@ fn maintain(
     counters.tick.moved = proxies.moved().len() as u64;
 }
 
-/// Where an entity is in this tick. What fills all the space there is has no end: where that is, is up to its shape.
+/// Where an entity is in this tick. What fills all the space there is is unbounded: where that is, is up to its shape.
 #[cold]
 fn extent(aabb: &WorldAabb, body: &Body, start: Option<&Transform>, tests: &NarrowPhase) -> Extent {
     if *aabb == WorldAabb::UNBOUNDED {

@@ -21,7 +21,7 @@ use crate::{
     swept::{self, SweptPlugin},
 };
 
-/// Everything: motion, octree maintenance, broad phase, narrow phase, bounce response and messages.
+/// The plugins for everything: motion, octree maintenance, broad phase, narrow phase, bounce response and messages.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -30,16 +30,59 @@ use crate::{
 /// App::new().add_plugins((MinimalPlugins, OctreePlugins::default()));
 /// ```
 ///
-/// It runs in [`FixedPostUpdate`], or the schedule given to [`OctreePlugins::new`]. Each stage is a plugin of the
-/// group, named after its set of [`CollisionSystems`], and can be disabled or replaced:
+/// It runs in [`FixedPostUpdate`], or the schedule given to [`OctreePlugins::new`].
+///
+/// # Disabling and replacing stages
+///
+/// Each stage is one of the [`plugins`](crate::plugins):
+///
+/// | plugin | set of [`CollisionSystems`] |
+/// |---|---|
+/// | [`MotionPlugin`] | `Motion` |
+/// | [`BoundsPlugin`] | `Bounds` |
+/// | [`BroadPhasePlugin`] | `Maintenance`, `BroadPhase` |
+/// | [`FilterPlugin`] | between these, and after them |
+/// | [`SweptPlugin`] | before `Motion`, `Bounds`, after `Response` |
+/// | [`NarrowPhasePlugin`] | `NarrowPhase` |
+/// | [`BouncePlugin`] | `Response` |
+/// | [`ReportPlugin`] | `Report` |
+///
+/// One that is disabled leaves its resources in the app, for others to read. A stage of your own has its systems in the set
+/// of the one that it is in place of, in the schedule that [`CollisionSchedule`](crate::schedule::CollisionSchedule) names:
 ///
 /// ```
 /// use bevy::prelude::*;
-/// use bevy_octree::{prelude::*, motion::MotionPlugin};
+/// use bevy_octree::{plugins::MotionPlugin, prelude::*, schedule::CollisionSchedule};
 ///
 /// // Detection only: something else moves things.
 /// let detection = OctreePlugins::new(PostUpdate).build().disable::<MotionPlugin>().disable::<BouncePlugin>();
 /// App::new().add_plugins((MinimalPlugins, detection));
+///
+/// /// Whoever touches something goes no further.
+/// struct StickyPlugin;
+///
+/// impl Plugin for StickyPlugin {
+///     fn build(&self, app: &mut App) {
+///         let ticks = app.world().resource::<CollisionSchedule>().label();
+///         app.add_systems(ticks, stick.in_set(CollisionSystems::Response));
+///     }
+/// }
+///
+/// fn stick(contacts: Res<Contacts>, mut moving: Query<&mut Velocity>) {
+///     for entity in contacts.iter().flat_map(|contact| [contact.a, contact.b]) {
+///         if let Ok(mut velocity) = moving.get_mut(entity) {
+///             velocity.0 = Vec3::ZERO;
+///         }
+///     }
+/// }
+///
+/// let sticky = OctreePlugins::new(Update).build().disable::<BouncePlugin>().add(StickyPlugin);
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, sticky));
+/// let cube = app.world_mut().spawn((Cube, Velocity(Vec3::X))).id();
+/// app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(0.75, 0.0, 0.0)));
+/// app.update();
+/// assert_eq!(app.world().get::<Velocity>(cube).unwrap().0, Vec3::ZERO);
 /// ```
 #[derive(Clone, Debug)]
 pub struct OctreePlugins {
@@ -47,7 +90,7 @@ pub struct OctreePlugins {
 }
 
 impl OctreePlugins {
-    /// The plugins, with their systems in `schedule`.
+    /// Makes the plugins, with their systems in `schedule`.
     #[must_use]
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self { schedule: schedule.intern() }
@@ -80,7 +123,7 @@ impl PluginGroup for OctreePlugins {
     }
 }
 
-/// What the other plugins share: resources, types known to reflection, counters and the clock. It is in the app whichever of
+/// The plugin for what the others share: resources, types known to reflection, counters and the clock. It is in the app whichever of
 /// the others are not.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CollisionCorePlugin;

@@ -26,7 +26,7 @@ pub enum CollisionSystems {
     Motion,
     /// World boxes follow them.
     Bounds,
-    /// The broad phase takes up the boxes that changed.
+    /// The broad phase follows the boxes that changed.
     Maintenance,
     /// Pairs of overlapping boxes are searched for.
     BroadPhase,
@@ -46,7 +46,7 @@ pub enum CollisionSystems {
 pub struct PairFilterSystems;
 
 /// Impacts on the way are answered here: in [`NarrowPhase`](CollisionSystems::NarrowPhase), once the exact tests have found
-/// them, before they are taken up as contacts.
+/// them, before they become contacts.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct ImpactSystems;
 
@@ -55,7 +55,7 @@ pub(crate) struct ImpactSystems;
 pub struct CollisionSchedule(InternedScheduleLabel);
 
 impl CollisionSchedule {
-    /// The label of the schedule that the ticks run in.
+    /// Returns the label of the schedule that the ticks run in.
     #[must_use]
     pub const fn label(&self) -> InternedScheduleLabel {
         self.0
@@ -69,7 +69,7 @@ impl CollisionSchedule {
 pub struct CollisionSchedulePlugin(InternedScheduleLabel);
 
 impl CollisionSchedulePlugin {
-    /// A tick is a run of `schedule`.
+    /// Makes the plugin for ticks that are runs of `schedule`.
     #[must_use]
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self(schedule.intern())

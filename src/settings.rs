@@ -1,4 +1,4 @@
-//! Settings of the stages, as resources.
+//! Settings of the broad phase, as a resource. Those of the exact tests are [`NarrowPhase`] itself.
 
 use bevy::prelude::*;
 
@@ -8,6 +8,7 @@ use crate::{
 };
 
 /// Settings of the broad phase. Changes take effect at the next tick.
+#[doc(alias = "broad phase")]
 #[derive(Resource, Clone, Debug, Default, PartialEq, Reflect)]
 #[reflect(Resource, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -19,21 +20,9 @@ pub struct BroadPhaseSettings {
     pub pair_kinds: PairKinds,
 }
 
-/// Settings of the exact tests: see [`NarrowPhase`]. Changes take effect at the next tick, for all pairs.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
-#[reflect(opaque)]
-#[reflect(Resource, Debug, Default, PartialEq)]
-pub struct NarrowPhaseSettings(pub NarrowPhase);
-
-impl NarrowPhaseSettings {
-    pub(crate) const fn tests(&self) -> &NarrowPhase {
-        &self.0
-    }
-}
-
 pub(crate) fn register(app: &mut App) {
     app.init_resource::<BroadPhaseSettings>()
-        .init_resource::<NarrowPhaseSettings>()
+        .init_resource::<NarrowPhase>()
         .register_type::<BroadPhaseSettings>()
-        .register_type::<NarrowPhaseSettings>();
+        .register_type::<NarrowPhase>();
 }

@@ -34,7 +34,7 @@ impl Sheared {
         Self { turn, own: own.clone(), turned: own.turned_back(&turn) }
     }
 
-    /// Takes up the shape and the turn, if they are others than before.
+    /// Brings it up to date with the shape and the turn, if they are others than before.
     pub(crate) fn follow(&mut self, own: &Shape, turn: DMat3) {
         if turn != self.turn || !own.is_same(&self.own) {
             *self = Self::new(own, turn);
@@ -62,7 +62,7 @@ pub(crate) struct Placement {
 
 /// Puts a shape in its place in the world, after the turn that is built into it already, if that will do.
 #[cfg_attr(not(feature = "rapier"), expect(unused_variables, reason = "Rapier's shapes alone are placed otherwise"))]
-pub(crate) fn place(shape: &Shape, world: &DAffine3, sheared: Option<&Sheared>) -> Placement {
+pub(crate) fn put(shape: &Shape, world: &DAffine3, sheared: Option<&Sheared>) -> Placement {
     let linear = world.matrix3;
     if is_upright(&linear) {
         let transform = upright_transform(&linear, world.translation);
@@ -171,8 +171,8 @@ mod tests {
             [Vec3::new(4.0, 1.0, 1.0), Vec3::new(-4.0, 0.1, 3.0), Vec3::new(1.0, 0.0, 2.0), Vec3::new(1e-9, 1e9, 1.0)]
         {
             let world = shear(Transform::from_xyz(1.0, 2.0, 3.0).with_scale(scale));
-            let shape = Shape::cuboid(Vec3::ONE).unwrap();
-            let Placement { transform, turn, is_sheared } = place(&shape, &world, None);
+            let shape = Shape::from_half_size(Vec3::ONE);
+            let Placement { transform, turn, is_sheared } = put(&shape, &world, None);
             assert!(is_sheared);
             let again = transform.compute_affine().matrix3.as_dmat3() * turn.transpose();
             let size = world.matrix3.to_cols_array().into_iter().fold(0.0, |size: f64, value| size.max(value.abs()));
@@ -187,7 +187,7 @@ mod tests {
         for scale in upright {
             let parent = Transform::from_rotation(Quat::from_rotation_y(1.0)).with_scale(scale);
             let world = shear(parent);
-            let Placement { transform, turn, is_sheared } = place(&Shape::sphere(1.0).unwrap(), &world, None);
+            let Placement { transform, turn, is_sheared } = put(&Shape::sphere(1.0), &world, None);
             assert!(!is_sheared && turn == DMat3::IDENTITY);
             assert!((transform.rotation.length() - 1.0).abs() < 1e-6);
             let again = transform.compute_affine().matrix3.as_dmat3();
@@ -197,12 +197,12 @@ mod tests {
 
     #[test]
     fn a_shape_is_built_anew_only_when_it_turns_against_its_parent() {
-        let shape = Shape::cuboid(Vec3::ONE).unwrap();
+        let shape = Shape::from_half_size(Vec3::ONE);
         let parent = Transform::from_scale(Vec3::new(4.0, 1.0, 2.0));
-        let mut sheared = Sheared::new(&shape, place(&shape, &shear(parent), None).turn);
+        let mut sheared = Sheared::new(&shape, put(&shape, &shear(parent), None).turn);
         let mut follow = |parent, angle| {
             let before = sheared.clone();
-            let placement = place(&shape, &turned(parent, angle), Some(&sheared));
+            let placement = put(&shape, &turned(parent, angle), Some(&sheared));
             sheared.follow(&shape, placement.turn);
             sheared.shape().is_same(before.shape())
         };

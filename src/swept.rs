@@ -12,8 +12,8 @@
 //! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
 //!     .insert_resource(MotionSettings { step: Step::Seconds(0.01) });
 //! // A wall as thin as paper, and a bullet that covers five times its size per tick.
-//! app.world_mut().spawn(CollisionShape::cuboid(Vec3::new(0.001, 5.0, 5.0)).unwrap());
-//! let bullet = (CollisionShape::sphere(0.1).unwrap(), Bounce::Reflect { restitution: 1.0 }, Swept::default());
+//! app.world_mut().spawn(CollisionShape::cuboid(0.002, 10.0, 10.0));
+//! let bullet = (CollisionShape::sphere(0.1), Bounce::Reflect { restitution: 1.0 }, Swept::default());
 //! let bullet = app.world_mut().spawn((bullet, Velocity(Vec3::X * 100.0), Transform::from_xyz(-1.4, 0.0, 0.0))).id();
 //! app.update();
 //! app.update();
@@ -50,10 +50,9 @@ use bevy::{
 use crate::{
     bounds,
     components::{self, BroadPhaseProxy, CollisionShape, WorldAabb},
-    hierarchy::{self, Ancestor},
+    hierarchy::{self, Link},
     narrow_phase::{Moving, NarrowPhase, Placed},
     schedule::{CollisionSystems, add_to_tick},
-    settings::NarrowPhaseSettings,
     shear::{self, Sheared},
 };
 
@@ -70,13 +69,14 @@ pub use crate::way::SweptWay;
 /// their velocities, and as often as it meets something: what is said of ticks there, holds for impacts here. It moves on
 /// for the rest of the tick if it is moved by its [`Velocity`](crate::motion::Velocity); one with a parent does so in the
 /// world, wherever the parent goes. What hangs on it goes with it.
+#[doc(alias("ccd", "continuous collision detection", "tunneling", "bullet"))]
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 #[require(SweptWay)]
 #[component(on_insert = begin_anew, on_discard = shrink_box)]
 pub struct Swept {
-    /// How often it may bounce within a tick. At the impact after that, it stays where it is until the next tick, as a wall
+    /// How often the entity may bounce within a tick. At the impact after that, it stays where it is until the next tick, as a wall
     /// at rest to all that it meets, and keeps its velocity. This bounds the search for impacts, too.
     pub sub_steps: u32,
 }
@@ -85,7 +85,7 @@ impl Swept {
     /// How often an entity may bounce within a tick, unless told otherwise.
     pub const DEFAULT_SUB_STEPS: u32 = 8;
 
-    /// Swept, with a bound of one's own to the number of bounces within a tick.
+    /// Makes a component with a bound of its own to the number of bounces within a tick.
     #[must_use]
     pub const fn new(sub_steps: u32) -> Self {
         Self { sub_steps }
@@ -110,7 +110,7 @@ fn shrink_box(mut world: DeferredWorld, context: HookContext) {
     components::outdate(&mut world, context.entity);
 }
 
-/// Continuous detection: where the ways of entities with [`Swept`] begin and end.
+/// The plugin for continuous detection: it says where the ways of entities with [`Swept`] begin and end.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SweptPlugin;
 
@@ -130,14 +130,14 @@ type IsSwept = (With<Swept>, With<CollisionShape>);
 type Beginning<'a> = (Entity, &'a Transform, Has<ChildOf>, Shaped<'a>, &'a BroadPhaseProxy, &'a mut SweptWay);
 
 /// The way of an entity that is new begins where it is before it first moves.
-fn begin_ways(mut swept: Query<Beginning, IsSwept>, ancestors: Query<Ancestor, Allow<Disabled>>) {
+fn begin_ways(mut swept: Query<Beginning, IsSwept>, links: Query<Link, Allow<Disabled>>) {
     for (entity, transform, has_parent, (shape, sheared), proxy, mut way) in &mut swept {
         if way.belongs_to(entity, proxy.id()) && way.has_begun() {
             continue;
         }
         let in_world = || {
-            let place = hierarchy::place_in_world(entity, &ancestors)?;
-            Some(shear::place(shape, &place, sheared).transform)
+            let pose = hierarchy::pose_in_world(entity, &links)?;
+            Some(shear::put(shape, &pose, sheared).transform)
         };
         let pose = if has_parent { in_world() } else { Some(*transform) };
         way.bypass_change_detection().begin(entity, pose);
@@ -163,8 +163,7 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
 }
 
 /// Stretches boxes along the ways that led anywhere, and shrinks those of a tick ago.
-fn stretch_boxes(mut swept: Query<Stretched, With<Swept>>, settings: Res<NarrowPhaseSettings>) {
-    let tests = settings.tests();
+fn stretch_boxes(mut swept: Query<Stretched, With<Swept>>, tests: Res<NarrowPhase>) {
     for (entity, (own, sheared), proxy, mut way, mut aabb) in &mut swept {
         let shape = shear::shape(own, sheared);
         let start = way.to(proxy.pose()).filter(|_| way.belongs_to(entity, proxy.id()));
@@ -175,14 +174,14 @@ fn stretch_boxes(mut swept: Query<Stretched, With<Swept>>, settings: Res<NarrowP
                 aabb.0 = stretched;
             }
         } else if way.is_stretched() {
-            *aabb = bounds::world_aabb(tests, entity, shape, proxy.pose());
+            *aabb = bounds::world_aabb(&tests, entity, shape, proxy.pose());
         }
         let is_stretched = moving.is_some();
         way.bypass_change_detection().note_stretched(is_stretched);
     }
 }
 
-/// The half-space that a shape without an end is in all along its way, if there is one: see [`NarrowPhase::side`].
+/// The half-space that an unbounded shape is in all along its way, if there is one: see [`NarrowPhase::side`].
 pub(crate) fn side(tests: &NarrowPhase, moving: &Moving) -> Option<HalfSpace> {
     let [start, end] = [0.0, 1.0].map(|time| tests.side(Placed::new(moving.shape(), &moving.at(time))));
     let (start, end) = (start?, end?);

@@ -42,7 +42,7 @@ impl Default for SweptWay {
 }
 
 impl SweptWay {
-    /// Where in the world the way began in the last tick; `None` before the first.
+    /// Returns where in the world the way began in the last tick; `None` before the first.
     #[must_use]
     pub const fn last_start(&self) -> Option<&Transform> {
         self.last.as_ref()

@@ -12,7 +12,7 @@ use thiserror::Error;
 /// out again before two more updates have passed, so that whoever compares one tick with the next never takes one
 /// object for another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
-#[type_path = "bevy_octree::broad_phase"]
+#[type_path = "bevy_octree"]
 pub struct ProxyId(u32);
 
 impl ProxyId {

@@ -8,9 +8,10 @@ use super::{boxes::ProxyId, pairs::Pair, proxy::Proxies};
 
 /// A way to find the overlapping pairs among moving boxes.
 ///
-/// A [`SpatialIndex`] owns the boxes and calls these methods, always in this order: [`maintain`](Self::maintain) after
-/// boxes changed, then any number of [`find_pairs`](Self::find_pairs) and [`traverse`](Self::traverse). An
-/// implementation that has just been installed finds every object in [`Proxies::moved`].
+/// A [`SpatialIndex`](super::SpatialIndex) owns the boxes and calls these methods, always in this order:
+/// [`maintain`](Self::maintain) after boxes changed, then any number of [`find_pairs`](Self::find_pairs) and
+/// [`traverse`](Self::traverse). An implementation that has just been installed finds every object in
+/// [`Proxies::moved`].
 ///
 /// What every implementation owes: the pairs are exact (each once, none missing, touching counts), their order
 /// depends on the history of calls alone, memory is linear in the objects, and no input makes it panic.

@@ -19,7 +19,7 @@ use bevy::prelude::Reflect;
 /// # Ok::<(), bevy_octree::broad_phase::BoxError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
-#[type_path = "bevy_octree::broad_phase"]
+#[type_path = "bevy_octree"]
 #[doc(alias = "layer mask")]
 #[doc(alias = "collision groups")]
 pub struct PairFilter {
@@ -70,7 +70,7 @@ impl PairFilter {
 /// # Ok::<(), bevy_octree::broad_phase::BoxError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
-#[type_path = "bevy_octree::broad_phase"]
+#[type_path = "bevy_octree"]
 pub struct PairKinds {
     /// Pairs of which neither is [static](PairFilter::is_static).
     pub moving_moving: bool,

@@ -34,7 +34,7 @@ use super::{
 /// # Ok::<(), bevy_octree::broad_phase::UnknownMethod>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Reflect)]
-#[type_path = "bevy_octree::broad_phase"]
+#[type_path = "bevy_octree"]
 pub enum BroadPhaseMethod {
     /// Exhaustive search for a handful of objects, the pointerless octree beyond: see [`Auto`]. The name that the broad
     /// phase tells is that of the method at work.

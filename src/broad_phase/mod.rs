@@ -26,7 +26,8 @@
 //! # Three ways to look
 //!
 //! The report compares an octree with exhaustive search, and mentions pointerless octrees; here each is an
-//! implementation of [`BroadPhase`], chosen by a [`BroadPhaseMethod`] and exchanged at any time ([`SpatialIndex::set_method`]):
+//! implementation of [`BroadPhase`], chosen by a [`BroadPhaseMethod`] and exchanged at any time
+//! ([`SpatialIndex::set_method`]):
 //!
 //! - [`Auto`], the default: exhaustive search for a handful of objects, the linear octree beyond.
 //! - [`LinearOctree`]: the pointerless octree, by far the fastest for more than a handful.

@@ -6,7 +6,7 @@ use super::{boxes::ProxyId, proxy::Proxies};
 
 /// Two objects whose boxes overlap; the lower handle first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
-#[type_path = "bevy_octree::broad_phase"]
+#[type_path = "bevy_octree"]
 pub struct Pair {
     /// The lower handle.
     pub a: ProxyId,

@@ -25,6 +25,7 @@ use crate::{filters::CollisionLayers, narrow_phase::Contact};
 ///     println!("{} is touched by {}, at {:?}", event.a, event.b, event.contact.unwrap().point);
 /// });
 /// ```
+#[doc(alias = "collision enter")]
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Event, Message, Clone, Debug, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -49,6 +50,7 @@ pub struct CollisionStarted {
 /// before those of what starts.
 ///
 /// Every contact that started ends exactly once, and whoever was told of the start is told of the end.
+#[doc(alias = "collision exit")]
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Event, Message, Clone, Debug, PartialEq)]
 #[type_path = "bevy_octree"]

@@ -37,6 +37,7 @@ use crate::{
 /// assert_eq!(contacts.between(b, a).unwrap().b, a); // as seen from the first
 /// assert_eq!(contacts.of(a).count(), 1);
 /// ```
+#[doc(alias("collisions", "contact graph"))]
 #[derive(Resource, Clone, Debug, Default, Reflect)]
 #[reflect(Resource, Debug, Default)]
 #[type_path = "bevy_octree"]
@@ -184,19 +185,18 @@ impl Contacts {
         verdicts: &mut Verdicts,
         index: &CollisionIndex,
         geometry: impl FnMut(Pair) -> Option<Contact>,
-    ) -> Changes {
+    ) {
         self.search = search;
         self.by_object.take();
         self.handles.take();
         verdicts.sort();
         verdicts.swap_impacts(&mut self.impacts);
-        let changes = self.merge_pairs(verdicts, index);
+        self.merge_pairs(verdicts, index);
         self.merge_watched(verdicts, geometry);
         self.has_news = true;
-        changes
     }
 
-    fn merge_pairs(&mut self, verdicts: &Verdicts, index: &CollisionIndex) -> Changes {
+    fn merge_pairs(&mut self, verdicts: &Verdicts, index: &CollisionIndex) {
         let proxies = index.index().proxies();
         let impacts = &self.impacts;
         let found = |pair: Pair| {
@@ -208,11 +208,12 @@ impl Contacts {
         let contacts = &mut self.pairs;
         // Nearly always, what was at rest still is.
         if index.is_as_searched() && !verdicts.displaces() {
-            merge(contacts, last, verdicts.found(), found, |contact| rest(contact.pair, proxies))
+            let kept = last.iter().filter(|contact| rest(contact.pair, proxies));
+            merge(contacts, kept, verdicts.found(), found);
         } else {
             let rested = |contact: &ContactPair| index.rested(contact.pair, [contact.a, contact.b]);
-            let stays = |contact: &ContactPair| rested(contact) && !verdicts.is_displaced(contact.pair);
-            merge(contacts, last, verdicts.found(), found, stays)
+            let stays = |contact: &&ContactPair| rested(contact) && !verdicts.is_displaced(contact.pair);
+            merge(contacts, last.iter().filter(stays), verdicts.found(), found);
         }
     }
 
@@ -267,46 +268,24 @@ impl Contacts {
     }
 }
 
-/// How many contacts a tick began and ended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Changes {
-    pub(super) started: u64,
-    pub(super) ended: u64,
-}
-
-/// All contacts of a tick: those of the last one that stay, and those that were found; all in the order of pairs.
-fn merge(
+/// All contacts of a tick: those that are kept, and those that were found; all in the order of pairs.
+fn merge<'a>(
     contacts: &mut Vec<ContactPair>,
-    last: &[ContactPair],
+    kept: impl Iterator<Item = &'a ContactPair>,
     found: &[Pair],
     contact: impl Fn(Pair) -> ContactPair,
-    stays: impl Fn(&ContactPair) -> bool,
-) -> Changes {
-    let mut changes = Changes::default();
+) {
     let mut found = found.iter().copied().peekable();
-    for old in last {
-        while let Some(pair) = found.next_if(|pair| *pair < old.pair) {
+    for kept in kept {
+        while let Some(pair) = found.next_if(|pair| *pair < kept.pair) {
             contacts.push(contact(pair));
-            changes.started += 1;
         }
-        let again = found.next_if_eq(&old.pair);
-        if stays(old) {
-            // One that was found all the same rested until it was hit.
-            contacts.push(*old);
-        } else if let Some(pair) = again {
-            let new = contact(pair);
-            let is_another = u64::from(new.key() != old.key());
-            changes.started += is_another;
-            changes.ended += is_another;
-            contacts.push(new);
-        } else {
-            changes.ended += 1;
-        }
+        contacts.push(*kept);
+        // One of them rested until it was hit.
+        found.next_if_eq(&kept.pair);
     }
-    changes.started += found.len() as u64;
     contacts.extend(found.map(contact));
     debug_assert!(contacts.is_sorted_by(|a, b| a.pair < b.pair), "each pair is one contact");
-    changes
 }
 
 /// Makes room in `now` for what is known in a new tick, and returns what was known in the last one: that is what the next

@@ -14,12 +14,11 @@ use crate::{
     components::BroadPhaseProxy,
     counters::CollisionCounters,
     maintenance::find_candidates,
-    narrow_phase::Workspace,
+    narrow_phase::{NarrowPhase, Workspace},
     schedule::{CollisionSystems, ImpactSystems, add_to_tick},
-    settings::NarrowPhaseSettings,
 };
 
-/// The exact tests of all candidate pairs.
+/// The plugin for the exact tests of all candidate pairs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NarrowPhasePlugin;
 
@@ -57,7 +56,7 @@ fn in_order(pair: Pair) -> Option<Pair> {
 fn test_candidates(
     index: Res<CollisionIndex>,
     candidates: Res<CandidatePairs>,
-    (settings, event_settings): (Res<NarrowPhaseSettings>, Res<CollisionEventSettings>),
+    (tests, event_settings): (Res<NarrowPhase>, Res<CollisionEventSettings>),
     enabled: Query<&BroadPhaseProxy, With<CollisionEventsEnabled>>,
     (contacts, mut verdicts): (Res<Contacts>, ResMut<Verdicts>),
     mut counters: ResMut<CollisionCounters>,
@@ -67,7 +66,6 @@ fn test_candidates(
         return;
     }
     let verdicts = &mut *verdicts;
-    let tests = settings.tests();
     verdicts.watch.refresh(&event_settings, enabled.iter().filter_map(BroadPhaseProxy::id));
     let may_repeat = !index.has_listed(&candidates);
     verdicts.begin(index.search(), may_repeat);
@@ -81,22 +79,21 @@ fn test_candidates(
         }
     } else {
         for pair in candidates.iter().copied().filter_map(in_order) {
-            match index.candidate(pair) {
-                None => {}
+            let contact = match index.candidate(pair) {
+                None => continue,
                 Some(Candidate::OnTheWay([a, b])) => {
                     if let Some(met) = tests.time_of_impact(&a, &b, &mut workspace) {
                         verdicts.meet(SweptContact { pair, met });
                     }
+                    continue;
                 }
-                Some(Candidate::AtTheEnd([a, b])) => {
-                    if verdicts.watch.wants(pair) {
-                        if let Some(geometry) = tests.contact(a, b, &mut workspace) {
-                            verdicts.touch(pair, Some(geometry));
-                        }
-                    } else if tests.intersects(a, b, &mut workspace) {
-                        verdicts.touch(pair, None);
-                    }
+                Some(Candidate::AtTheEnd([a, b])) if verdicts.watch.wants(pair) => {
+                    tests.contact(a, b, &mut workspace).map(Some)
                 }
+                Some(Candidate::AtTheEnd([a, b])) => tests.intersects(a, b, &mut workspace).then_some(None),
+            };
+            if let Some(geometry) = contact {
+                verdicts.touch(pair, geometry);
             }
         }
         verdicts.sort_impacts();
@@ -126,15 +123,14 @@ fn warn_of_unknown(index: &CollisionIndex, candidates: &CandidatePairs) {
 
 fn merge_verdicts(
     index: Res<CollisionIndex>,
-    settings: Res<NarrowPhaseSettings>,
+    tests: Res<NarrowPhase>,
     (mut contacts, mut verdicts): (ResMut<Contacts>, ResMut<Verdicts>),
     mut counters: ResMut<CollisionCounters>,
     mut workspace: Local<Workspace>,
 ) {
-    let geometry = |pair| index.placed(pair).and_then(|[a, b]| settings.tests().contact(a, b, &mut workspace));
+    let geometry = |pair| index.placed(pair).and_then(|[a, b]| tests.contact(a, b, &mut workspace));
     if let Some(search) = verdicts.take_search() {
-        let changes = contacts.merge(search, &mut verdicts, &index, geometry);
-        (counters.tick.started, counters.tick.ended) = (changes.started, changes.ended);
+        contacts.merge(search, &mut verdicts, &index, geometry);
     }
     counters.tick.contacts = contacts.len() as u64;
 }

@@ -60,6 +60,7 @@ pub(crate) struct SweptContact {
 }
 
 /// Two entities in contact, as seen from the first.
+#[doc(alias = "contact pair")]
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
 pub struct Collision {
@@ -103,21 +104,21 @@ pub(super) fn seek<'a, T: 'a>(
 }
 
 /// Two lists in the order of a key, side by side: what each has of a key, for all keys that one of them has.
-pub(super) fn compare<'a, T: 'a, K: Ord>(
-    before: impl Iterator<Item = &'a T>,
-    now: impl Iterator<Item = &'a T>,
+#[inline]
+pub(super) fn compare<'a, T, K: Ord>(
+    mut before: &'a [T],
+    mut now: &'a [T],
     key: impl Fn(&T) -> K,
 ) -> impl Iterator<Item = (Option<&'a T>, Option<&'a T>)> {
-    let (mut before, mut now) = (before.peekable(), now.peekable());
     iter::from_fn(move || {
-        let order = match (before.peek(), now.peek()) {
+        let order = match (before.first(), now.first()) {
             (Some(old), Some(new)) => key(old).cmp(&key(new)),
             (Some(_), None) => Ordering::Less,
             (None, Some(_)) => Ordering::Greater,
             (None, None) => return None,
         };
-        let old = if order.is_le() { before.next() } else { None };
-        let new = if order.is_ge() { now.next() } else { None };
+        let old = if order.is_le() { before.split_off_first() } else { None };
+        let new = if order.is_ge() { now.split_off_first() } else { None };
         Some((old, new))
     })
 }

@@ -1,6 +1,6 @@
 //! Tells about contacts that started and ended.
 
-use std::cmp::Ordering;
+use std::{cmp::Ordering, iter::Peekable, slice};
 
 use bevy::prelude::*;
 
@@ -8,13 +8,16 @@ use super::{
     colliding_entities::{follow_contacts, is_in_use},
     events::{CollisionEnded, CollisionStarted},
     list::Contacts,
-    pair::{Collision, ContactPair, compare},
+    pair::{Collision, ContactPair, compare, seek},
     settings::{CollisionEventSettings, EventScope},
     watched::{self, WatchedContact},
 };
-use crate::schedule::{CollisionSystems, add_to_tick};
+use crate::{
+    counters::CollisionCounters,
+    schedule::{CollisionSystems, add_to_tick},
+};
 
-/// Messages and events about contacts that started and ended, and [`CollidingEntities`](super::CollidingEntities).
+/// The plugin for messages and events about contacts that started and ended, and for [`CollidingEntities`](super::CollidingEntities).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReportPlugin;
 
@@ -35,17 +38,23 @@ fn write_messages(
     mut contacts: ResMut<Contacts>,
     settings: Res<CollisionEventSettings>,
     (mut scope_before, mut in_time): (Local<Option<EventScope>>, Local<Vec<CollisionStarted>>),
+    mut counters: ResMut<CollisionCounters>,
     mut started: MessageWriter<CollisionStarted>,
     mut ended: MessageWriter<CollisionEnded>,
 ) {
     contacts.bypass_change_detection().note_reported();
+    let ((before, watched_before), (now, watched)) = (contacts.before(), contacts.now());
     let scope = settings.messages;
-    let before = in_scope(scope_before.replace(scope).unwrap_or(scope), contacts.before());
-    let now = in_scope(scope, contacts.now());
-    for change in compare(before, now, ContactPair::key) {
-        match change {
-            (Some(old), None) => _ = ended.write(seen_with(old, contacts.before().1).into()),
-            (None, Some(new)) => in_time.push(seen_with(new, contacts.now().1).into()),
+    let mut told_before = Told::of(scope_before.replace(scope).unwrap_or(scope), watched_before);
+    let mut told = Told::of(scope, watched);
+    let counters = &mut counters.tick;
+    for (old, new) in compare(before, now, ContactPair::key) {
+        // Counters are about contacts, whoever is told.
+        counters.ended += u64::from(new.is_none());
+        counters.started += u64::from(old.is_none());
+        match (old.filter(|old| told_before.includes(old)), new.filter(|new| told.includes(new))) {
+            (Some(old), None) => _ = ended.write(seen_with(old, watched_before).into()),
+            (None, Some(new)) => in_time.push(seen_with(new, watched).into()),
             _ => {}
         }
     }
@@ -58,16 +67,29 @@ fn earlier(a: &CollisionStarted, b: &CollisionStarted) -> Ordering {
     a.time.total_cmp(&b.time)
 }
 
-/// The contacts that messages are about: of all, or of those of which more is known.
-fn in_scope<'a>(
-    scope: EventScope,
-    (all, watched): (&'a [ContactPair], &'a [WatchedContact]),
-) -> impl Iterator<Item = &'a ContactPair> {
-    let (all, watched): (&[_], &[_]) = match scope {
-        EventScope::All => (all, &[]),
-        EventScope::Enabled => (&[], watched),
-    };
-    all.iter().chain(watched.iter().filter(|watched| watched.enabled).map(|watched| &watched.contact))
+/// The contacts that messages are about, for one question after the other, in the order of pairs.
+enum Told<'a> {
+    All,
+    /// Those that somebody enabled.
+    Some(Peekable<slice::Iter<'a, WatchedContact>>),
+}
+
+impl<'a> Told<'a> {
+    fn of(scope: EventScope, watched: &'a [WatchedContact]) -> Self {
+        match scope {
+            EventScope::All => Self::All,
+            EventScope::Enabled => Self::Some(watched.iter().peekable()),
+        }
+    }
+
+    fn includes(&mut self, contact: &ContactPair) -> bool {
+        match self {
+            Self::All => true,
+            Self::Some(watched) => {
+                seek(watched, contact.pair, WatchedContact::pair).is_some_and(|watched| watched.enabled)
+            }
+        }
+    }
 }
 
 /// With what is known of it. O(log n).
@@ -86,8 +108,7 @@ fn anything_watched(contacts: Res<Contacts>) -> bool {
 /// told in the next tick, and nothing in this one.
 fn trigger_events(world: &mut World, mut ended: Local<Vec<CollisionEnded>>, mut started: Local<Vec<CollisionStarted>>) {
     let contacts = world.resource::<Contacts>();
-    let (before, now) = (contacts.before().1.iter(), contacts.now().1.iter());
-    for (old, new) in compare(before, now, |watched| watched.contact.key()) {
+    for (old, new) in compare(contacts.before().1, contacts.now().1, |watched| watched.contact.key()) {
         for side in [0, 1] {
             let observed = |watched: &&WatchedContact| watched.observed[side];
             match (old.filter(observed), new.filter(observed)) {

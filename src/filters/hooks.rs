@@ -7,6 +7,7 @@ use bevy::{
     prelude::*,
 };
 
+use super::ignore::ignore;
 use crate::{
     collision_index::{CandidatePairs, CollisionIndex},
     schedule::{PairFilterSystems, add_to_tick, expect_ticks},
@@ -59,8 +60,9 @@ impl<H: PairHook> Plugin for PairHookPlugin<H> {
         let hook = app.register_system(ask_about::<H>);
         app.world_mut().get_resource_or_init::<PairHooks>().0.push(hook);
         add_to_tick(app, |app, schedule| {
-            // Filters take pairs out, and none looks at what others took: in any order, the same are left.
-            app.add_systems(schedule, ask::<H>.in_set(PairFilterSystems).ambiguous_with(PairFilterSystems));
+            // Whichever takes out a pair: the rest is the same. Lists are asked first, for they cost less.
+            let ask = ask::<H>.in_set(HookSystems).ambiguous_with(HookSystems).after(ignore);
+            app.configure_sets(schedule, HookSystems.in_set(PairFilterSystems)).add_systems(schedule, ask);
         });
     }
 
@@ -68,6 +70,10 @@ impl<H: PairHook> Plugin for PairHookPlugin<H> {
         expect_ticks(app, "PairHookPlugin");
     }
 }
+
+/// All hooks.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct HookSystems;
 
 fn ask<H: PairHook>(hook: StaticSystemParam<H>, index: Res<CollisionIndex>, mut candidates: ResMut<CandidatePairs>) {
     candidates.retain(|pair| {

@@ -48,6 +48,10 @@ pub(super) fn register(app: &mut App) {
 }
 
 /// Takes out pairs of which one entity ignores the other.
-fn ignore(lists: Query<&IgnoreCollisions>, index: Res<CollisionIndex>, mut candidates: ResMut<CandidatePairs>) {
+pub(super) fn ignore(
+    lists: Query<&IgnoreCollisions>,
+    index: Res<CollisionIndex>,
+    mut candidates: ResMut<CandidatePairs>,
+) {
     candidates.retain(|pair| !ignore_each_other(index.entities(*pair), |entity| lists.get(entity).ok()));
 }

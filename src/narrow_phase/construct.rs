@@ -2,18 +2,68 @@
 
 use std::sync::Arc;
 
-use bevy::math::{Vec3, primitives};
+use bevy::math::{Vec2, Vec3, primitives};
 
 use super::error::ShapeError;
 use super::mesh::{convex_mesh::ConvexMesh, polygon_mesh::PolygonMesh};
 use super::shape::Shape;
 
+/// # Constructors
+///
+/// Those that take sizes, and the conversions from Bevy's primitives, never fail. One rule is for all numbers that no shape
+/// can have, each of which is logged as a warning:
+///
+/// * a negative size counts as its absolute value;
+/// * a size that is NaN or infinite, a polygon without an area, or a polyhedron without a volume makes a shape without
+///   [bounds](super::BoundsError::NonFinite), which is in contact with nothing. An entity that has it is left out of
+///   collision detection.
+///
+/// A size of zero is allowed: the shape is then a rectangle, segment or point. Those that begin with `try_` refuse what is
+/// wrong instead, with an error that names it, and so do those that take lists.
 impl Shape {
-    /// A box around the origin, by its half extents along its own axes.
+    /// Makes a box around the origin, by the lengths of its sides along its own axes.
+    ///
+    /// They are whole sides, as those of Bevy's `Cuboid::new` and Avian's `Collider::cuboid`; Rapier's `Collider::cuboid`
+    /// takes half of them, as [`from_half_size`](Self::from_half_size) does. For bad numbers see [above](#constructors).
+    ///
+    /// ```
+    /// use bevy::math::primitives::Cuboid;
+    /// use bevy_octree::narrow_phase::Shape;
+    ///
+    /// let Shape::Cuboid { half_size } = Shape::cuboid(4.0, 2.0, 2.0) else { unreachable!() };
+    /// assert_eq!(half_size, Cuboid::new(4.0, 2.0, 2.0).half_size);
+    /// ```
+    #[doc(alias = "box")]
+    #[must_use]
+    pub fn cuboid(x_length: f32, y_length: f32, z_length: f32) -> Self {
+        Self::from_half_size(Vec3::new(x_length, y_length, z_length) * 0.5)
+    }
+
+    /// Makes a box as [`cuboid`](Self::cuboid) does, and refuses bad numbers.
+    ///
+    /// # Errors
+    /// [`ShapeError::Size`] if a length is negative, NaN or infinite. Zero is allowed.
+    pub fn try_cuboid(x_length: f32, y_length: f32, z_length: f32) -> Result<Self, ShapeError> {
+        let size = Vec3::new(x_length, y_length, z_length);
+        Self::try_from_half_size(size * 0.5).map_err(|_| ShapeError::Size(size))
+    }
+
+    /// Makes a box around the origin, by half the lengths of its sides along its own axes: from its centre to its faces.
+    ///
+    /// For bad numbers see [above](#constructors).
+    #[must_use]
+    pub fn from_half_size(half_size: Vec3) -> Self {
+        if let Err(error) = Self::try_from_half_size(half_size) {
+            tell(&error, half_size.is_finite());
+        }
+        Self::Cuboid { half_size: half_size.abs() }
+    }
+
+    /// Makes a box as [`from_half_size`](Self::from_half_size) does, and refuses bad numbers.
     ///
     /// # Errors
     /// [`ShapeError::HalfSize`] if one is negative, NaN or infinite. Zero is allowed.
-    pub fn cuboid(half_size: Vec3) -> Result<Self, ShapeError> {
+    pub fn try_from_half_size(half_size: Vec3) -> Result<Self, ShapeError> {
         if half_size.is_finite() && half_size.min_element() >= 0.0 {
             Ok(Self::Cuboid { half_size })
         } else {
@@ -21,18 +71,32 @@ impl Shape {
         }
     }
 
-    /// A solid ball around the origin.
+    /// Makes a solid ball around the origin.
+    ///
+    /// For a bad radius see [above](#constructors).
+    #[doc(alias = "ball")]
+    #[must_use]
+    pub fn sphere(radius: f32) -> Self {
+        if let Err(error) = Self::try_sphere(radius) {
+            tell(&error, radius.is_finite());
+        }
+        Self::Sphere { radius: radius.abs() }
+    }
+
+    /// Makes a solid ball as [`sphere`](Self::sphere) does, and refuses a bad radius.
     ///
     /// # Errors
     /// [`ShapeError::Radius`] if the radius is negative, NaN or infinite. Zero is allowed.
-    pub fn sphere(radius: f32) -> Result<Self, ShapeError> {
+    pub fn try_sphere(radius: f32) -> Result<Self, ShapeError> {
         if radius.is_finite() && radius >= 0.0 { Ok(Self::Sphere { radius }) } else { Err(ShapeError::Radius(radius)) }
     }
 
-    /// A solid bounded by polygons, checked to be convex. See [`ConvexMesh::new`].
+    /// Makes a solid bounded by polygons, each a list of vertex indices, and checks that it is convex. See
+    /// [`ConvexMesh::new`].
     ///
     /// # Errors
     /// Those of [`PolygonMesh::new`] and [`ConvexMesh::new`].
+    #[doc(alias = "polyhedron")]
     pub fn convex<P: AsRef<[u32]>>(
         vertices: impl Into<Vec<Vec3>>,
         polygons: impl IntoIterator<Item = P>,
@@ -41,32 +105,129 @@ impl Shape {
         Ok(ConvexMesh::new(mesh)?.into())
     }
 
-    /// A mesh of planar polygons, each a list of vertex indices. See [`PolygonMesh::new`].
+    /// Makes a mesh of planar polygons, each a list of vertex indices. See [`PolygonMesh::new`].
     ///
     /// # Errors
     /// Those of [`PolygonMesh::new`].
+    #[doc(alias = "trimesh")]
     pub fn mesh<P: AsRef<[u32]>>(
         vertices: impl Into<Vec<Vec3>>,
         polygons: impl IntoIterator<Item = P>,
     ) -> Result<Self, ShapeError> {
         Ok(PolygonMesh::new(vertices, polygons)?.into())
     }
+
+    /// A solid between two congruent convex polygons, half a depth in front of the origin and behind it.
+    fn prism(polygon: impl IntoIterator<Item = Vec2>, half_depth: f32) -> Result<Self, ShapeError> {
+        let outline: Vec<Vec2> = polygon.into_iter().collect();
+        let count = u32::try_from(outline.len()).map_err(|_| ShapeError::TooLarge)?;
+        let level = |z: f32| outline.iter().map(move |corner| corner.extend(z));
+        let vertices: Vec<Vec3> = level(-half_depth).chain(level(half_depth)).collect();
+        let (back, front) = ((0..count).rev().collect(), (count..2 * count).collect());
+        let side = |i: u32| {
+            let next = (i + 1) % count;
+            vec![i, next, next + count, i + count]
+        };
+        Self::convex(vertices, [back, front].into_iter().chain((0..count).map(side)))
+    }
+
+    /// What is made of polygons that may have been refused: then, something without bounds.
+    fn or_nothing(made: Result<Self, ShapeError>) -> Self {
+        made.unwrap_or_else(|error| {
+            tell(&error, false);
+            Self::Sphere { radius: f32::NAN }
+        })
+    }
 }
 
+/// Tells the log what no shape can be made of, and what becomes of it.
+#[cold]
+fn tell(error: &ShapeError, is_mended: bool) {
+    if is_mended {
+        tracing::warn!("{error}: its absolute value is used");
+    } else {
+        tracing::warn!("{error}: the shape is in contact with nothing");
+    }
+}
+
+/// # From Bevy's primitives
+///
+/// By the rule of the [constructors](#constructors).
 impl From<primitives::Cuboid> for Shape {
-    /// Unchecked, as the primitive itself.
     fn from(cuboid: primitives::Cuboid) -> Self {
-        Self::Cuboid { half_size: cuboid.half_size }
+        Self::from_half_size(cuboid.half_size)
     }
 }
 
 impl From<primitives::Sphere> for Shape {
-    /// Unchecked, as the primitive itself.
     fn from(sphere: primitives::Sphere) -> Self {
-        Self::Sphere { radius: sphere.radius }
+        Self::sphere(sphere.radius)
     }
 }
 
+impl From<primitives::Tetrahedron> for Shape {
+    /// A convex solid. One without a volume is in contact with nothing.
+    fn from(tetrahedron: primitives::Tetrahedron) -> Self {
+        Self::or_nothing(Self::convex(tetrahedron.vertices, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
+    }
+}
+
+impl From<primitives::Triangle3d> for Shape {
+    /// A surface that is met from both sides. One without an area is in contact with nothing.
+    fn from(triangle: primitives::Triangle3d) -> Self {
+        Self::or_nothing(Self::mesh(triangle.vertices, [[0, 1, 2]]))
+    }
+}
+
+impl From<primitives::Plane3d> for Shape {
+    /// A rectangle, turned as Bevy's mesh of it is, that is met from both sides. One without an area is in contact with
+    /// nothing.
+    fn from(plane: primitives::Plane3d) -> Self {
+        let turn = bevy::math::Quat::from_rotation_arc(Vec3::Y, *plane.normal);
+        let Vec2 { x, y } = plane.half_size;
+        let corners = [[-x, -y], [-x, y], [x, y], [x, -y]].map(|[x, z]| turn * Vec3::new(x, 0.0, z));
+        Self::or_nothing(Self::mesh(corners, [[0, 1, 2, 3]]))
+    }
+}
+
+impl From<primitives::Extrusion<primitives::Rectangle>> for Shape {
+    fn from(extrusion: primitives::Extrusion<primitives::Rectangle>) -> Self {
+        Self::from_half_size(extrusion.base_shape.half_size.extend(extrusion.half_depth))
+    }
+}
+
+impl From<primitives::Extrusion<primitives::Triangle2d>> for Shape {
+    /// A convex solid. One without a volume is in contact with nothing.
+    fn from(extrusion: primitives::Extrusion<primitives::Triangle2d>) -> Self {
+        Self::or_nothing(Self::prism(extrusion.base_shape.vertices, extrusion.half_depth))
+    }
+}
+
+impl From<primitives::Extrusion<primitives::Rhombus>> for Shape {
+    /// A convex solid. One without a volume is in contact with nothing.
+    fn from(extrusion: primitives::Extrusion<primitives::Rhombus>) -> Self {
+        let Vec2 { x, y } = extrusion.base_shape.half_diagonals;
+        let corners = [Vec2::X * x, Vec2::Y * y, Vec2::NEG_X * x, Vec2::NEG_Y * y];
+        Self::or_nothing(Self::prism(corners, extrusion.half_depth))
+    }
+}
+
+impl From<primitives::Extrusion<primitives::RegularPolygon>> for Shape {
+    /// A convex solid. One without a volume is in contact with nothing.
+    fn from(extrusion: primitives::Extrusion<primitives::RegularPolygon>) -> Self {
+        Self::or_nothing(Self::prism(extrusion.base_shape.vertices(0.0), extrusion.half_depth))
+    }
+}
+
+impl From<primitives::Extrusion<primitives::ConvexPolygon>> for Shape {
+    /// A convex solid. One without a volume is in contact with nothing.
+    fn from(extrusion: primitives::Extrusion<primitives::ConvexPolygon>) -> Self {
+        let corners = extrusion.base_shape.vertices().iter().copied();
+        Self::or_nothing(Self::prism(corners, extrusion.half_depth))
+    }
+}
+
+/// # From meshes
 impl From<PolygonMesh> for Shape {
     fn from(mesh: PolygonMesh) -> Self {
         Self::Mesh(Arc::new(mesh))
@@ -78,3 +239,6 @@ impl From<ConvexMesh> for Shape {
         Self::Convex(Arc::new(mesh))
     }
 }
+
+#[cfg(test)]
+mod tests;

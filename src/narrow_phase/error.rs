@@ -7,6 +7,9 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ShapeError {
+    /// The length of a side of a cuboid is negative, NaN or infinite.
+    #[error("the sides of a cuboid must be finite and not negative, got {0}")]
+    Size(Vec3),
     /// A half extent of a cuboid is negative, NaN or infinite.
     #[error("half extents of a cuboid must be finite and not negative, got {0}")]
     HalfSize(Vec3),

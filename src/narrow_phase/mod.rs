@@ -20,7 +20,7 @@
 //!
 //! let tests = NarrowPhase::default();
 //! let mut workspace = Workspace::default();
-//! let cube = Shape::cuboid(Vec3::splat(0.5))?;
+//! let cube = Shape::cuboid(1.0, 1.0, 1.0);
 //! let (here, beside) = (Transform::IDENTITY, Transform::from_xyz(1.0, 0.0, 0.0));
 //! let (a, b) = (Placed::new(&cube, &here), Placed::new(&cube, &beside));
 //!
@@ -29,7 +29,6 @@
 //! assert_eq!(workspace.counters[Stage::Boxes].accepted, 1);
 //! let contact = tests.contact(a, b, &mut workspace).unwrap();
 //! assert_eq!((contact.normal, contact.depth), (Vec3::X, 0.0));
-//! # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
 //! ```
 //!
 //! # What the last stage decides

@@ -1,5 +1,7 @@
 //! The exact tests as a value: how near counts as contact, and which way cuboids are decided.
 
+use bevy::prelude::{Reflect, ReflectDefault, ReflectResource, Resource};
+
 use super::error::ToleranceError;
 
 /// The way in which pairs of cuboids are decided.
@@ -8,8 +10,9 @@ pub enum Exactness {
     /// Each pair by the cheapest test that is exact for it.
     #[default]
     Cheapest,
-    /// Pairs of cuboids go through [`Stage::Complete`] as polygon meshes, and [`Stage::Boxes`] is
-    /// skipped, as in the report's system: for study, and to check one test against the other.
+    /// Pairs of cuboids go through [`Stage::Complete`](super::Stage::Complete) as polygon meshes, and
+    /// [`Stage::Boxes`](super::Stage::Boxes) is skipped, as in the report's system: for study, and to check one test
+    /// against the other.
     EdgePolygon,
 }
 
@@ -19,7 +22,13 @@ pub enum Exactness {
 /// so that touching counts, whatever touches: faces in one plane, edges along edges, corners. For
 /// pairs so large that rounding exceeds the tolerance it is raised: to 16 times `f32::EPSILON`
 /// times the sum of their greatest half extents, or 2·10⁻⁴ where these add up to 100.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// In an app, this is a resource: the tests that all contacts and queries go by. Changes take effect at the next tick, for all
+/// pairs.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(opaque)]
+#[reflect(Resource, Clone, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct NarrowPhase {
     tolerance: f32,
     exactness: Exactness,
@@ -54,12 +63,14 @@ impl NarrowPhase {
     }
 
     /// Returns the distance up to which two shapes are in contact, in world units.
+    #[inline]
     #[must_use]
     pub fn tolerance(&self) -> f32 {
         self.tolerance
     }
 
     /// Returns which way cuboids are decided.
+    #[inline]
     #[must_use]
     pub fn exactness(&self) -> Exactness {
         self.exactness

@@ -25,18 +25,17 @@ const ENDLESS: f32 = f32::MAX / 8.0;
 ///   point.
 /// * `Shape::Rapier` ignores the scale, since `bevy_rapier3d` bakes it into the collider itself.
 ///
-/// The constructors check their input. Variants built by hand are not checked: a negative extent or
-/// radius counts as its absolute value, and a shape that is not finite has no bounds and no
-/// contacts.
+/// The [constructors](#constructors) tell the log of bad numbers, or refuse them. Variants built by hand are not checked,
+/// and go by the same rule: a negative extent or radius counts as its absolute value, and a shape that is not finite has no
+/// bounds and no contacts.
 ///
 /// ```
-/// use bevy::math::Vec3;
-/// use bevy_octree::narrow_phase::{Shape, ShapeError};
+/// use bevy::math::primitives::Cuboid;
+/// use bevy_octree::narrow_phase::Shape;
 ///
-/// let brick = Shape::cuboid(Vec3::new(2.0, 1.0, 1.0))?;
-/// assert!(Shape::sphere(-1.0).is_err());
-/// # let _ = brick;
-/// # Ok::<(), ShapeError>(())
+/// let (brick, ball) = (Shape::from(Cuboid::new(4.0, 2.0, 2.0)), Shape::sphere(0.5));
+/// # let _ = (brick, ball);
+/// assert!(Shape::try_sphere(-1.0).is_err());
 /// ```
 #[doc(alias = "collider")]
 #[derive(Clone, Debug)]
@@ -153,7 +152,6 @@ pub(super) enum Kind {
     Convex,
     Mesh,
     /// A shape of Rapier's: with the feature `rapier` alone is there one.
-    #[cfg_attr(not(feature = "rapier"), expect(dead_code, reason = "there are no such shapes"))]
     Foreign,
 }
 

@@ -29,6 +29,7 @@ impl Stage {
 
 /// The numbers of pairs that came to a stage and that left the chain there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[type_path = "bevy_octree"]
 pub struct StageCount {
     /// Pairs that the stage has tested.
     pub reached: u64,
@@ -70,6 +71,7 @@ impl AddAssign for StageCount {
 /// assert_eq!(total[Stage::Spheres].passed(), 2);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[type_path = "bevy_octree"]
 pub struct StageCounters([StageCount; 4]);
 
 impl StageCounters {

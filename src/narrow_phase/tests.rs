@@ -10,7 +10,7 @@ use super::mesh::polygon_mesh::tests::cube;
 use super::*;
 
 pub(super) fn box_of(x: f32, y: f32, z: f32) -> Shape {
-    Shape::cuboid(Vec3::new(x, y, z)).unwrap()
+    Shape::from_half_size(Vec3::new(x, y, z))
 }
 
 pub(super) fn at(x: f32, y: f32, z: f32) -> Transform {
@@ -146,8 +146,8 @@ fn one_inside_the_other() {
     let large = mesh_of(Vec3::splat(2.0));
     assert!(meets((&large, here), (&small, turned)));
     assert!(meets((&large, here.with_scale(Vec3::new(-1.0, 1.0, 1.0))), (&small, turned)));
-    assert!(meets((&large, here), (&Shape::sphere(0.1).unwrap(), turned)));
-    assert!(!meets((&large, here), (&Shape::sphere(0.1).unwrap(), at(2.2, 0.0, 0.0))));
+    assert!(meets((&large, here), (&Shape::sphere(0.1), turned)));
+    assert!(!meets((&large, here), (&Shape::sphere(0.1), at(2.2, 0.0, 0.0))));
 
     // Without a lid there is no inside.
     let cube = cube();
@@ -165,8 +165,8 @@ fn hollows_are_empty() {
     assert!(!meets((&l, here), (&pea, at(1.5, 1.5, 0.5))));
     assert!(meets((&l, here), (&pea, at(0.5, 0.5, 0.5))));
     assert!(meets((&l, here), (&pea, at(1.1, 1.5, 0.5))));
-    assert!(!meets((&l, here), (&Shape::sphere(0.3).unwrap(), at(1.5, 1.5, 0.5))));
-    assert!(meets((&l, here), (&Shape::sphere(0.6).unwrap(), at(1.5, 1.5, 0.5))));
+    assert!(!meets((&l, here), (&Shape::sphere(0.3), at(1.5, 1.5, 0.5))));
+    assert!(meets((&l, here), (&Shape::sphere(0.6), at(1.5, 1.5, 0.5))));
     // A post through the opening, longer than the L is deep.
     let post = box_of(0.2, 0.2, 3.0);
     assert!(!meets((&l, here), (&post, at(1.5, 1.5, 0.5))));
@@ -231,7 +231,7 @@ fn what_is_not_finite_meets_nothing() {
         here.with_rotation(Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0)),
         here.with_rotation(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)),
     ] {
-        for shape in [&cube, &mesh, &Shape::sphere(1.0).unwrap()] {
+        for shape in [&cube, &mesh, &Shape::sphere(1.0)] {
             // The largest scale there is still gives a cuboid whose half extents are finite.
             if bad.scale.x != f32::MAX {
                 assert_eq!(shape.world_aabb(&bad), Err(BoundsError::NonFinite), "{bad:?}");
@@ -241,10 +241,10 @@ fn what_is_not_finite_meets_nothing() {
         }
     }
     for half_size in [Vec3::new(-1.0, 1.0, 1.0), Vec3::NAN, Vec3::INFINITY] {
-        assert!(matches!(Shape::cuboid(half_size), Err(ShapeError::HalfSize(_))));
+        assert!(matches!(Shape::try_from_half_size(half_size), Err(ShapeError::HalfSize(_))));
     }
     for radius in [-1.0, f32::NAN, f32::INFINITY] {
-        assert!(matches!(Shape::sphere(radius), Err(ShapeError::Radius(_))));
+        assert!(matches!(Shape::try_sphere(radius), Err(ShapeError::Radius(_))));
     }
     for tolerance in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         assert!(NarrowPhase::new(tolerance).is_err());
@@ -257,7 +257,7 @@ fn bounds_are_tight() {
     let aabb = box_of(1.0, 1.0, 1.0).world_aabb(&placed).unwrap();
     assert_eq!((aabb.min, aabb.max), (Vec3::new(-1.0, 1.0, 2.0).into(), Vec3::new(3.0, 3.0, 4.0).into()));
     let spun = placed.with_rotation(Quat::from_rotation_y(1.0));
-    let aabb = Shape::sphere(1.0).unwrap().world_aabb(&spun).unwrap();
+    let aabb = Shape::sphere(1.0).world_aabb(&spun).unwrap();
     assert_eq!((aabb.min, aabb.max), (Vec3::new(-1.0, 0.0, 1.0).into(), Vec3::new(3.0, 4.0, 5.0).into()));
     let turned = at(0.0, 0.0, 0.0).with_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
     let aabb = l_shape().world_aabb(&turned).unwrap();
@@ -269,7 +269,7 @@ fn bounds_are_tight() {
 
 #[test]
 fn counters_tell_where_pairs_leave() {
-    let (cube, ball) = (box_of(1.0, 1.0, 1.0), Shape::sphere(1.0).unwrap());
+    let (cube, ball) = (box_of(1.0, 1.0, 1.0), Shape::sphere(1.0));
     let tests = NarrowPhase::default();
     let run = |a: &Shape, b: &Shape, there: Transform| {
         let mut workspace = Workspace::default();
@@ -383,7 +383,7 @@ proptest! {
     #[test]
     fn spheres_agree_with_meshes_of_boxes(a in boxes(), radius in 0f32..1.5, b in boxes()) {
         let Shape::Cuboid { half_size } = a.0 else { unreachable!() };
-        let ball = Shape::sphere(radius).unwrap();
+        let ball = Shape::sphere(radius);
         let exact = meets((&a.0, a.1), (&ball, b.1));
         prop_assert_eq!(exact, meets((&mesh_of(half_size), a.1), (&ball, b.1)));
     }
@@ -402,7 +402,7 @@ proptest! {
         parted.translation += contact.normal * (contact.depth + 1e-3);
         prop_assert!(!tests.intersects(one, Placed::new(&b.0, &parted), &mut workspace));
         // The point is in both, or in between.
-        let point = Shape::sphere(0.0).unwrap();
+        let point = Shape::sphere(0.0);
         let there = Transform::from_translation(contact.point);
         let loose = NarrowPhase::new(0.02).unwrap();
         for placed in [one, two] {

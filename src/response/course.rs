@@ -1,4 +1,4 @@
-//! What becomes of a body within a tick in which something is met on the way.
+//! The course of a body within a tick in which something is met on the way.
 
 use bevy::prelude::*;
 
@@ -13,9 +13,27 @@ use crate::{
     swept::Swept,
 };
 
+/// Who says where a body goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Steering {
+    /// Its velocity: a bounce changes its course, so many times yet in this tick.
+    Own { bounces_left: u32 },
+    /// Something else, or nobody looks at it on the way: whatever becomes of its velocity, it keeps its course.
+    Foreign,
+}
+
+/// What an impact does to the course of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Turn {
+    /// It goes on as it would have.
+    Keeps,
+    /// It goes so much farther, per tick, than it would have.
+    Diverts(Vec3),
+}
+
 /// A body that met something in this tick, and where it is going since.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Track {
+pub(super) struct Course {
     pub(super) entity: Entity,
     /// What it hangs on, if anything.
     pub(super) frame: Option<Frame>,
@@ -23,8 +41,7 @@ pub(super) struct Track {
     party: Party,
     is_sensor: bool,
     is_swept: bool,
-    /// How often it may still bounce within this tick, if its way is ours to change.
-    steers: Option<u32>,
+    steering: Steering,
     /// Has it come to stay where it is for what is left of the tick?
     stays: bool,
     /// The share of the tick after which it last changed course.
@@ -42,7 +59,7 @@ pub(super) struct Track {
     pub(super) bounces: u64,
 }
 
-impl Track {
+impl Course {
     /// That of a body which has met nothing yet.
     pub(super) fn of(id: ProxyId, world: &World) -> Option<Self> {
         let index = world.resource::<CollisionIndex>();
@@ -60,14 +77,19 @@ impl Track {
             reversed: false,
         };
         let swept = of_world.get::<Swept>();
-        let steers = is_moved_by_velocity(of_world) && leads_back;
+        let steering = match swept {
+            Some(swept) if is_moved_by_velocity(of_world) && leads_back => {
+                Steering::Own { bounces_left: swept.sub_steps }
+            }
+            _ => Steering::Foreign,
+        };
         Some(Self {
             entity,
             frame,
             party,
             is_sensor: of_world.contains::<Sensor>(),
             is_swept: swept.is_some(),
-            steers: swept.map(|swept| swept.sub_steps).filter(|_| steers),
+            steering,
             stays: false,
             since: 0.0,
             from: moving.at(0.0).translation,
@@ -90,18 +112,13 @@ impl Track {
     }
 
     /// Where it is after a share of the tick.
-    pub(super) fn place(&self, time: f32) -> Vec3 {
+    pub(super) fn position(&self, time: f32) -> Vec3 {
         self.from + self.way * (time - self.since)
     }
 
     /// Its way from then on, given that of the whole tick, from which it has its turns.
     pub(super) fn after<'a>(&self, time: f32, whole: &Moving<'a>) -> Moving<'a> {
-        whole.after(time).along(self.place(time), self.place(1.0))
-    }
-
-    /// How far it goes in a whole tick.
-    pub(super) const fn way(&self) -> Vec3 {
-        self.way
+        whole.after(time).along(self.position(time), self.position(1.0))
     }
 
     /// Is it on another way than at the start of the tick?
@@ -114,7 +131,7 @@ impl Track {
         !self.is_swept && self.version > 0
     }
 
-    /// Takes up that the way of what it hangs on changes by so much per tick, of so many seconds. What is not swept counts
+    /// Goes along with what it hangs on, the way of which changes by so much per tick, of so many seconds. What is not swept counts
     /// for the whole tick as where it is at the end of it.
     pub(super) fn carry(&mut self, change: Vec3, time: f32, seconds: f32) {
         let faster = change / seconds;
@@ -124,7 +141,7 @@ impl Track {
             self.frame = self.frame.map(|frame| frame.drifting(faster));
         }
         if self.is_swept {
-            (self.from, self.since, self.way) = (self.place(time), time, self.way + change);
+            (self.from, self.since, self.way) = (self.position(time), time, self.way + change);
         } else {
             self.from += change * (1.0 - time);
         }
@@ -133,7 +150,7 @@ impl Track {
 
     /// Has it bounced as often as it may?
     fn is_spent(&self) -> bool {
-        self.party.bounce.is_some() && self.steers == Some(0)
+        self.party.bounce.is_some() && self.steering == Steering::Own { bounces_left: 0 }
     }
 
     /// How it takes part in an impact. Who is spent keeps its velocity for the next tick; in this one, it is a wall at rest.
@@ -141,42 +158,53 @@ impl Track {
         if self.is_spent() { Party::default() } else { self.party }
     }
 
-    /// Takes up the velocity that an impact leaves it with, if it answers, or stays where it is, if it no longer may. Does
-    /// it change course?
-    fn answer(&mut self, velocity: Option<Vec3>, time: f32, seconds: f32) -> bool {
-        if self.is_spent() {
-            let comes_to_stay = !std::mem::replace(&mut self.stays, true) && self.way != Vec3::ZERO;
-            if comes_to_stay {
-                self.divert(time, Vec3::ZERO);
-            }
-            return comes_to_stay;
+    /// Answers to an impact, given the velocity that it leaves the body with, if that changes.
+    fn answer(&mut self, velocity: Option<Vec3>, time: f32, seconds: f32) -> Turn {
+        match velocity {
+            _ if self.is_spent() => self.stop(time),
+            Some(velocity) => self.bounce(velocity, time, seconds),
+            None => Turn::Keeps,
         }
-        let Some(velocity) = velocity else { return false };
-        self.party.velocity = velocity;
-        self.bounces += 1;
-        let Some(left) = &mut self.steers else {
-            // It stays on its way, and is reversed once per tick at most.
-            self.party.reversed = true;
-            return false;
-        };
-        *left -= 1;
-        self.divert(time, velocity * seconds);
-        true
     }
 
-    fn divert(&mut self, time: f32, way: Vec3) {
-        (self.from, self.since, self.way) = (self.place(time), time, way);
+    /// Stays where it is for what is left of the tick.
+    fn stop(&mut self, time: f32) -> Turn {
+        let stayed = std::mem::replace(&mut self.stays, true);
+        if stayed || self.way == Vec3::ZERO { Turn::Keeps } else { self.divert(time, Vec3::ZERO) }
+    }
+
+    /// Goes by another velocity from now on, or would.
+    fn bounce(&mut self, velocity: Vec3, time: f32, seconds: f32) -> Turn {
+        self.party.velocity = velocity;
+        self.bounces += 1;
+        match &mut self.steering {
+            Steering::Own { bounces_left } => {
+                debug_assert!(*bounces_left > 0, "who is spent stops");
+                *bounces_left -= 1;
+                self.divert(time, velocity * seconds)
+            }
+            Steering::Foreign => {
+                // It stays on its way, and is reversed once per tick at most.
+                self.party.reversed = true;
+                Turn::Keeps
+            }
+        }
+    }
+
+    fn divert(&mut self, time: f32, way: Vec3) -> Turn {
+        debug_assert!(self.since <= time, "impacts come in the order of time");
+        let change = way - self.way;
+        (self.from, self.since, self.way) = (self.position(time), time, way);
         self.version += 1;
         self.has_turned = true;
+        Turn::Diverts(change)
     }
 }
 
-/// Two meet, with the normal from the first to the second: their velocities answer at once. Returns which of them change
-/// course.
-pub(super) fn meet(tracks: [&mut Track; 2], contact: &Contact, time: f32, seconds: f32) -> [bool; 2] {
-    let [a, b] = tracks;
+/// Two meet, with the normal from the first to the second: their velocities answer at once.
+pub(super) fn meet([a, b]: [&mut Course; 2], contact: &Contact, time: f32, seconds: f32) -> [Turn; 2] {
     if a.is_sensor || b.is_sensor || !approach([a.velocity(), b.velocity()], contact.normal) {
-        return [false; 2];
+        return [Turn::Keeps; 2];
     }
     let answers = respond([a.party(), b.party()], contact.normal);
     [a.answer(answers[0], time, seconds), b.answer(answers[1], time, seconds)]

@@ -13,8 +13,7 @@ use crate::{
     filters::Sensor,
     frame::{Ancestor, Frame},
     motion::Velocity,
-    narrow_phase::Workspace,
-    settings::NarrowPhaseSettings,
+    narrow_phase::{NarrowPhase, Workspace},
 };
 
 /// Contacts in which neither is a sensor, but for impacts on the way: these are answered when they happen.
@@ -56,7 +55,7 @@ pub(super) fn reverse(
 pub(super) fn reflect(
     contacts: Res<Contacts>,
     sensors: Query<(), With<Sensor>>,
-    (index, settings): (Res<CollisionIndex>, Res<NarrowPhaseSettings>),
+    (index, tests): (Res<CollisionIndex>, Res<NarrowPhase>),
     mut moving: Query<(&mut Velocity, Option<&Bounce>)>,
     // A disabled parent is still where it is.
     places: Query<(&Transform, Option<&ChildOf>), Allow<Disabled>>,
@@ -94,7 +93,7 @@ pub(super) fn reflect(
         let parties = [party(0, contact.a), party(1, contact.b)];
         let placed = [a.placed(), b.placed()];
         let way = parties[0].velocity - parties[1].velocity;
-        let geometry = settings.tests().contact_in_passing(placed[0], placed[1], |_| way, &mut workspace);
+        let geometry = tests.contact_in_passing(placed[0], placed[1], |_| way, &mut workspace);
         let Some(geometry) = geometry else { continue };
         for ((entity, frame), velocity) in
             [contact.a, contact.b].into_iter().zip(frames).zip(respond(parties, geometry.normal))

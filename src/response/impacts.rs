@@ -8,8 +8,8 @@ use std::{
 use bevy::{platform::collections::HashMap, prelude::*};
 
 use super::{
-    course::{Track, meet},
-    outcomes::{Outcome, Outcomes},
+    course::{Course, Turn, meet},
+    outcomes::Outcomes,
 };
 use crate::{
     broad_phase::{BroadPhaseMethod, ObjectOctreeSettings, Pair, ProxyId, SpatialIndex},
@@ -17,20 +17,18 @@ use crate::{
     components::BroadPhaseProxy,
     contacts::{SweptContact, Verdicts},
     filters,
-    frame::{Ancestor, Frame},
     motion::MotionSettings,
     narrow_phase::{Contact, Moving, NarrowPhase, Placed, TimedContact, Workspace},
-    settings::NarrowPhaseSettings,
 };
 
 /// Two bodies meet, if neither changes course before.
 #[derive(Clone, Copy, Debug)]
-struct Impact {
+struct Meeting {
     pair: Pair,
     met: TimedContact,
     /// How fast the two come nearer to each other, per tick.
     closing: f32,
-    /// How often each had changed course when this was found.
+    /// How often each had changed course when this was found: it comes to nothing if one does so again.
     versions: [u32; 2],
     /// Is neither on a way? Then they touch at the end of the tick, if nothing happens before.
     at_end: bool,
@@ -38,7 +36,7 @@ struct Impact {
 
 /// By time; where times are equal, those first that come nearer to each other the least, and then by pair. What slides into
 /// a corner, or falls a little while it slides, thus answers to what it is on before it answers to what it is up against.
-impl Ord for Impact {
+impl Ord for Meeting {
     fn cmp(&self, other: &Self) -> Ordering {
         self.met
             .time
@@ -49,28 +47,28 @@ impl Ord for Impact {
     }
 }
 
-impl PartialOrd for Impact {
+impl PartialOrd for Meeting {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Impact {
+impl PartialEq for Meeting {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Impact {}
+impl Eq for Meeting {}
 
-/// The state of the search: impacts to come, and what has become of bodies so far.
+/// The state of the search: meetings to come, and what has become of bodies so far.
 ///
-/// Bodies that changed course are in an index of their own, the N-objects octree, which takes up one change as fast as
+/// Bodies that changed course are in an index of their own, the N-objects octree, which follows one change as fast as
 /// there are few; all others are in the main index, with the boxes of their whole way.
 #[derive(Debug)]
 pub(super) struct Resolver {
-    tracks: HashMap<ProxyId, Track>,
-    to_come: BinaryHeap<Reverse<Impact>>,
+    courses: HashMap<ProxyId, Course>,
+    to_come: BinaryHeap<Reverse<Meeting>>,
     happened: Vec<SweptContact>,
     /// What those touch, at the end of the tick, that are on no way, and are elsewhere than they would have been.
     at_end: Vec<(Pair, Contact)>,
@@ -86,7 +84,7 @@ pub(super) struct Resolver {
 impl Default for Resolver {
     fn default() -> Self {
         Self {
-            tracks: HashMap::default(),
+            courses: HashMap::default(),
             to_come: BinaryHeap::new(),
             happened: Vec::new(),
             at_end: Vec::new(),
@@ -100,15 +98,15 @@ impl Default for Resolver {
 }
 
 /// Goes through the impacts of a tick: each may change the course of the two that meet, and so what they meet after it.
-/// Impacts that thereby come to nothing are no contacts; those that come of it are.
+/// Meetings that thereby come to nothing are no contacts; those that come of it are.
 pub(super) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) {
     let resolver = &mut *resolver;
     let time = world.get_resource::<Time>().copied();
     let seconds = world.resource::<MotionSettings>().step.seconds(time.as_ref()).unwrap_or(0.0);
     resolver.begin(world.resource::<Verdicts>(), world.resource::<CollisionIndex>());
-    // Impacts are found for those who changed course, and nobody does so more often than its sub-steps say, plus once.
-    while let Some(Reverse(impact)) = resolver.to_come.pop() {
-        let Impact { pair, met, versions, at_end, .. } = impact;
+    // Meetings are found for those who changed course, and nobody does so more often than its sub-steps say, plus once.
+    while let Some(Reverse(meeting)) = resolver.to_come.pop() {
+        let Meeting { pair, met, versions, at_end, .. } = meeting;
         if [pair.a, pair.b].map(|id| resolver.version(id)) != versions {
             continue;
         }
@@ -117,9 +115,9 @@ pub(super) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) 
             continue;
         }
         resolver.happened.push(SweptContact { pair, met });
-        let changes = resolver.answer(world, &impact, seconds);
-        for (id, change) in [pair.a, pair.b].into_iter().zip(changes) {
-            if let Some(change) = change
+        let turns = resolver.answer(world, &meeting, seconds);
+        for (id, turn) in [pair.a, pair.b].into_iter().zip(turns) {
+            if let Turn::Diverts(change) = turn
                 && let Some(entity) = world.resource::<CollisionIndex>().entity(id)
             {
                 resolver.turned.push(id);
@@ -128,60 +126,59 @@ pub(super) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) 
         }
         resolver.look_ahead(world, met.time);
     }
-    let mut outcomes = std::mem::take(&mut world.resource_mut::<Outcomes>().bodies);
-    resolver.tell(world, &mut outcomes);
-    world.resource_mut::<Outcomes>().bodies = outcomes;
-    let displaced = resolver.tracks.iter().filter(|(_, track)| track.is_displaced()).map(|(id, _)| *id);
-    world.resource_mut::<Verdicts>().replace_impacts(resolver.happened.drain(..), displaced, resolver.at_end.drain(..));
+    world.resource_scope(|world, mut outcomes: Mut<Outcomes>| outcomes.note(resolver.courses.values(), world));
+    let displaced = resolver.courses.iter().filter(|(_, course)| course.is_displaced()).map(|(id, _)| *id);
+    let mut verdicts = world.resource_mut::<Verdicts>();
+    verdicts.replace_impacts(resolver.happened.drain(..), displaced, resolver.at_end.drain(..));
     resolver.end();
 }
 
 impl Resolver {
     fn begin(&mut self, verdicts: &Verdicts, index: &CollisionIndex) {
-        let impact = |&SweptContact { pair, met }: &SweptContact| {
+        debug_assert!(self.courses.is_empty() && self.to_come.is_empty(), "nothing is left of the last tick");
+        let meeting = |&SweptContact { pair, met }: &SweptContact| {
             let closing = closing(&index.moving(pair.a)?, &index.moving(pair.b)?, &met);
-            Some(Reverse(Impact { pair, met, closing, versions: [0; 2], at_end: false }))
+            Some(Reverse(Meeting { pair, met, closing, versions: [0; 2], at_end: false }))
         };
-        self.to_come.extend(verdicts.impacts().iter().filter_map(impact));
+        self.to_come.extend(verdicts.impacts().iter().filter_map(meeting));
     }
 
     /// How often a body has changed course.
     fn version(&self, id: ProxyId) -> u32 {
-        self.tracks.get(&id).map_or(0, |track| track.version)
+        self.courses.get(&id).map_or(0, |course| course.version)
     }
 
-    /// Has the two that meet answer. Returns by how much the ways of those change that change course, per tick.
-    fn answer(&mut self, world: &World, impact: &Impact, seconds: f32) -> [Option<Vec3>; 2] {
-        let Impact { pair, met: TimedContact { time, contact }, .. } = *impact;
+    /// Has the two that meet answer.
+    fn answer(&mut self, world: &World, meeting: &Meeting, seconds: f32) -> [Turn; 2] {
+        let Meeting { pair, met: TimedContact { time, contact }, .. } = *meeting;
         if !(self.know(pair.a, world) && self.know(pair.b, world)) {
-            return [None; 2];
+            return [Turn::Keeps; 2];
         }
         let index = world.resource::<CollisionIndex>();
-        let contact =
-            Contact { normal: self.normal(index, impact, world.resource::<NarrowPhaseSettings>()), ..contact };
-        let [Some(a), Some(b)] = self.tracks.get_disjoint_mut([&pair.a, &pair.b]) else { return [None; 2] };
-        let ways = [a.way(), b.way()];
-        let [a_turned, b_turned] = meet([a, b], &contact, time, seconds);
-        [a_turned.then(|| a.way() - ways[0]), b_turned.then(|| b.way() - ways[1])]
+        let normal = self.normal(index, meeting, world.resource::<NarrowPhase>());
+        match self.courses.get_disjoint_mut([&pair.a, &pair.b]) {
+            [Some(a), Some(b)] => meet([a, b], &Contact { normal, ..contact }, time, seconds),
+            _ => [Turn::Keeps; 2],
+        }
     }
 
     /// The normal that counts for the velocities of the two: what is left of their ways may be too short to tell.
-    fn normal(&mut self, index: &CollisionIndex, impact: &Impact, settings: &NarrowPhaseSettings) -> Vec3 {
-        let Impact { pair, met: TimedContact { time, contact }, .. } = *impact;
+    fn normal(&mut self, index: &CollisionIndex, meeting: &Meeting, tests: &NarrowPhase) -> Vec3 {
+        let Meeting { pair, met: TimedContact { time, contact }, .. } = *meeting;
         let moving = [pair.a, pair.b].map(|id| self.moving(index, id, time));
-        let velocities = [pair.a, pair.b].map(|id| self.tracks.get(&id).map_or(Vec3::ZERO, Track::velocity));
+        let velocities = [pair.a, pair.b].map(|id| self.courses.get(&id).map_or(Vec3::ZERO, Course::velocity));
         let [Some(a), Some(b)] = moving else { return contact.normal };
         let (at_a, at_b) = (a.at(0.0), b.at(0.0));
         let placed = [Placed::new(a.shape(), &at_a), Placed::new(b.shape(), &at_b)];
         let velocity = velocities[0] - velocities[1];
-        settings.tests().normal_in_passing(placed[0], placed[1], contact.normal, velocity, &mut self.workspace)
+        tests.normal_in_passing(placed[0], placed[1], contact.normal, velocity, &mut self.workspace)
     }
 
     /// Begins to follow a body, unless that was done. False if it is gone.
     fn know(&mut self, id: ProxyId, world: &World) -> bool {
-        if !self.tracks.contains_key(&id) {
-            let Some(track) = Track::of(id, world) else { return false };
-            self.tracks.insert(id, track);
+        if !self.courses.contains_key(&id) {
+            let Some(course) = Course::of(id, world) else { return false };
+            self.courses.insert(id, course);
         }
         true
     }
@@ -193,9 +190,9 @@ impl Resolver {
         while let Some(child) = open.pop() {
             let id = world.get::<BroadPhaseProxy>(child).and_then(BroadPhaseProxy::id);
             if let Some(id) = id.filter(|id| self.know(*id, world))
-                && let Some(track) = self.tracks.get_mut(&id)
+                && let Some(course) = self.courses.get_mut(&id)
             {
-                track.carry(change, time, seconds);
+                course.carry(change, time, seconds);
                 self.turned.push(id);
             }
             open.extend(children(child));
@@ -205,63 +202,34 @@ impl Resolver {
     /// Looks for what those meet on their new course that have just changed it.
     fn look_ahead(&mut self, world: &mut World, time: f32) {
         let mut turned = std::mem::take(&mut self.turned);
-        let tests = world.resource::<NarrowPhaseSettings>().0;
+        let mut candidates = std::mem::take(&mut self.candidates);
+        let tests = *world.resource::<NarrowPhase>();
         for id in &turned {
-            self.put(*id, world.resource(), time, &tests);
+            self.file(*id, world.resource(), time, &tests);
         }
         self.diverted.update();
-        for (place, id) in turned.iter().enumerate() {
-            // Those before it have looked at it already.
-            self.seek(world, *id, time, &turned[..place], &tests);
+        for (index, id) in turned.iter().enumerate() {
+            // Those before it have looked at all that is on its way, and so at this one: a pair is sought once.
+            self.seek(world.resource(), *id, &turned[..index], &mut candidates);
+            self.meet_all(world, *id, time, &tests, &mut candidates);
         }
         turned.clear();
-        self.turned = turned;
-    }
-
-    /// Looks for what a body meets on its new course, `except` for some.
-    fn seek(&mut self, world: &mut World, id: ProxyId, time: f32, except: &[ProxyId], tests: &NarrowPhase) {
-        let handle = self.tracks.get(&id).and_then(|track| track.diverted);
-        let Some(&aabb) = handle.and_then(|handle| self.diverted.proxies().get(handle)) else { return };
-        let index = world.resource::<CollisionIndex>();
-        let mut candidates = std::mem::take(&mut self.candidates);
-        let proxies = index.index().proxies();
-        let mut consider = |other: ProxyId| {
-            if other != id && !except.contains(&other) && proxies.admits(id, other) {
-                candidates.push(other);
-            }
-        };
-        index.index().for_each_overlapping(&aabb, |other| {
-            if self.tracks.get(&other).is_none_or(|track| track.diverted.is_none()) {
-                consider(other);
-            }
-        });
-        self.diverted.for_each_overlapping(&aabb, |other| consider(self.diverted_ids[other.index()]));
-        // Other than the order in which they are found, that of handles depends on no index.
-        candidates.sort_unstable();
-        for other in candidates.drain(..) {
-            let pair = Pair::new(id, other);
-            if filters::may_meet(world, pair)
-                && let Some((met, closing, at_end)) = self.meeting(world.resource(), pair, time, tests)
-            {
-                let versions = [pair.a, pair.b].map(|id| self.version(id));
-                self.to_come.push(Reverse(Impact { pair, met, closing, versions, at_end }));
-            }
-        }
-        self.candidates = candidates;
+        (self.turned, self.candidates) = (turned, candidates);
     }
 
     /// Files a body that changed course under the box of what is left of its way.
-    fn put(&mut self, id: ProxyId, index: &CollisionIndex, time: f32, tests: &NarrowPhase) {
+    fn file(&mut self, id: ProxyId, index: &CollisionIndex, time: f32, tests: &NarrowPhase) {
         let Some(aabb) = self.moving(index, id, time).and_then(|moving| tests.swept_aabb(&moving).ok()) else { return };
-        let Some(track) = self.tracks.get_mut(&id) else { return };
-        match track.diverted {
+        let Some(course) = self.courses.get_mut(&id) else { return };
+        match course.diverted {
             // Boxes that are refused came from nothing finite.
             Some(handle) => {
+                debug_assert_eq!(self.diverted_ids[handle.index()], id, "a handle is that of one body");
                 let _ = self.diverted.set(handle, &aabb);
             }
             None => {
                 let Ok(handle) = self.diverted.insert(aabb) else { return };
-                track.diverted = Some(handle);
+                course.diverted = Some(handle);
                 if self.diverted_ids.len() <= handle.index() {
                     self.diverted_ids.resize(handle.index() + 1, id);
                 }
@@ -270,74 +238,78 @@ impl Resolver {
         }
     }
 
+    /// Who may be met by a body that is [filed](Self::file), `except` for some: those on a new course by that, all others by
+    /// their whole way.
+    fn seek(&self, index: &CollisionIndex, id: ProxyId, except: &[ProxyId], candidates: &mut Vec<ProxyId>) {
+        let handle = self.courses.get(&id).and_then(|course| course.diverted);
+        let Some(&aabb) = handle.and_then(|handle| self.diverted.proxies().get(handle)) else { return };
+        let proxies = index.index().proxies();
+        let mut consider = |other: ProxyId| {
+            if other != id && !except.contains(&other) && proxies.admits(id, other) {
+                candidates.push(other);
+            }
+        };
+        index.index().for_each_overlapping(&aabb, |other| {
+            if self.courses.get(&other).is_none_or(|course| course.diverted.is_none()) {
+                consider(other);
+            }
+        });
+        self.diverted.for_each_overlapping(&aabb, |other| consider(self.diverted_ids[other.index()]));
+        // Other than the order in which they are found, that of handles depends on no index.
+        candidates.sort_unstable();
+        debug_assert!(candidates.is_sorted_by(|a, b| a < b), "each is in one of the two");
+    }
+
+    /// Takes note of when a body meets these, from a moment on, if lists and hooks let it.
+    fn meet_all(
+        &mut self,
+        world: &mut World,
+        id: ProxyId,
+        time: f32,
+        tests: &NarrowPhase,
+        candidates: &mut Vec<ProxyId>,
+    ) {
+        for other in candidates.drain(..) {
+            let pair = Pair::new(id, other);
+            if filters::may_meet(world, pair)
+                && let Some(meeting) = self.meeting(world.resource(), pair, time, tests)
+            {
+                self.to_come.push(Reverse(meeting));
+            }
+        }
+    }
+
     /// Is a body looked for all along its way?
     fn is_on_its_way(&self, index: &CollisionIndex, id: ProxyId) -> bool {
-        index.is_on_its_way(id) || self.tracks.get(&id).is_some_and(Track::is_diverted)
+        index.is_on_its_way(id) || self.courses.get(&id).is_some_and(Course::is_diverted)
     }
 
     /// The way of a body from a moment on.
     fn moving<'a>(&self, index: &'a CollisionIndex, id: ProxyId, time: f32) -> Option<Moving<'a>> {
         let whole = index.moving(id)?;
-        Some(self.tracks.get(&id).map_or_else(|| whole.after(time), |track| track.after(time, &whole)))
+        Some(self.courses.get(&id).map_or_else(|| whole.after(time), |course| course.after(time, &whole)))
     }
 
-    /// When and how two meet, from a moment on; and whether that is at the end of the tick, since neither is on a way.
-    fn meeting(
-        &mut self,
-        index: &CollisionIndex,
-        pair: Pair,
-        from: f32,
-        tests: &NarrowPhase,
-    ) -> Option<(TimedContact, f32, bool)> {
+    /// When and how two meet, from a moment on.
+    fn meeting(&mut self, index: &CollisionIndex, pair: Pair, from: f32, tests: &NarrowPhase) -> Option<Meeting> {
         let (a, b) = (self.moving(index, pair.a, from)?, self.moving(index, pair.b, from)?);
+        let versions = [pair.a, pair.b].map(|id| self.version(id));
         if [pair.a, pair.b].iter().any(|id| self.is_on_its_way(index, *id)) {
             let met = tests.time_of_impact(&a, &b, &mut self.workspace)?;
             // The ways are those of what is left of the tick.
             let left = (1.0 - from).max(f32::MIN_POSITIVE);
-            return Some((met.after(from), closing(&a, &b, &met) / left, false));
+            let closing = closing(&a, &b, &met) / left;
+            return Some(Meeting { pair, met: met.after(from), closing, versions, at_end: false });
         }
         let (at_a, at_b) = (a.at(1.0), b.at(1.0));
         let (a, b) = (Placed::new(a.shape(), &at_a), Placed::new(b.shape(), &at_b));
-        let contact = tests.contact(a, b, &mut self.workspace)?;
-        Some((TimedContact { time: 1.0, contact }, 0.0, true))
-    }
-
-    /// Tells what has become of all who met something, in the order of their entities.
-    fn tell(&self, world: &World, outcomes: &mut Vec<Outcome>) {
-        outcomes.clear();
-        let changed = self.tracks.values().filter(|track| track.bounces > 0 || track.version > 0);
-        let (mut children, mut places) = (Vec::new(), HashMap::<Entity, Vec3>::default());
-        for track in changed {
-            match track.frame {
-                None => outcomes.push(Outcome::of(track, Some)),
-                Some(frame) => children.push((frame.depth(), track)),
-            }
-        }
-        if !children.is_empty() {
-            // Who hangs on another that was put elsewhere has its own place by that.
-            places.extend(outcomes.iter().filter_map(|outcome| Some((outcome.entity, outcome.place?.own?))));
-            children.sort_unstable_by_key(|(depth, track)| (*depth, track.entity));
-        }
-        for (_, track) in children {
-            let outcome = Outcome::of(track, |in_world| {
-                let parent = world.get::<ChildOf>(track.entity)?.parent();
-                let look = |entity| {
-                    let mut ancestor = Ancestor::of(entity, world)?;
-                    ancestor.transform.translation =
-                        places.get(&entity).copied().unwrap_or(ancestor.transform.translation);
-                    Some(ancestor)
-                };
-                Frame::of(parent, look).own_place(in_world)
-            });
-            places.extend(outcome.place.and_then(|place| Some((track.entity, place.own?))));
-            outcomes.push(outcome);
-        }
-        outcomes.sort_unstable_by_key(|body| body.entity);
+        let met = TimedContact { time: 1.0, contact: tests.contact(a, b, &mut self.workspace)? };
+        Some(Meeting { pair, met, closing: 0.0, versions, at_end: true })
     }
 
     /// Forgets all of it.
     fn end(&mut self) {
-        for handle in self.tracks.drain().filter_map(|(_, track)| track.diverted) {
+        for handle in self.courses.drain().filter_map(|(_, course)| course.diverted) {
             self.diverted.remove(handle);
         }
         self.diverted.update();

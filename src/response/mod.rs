@@ -18,7 +18,7 @@ use discrete::{reflect, reverse};
 use impacts::resolve_impacts;
 use outcomes::{Outcomes, apply_outcomes, clear_outcomes};
 
-/// Bounce response: contacts to velocities.
+/// The plugin for the response: from contacts to velocities.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BouncePlugin;
 

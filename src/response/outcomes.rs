@@ -1,46 +1,50 @@
 //! What becomes of bodies that met something on the way, kept from the exact tests to the response.
 
-use bevy::prelude::*;
+use bevy::{platform::collections::HashMap, prelude::*};
 
-use super::course::Track;
+use super::course::Course;
 use crate::{
-    collision_index::CollisionIndex, components::BroadPhaseProxy, counters::CollisionCounters, motion::Velocity,
-    settings::NarrowPhaseSettings,
+    collision_index::CollisionIndex,
+    components::BroadPhaseProxy,
+    counters::CollisionCounters,
+    frame::{Ancestor, Frame},
+    motion::Velocity,
+    narrow_phase::NarrowPhase,
 };
 
 /// What becomes of bodies that met something on the way.
 #[derive(Resource, Debug, Default)]
 pub(super) struct Outcomes {
     /// In the order of their entities.
-    pub(super) bodies: Vec<Outcome>,
+    bodies: Vec<Outcome>,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Outcome {
-    pub(super) entity: Entity,
+struct Outcome {
+    entity: Entity,
     /// In its own space.
     velocity: Option<Vec3>,
     bounces: u64,
     /// Where it is at the end of the tick, if it changed course.
-    pub(super) place: Option<Place>,
+    position: Option<Position>,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+struct Position {
     in_world: Vec3,
     /// In its own space, if it goes there by itself, and not with what it hangs on.
-    pub(super) own: Option<Vec3>,
+    own: Option<Vec3>,
 }
 
 impl Outcome {
     /// What has become of a body whose space is reached from the world by `to_own`.
-    pub(super) fn of(track: &Track, to_own: impl FnOnce(Vec3) -> Option<Vec3>) -> Self {
-        let in_world = (track.version > 0).then(|| track.place(1.0));
-        let place = in_world.and_then(|in_world| {
-            let own = if track.has_turned { Some(to_own(in_world)?) } else { None };
-            Some(Place { in_world, own })
+    fn of(course: &Course, to_own: impl FnOnce(Vec3) -> Option<Vec3>) -> Self {
+        let in_world = (course.version > 0).then(|| course.position(1.0));
+        let position = in_world.and_then(|in_world| {
+            let own = if course.has_turned { Some(to_own(in_world)?) } else { None };
+            Some(Position { in_world, own })
         });
-        Self { entity: track.entity, velocity: track.own_velocity(), bounces: track.bounces, place }
+        Self { entity: course.entity, velocity: course.own_velocity(), bounces: course.bounces, position }
     }
 }
 
@@ -51,15 +55,49 @@ impl Outcomes {
 
     /// Has the velocity of this entity answered to an impact in this tick?
     pub(super) fn has_bounced(&self, entity: Entity) -> bool {
-        self.bodies.binary_search_by_key(&entity, |body| body.entity).is_ok_and(|place| self.bodies[place].bounces > 0)
+        self.bodies.binary_search_by_key(&entity, |body| body.entity).is_ok_and(|index| self.bodies[index].bounces > 0)
+    }
+
+    /// Takes note of what has become of all who met something.
+    pub(super) fn note<'a>(&mut self, courses: impl Iterator<Item = &'a Course>, world: &World) {
+        self.bodies.clear();
+        let changed = courses.filter(|course| course.bounces > 0 || course.version > 0);
+        let (mut children, mut positions) = (Vec::new(), HashMap::<Entity, Vec3>::default());
+        for course in changed {
+            match course.frame {
+                None => self.bodies.push(Outcome::of(course, Some)),
+                Some(frame) => children.push((frame.depth(), course)),
+            }
+        }
+        if !children.is_empty() {
+            // Who hangs on another that was put elsewhere has its own position by that.
+            let put = |outcome: &Outcome| Some((outcome.entity, outcome.position?.own?));
+            positions.extend(self.bodies.iter().filter_map(put));
+            children.sort_unstable_by_key(|(depth, course)| (*depth, course.entity));
+        }
+        for (_, course) in children {
+            let outcome = Outcome::of(course, |in_world| {
+                let parent = world.get::<ChildOf>(course.entity)?.parent();
+                let look = |entity| {
+                    let mut ancestor = Ancestor::of(entity, world)?;
+                    ancestor.transform.translation =
+                        positions.get(&entity).copied().unwrap_or(ancestor.transform.translation);
+                    Some(ancestor)
+                };
+                Frame::of(parent, look).own_position(in_world)
+            });
+            positions.extend(outcome.position.and_then(|position| Some((course.entity, position.own?))));
+            self.bodies.push(outcome);
+        }
+        self.bodies.sort_unstable_by_key(|body| body.entity);
     }
 }
 
-/// Velocities and places become what the impacts have made of them.
+/// Velocities and positions become what the impacts have made of them.
 pub(super) fn apply_outcomes(
     outcomes: Res<Outcomes>,
     mut bodies: Query<(Option<&mut Velocity>, &mut Transform, &mut BroadPhaseProxy)>,
-    settings: Res<NarrowPhaseSettings>,
+    tests: Res<NarrowPhase>,
     mut index: ResMut<CollisionIndex>,
     mut counters: ResMut<CollisionCounters>,
 ) {
@@ -72,18 +110,18 @@ pub(super) fn apply_outcomes(
             velocity.0 = answer;
             counters.tick.bounces += outcome.bounces;
         }
-        if let Some(place) = outcome.place
+        if let Some(position) = outcome.position
             && let Some(id) = proxy.id()
         {
-            if let Some(own) = place.own {
+            if let Some(own) = position.own {
                 transform.translation = own;
             }
-            let pose = proxy.pose().with_translation(place.in_world);
+            let pose = proxy.pose().with_translation(position.in_world);
             BroadPhaseProxy::note_pose(&mut proxy, pose);
-            index.put(id, &pose, settings.tests());
+            index.put(id, &pose, &tests);
         }
     }
-    if outcomes.bodies.iter().any(|outcome| outcome.place.is_some()) {
+    if outcomes.bodies.iter().any(|outcome| outcome.position.is_some()) {
         index.settle();
     }
 }

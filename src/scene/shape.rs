@@ -42,11 +42,11 @@ impl ShapeDescription {
     ///
     /// # Errors
     ///
-    /// Those of [`Shape::cuboid`], [`Shape::sphere`], [`Shape::convex`] and [`Shape::mesh`].
+    /// Those of [`Shape::try_from_half_size`], [`Shape::try_sphere`], [`Shape::convex`] and [`Shape::mesh`].
     pub fn build(&self) -> Result<Shape, ShapeError> {
         match self {
-            Self::Cuboid { half_size } => Shape::cuboid(*half_size),
-            Self::Sphere { radius } => Shape::sphere(*radius),
+            Self::Cuboid { half_size } => Shape::try_from_half_size(*half_size),
+            Self::Sphere { radius } => Shape::try_sphere(*radius),
             Self::Convex { vertices, polygons } => Shape::convex(vertices.as_slice(), polygons),
             Self::Mesh { vertices, polygons } => Shape::mesh(vertices.as_slice(), polygons),
         }

@@ -1,6 +1,6 @@
-//! The answer that a search ends with.
+//! The answers that a search ends with, so that no exact test is made twice.
 
-use crate::broad_phase::ProxyId;
+use crate::broad_phase::{Hit, ProxyId};
 
 /// The nearest answer so far, kept while the index looks for the nearest object, by the index's own rule: of several as far
 /// away, that of the lowest handle.
@@ -34,5 +34,36 @@ impl<T> Best<T> {
     pub(super) fn answer(self, nearest: Option<ProxyId>) -> Option<T> {
         debug_assert_eq!(nearest, self.found.as_ref().map(|(id, _)| *id), "the index goes by the same rule");
         self.found.map(|(_, answer)| answer)
+    }
+}
+
+/// The nearest few answers so far, nearest first, by the same rule.
+pub(super) struct BestFew<'a, T> {
+    /// At most so many, and at least one.
+    k: usize,
+    limit: f32,
+    found: &'a mut Vec<(Hit, T)>,
+}
+
+impl<'a, T> BestFew<'a, T> {
+    /// Nothing yet, and nothing beyond `limit`. They replace what is in `found`.
+    pub(super) fn within(k: usize, limit: f32, found: &'a mut Vec<(Hit, T)>) -> Self {
+        found.clear();
+        Self { k, limit, found }
+    }
+
+    /// Keeps an answer, if it is one of the best so far.
+    pub(super) fn offer(&mut self, hit: Hit, answer: T) {
+        if hit.distance <= self.limit {
+            let is_before = |(other, _): &(Hit, T)| (other.distance, other.proxy) < (hit.distance, hit.proxy);
+            let index = self.found.partition_point(is_before);
+            if index < self.k {
+                self.found.truncate(self.k - 1);
+                self.found.insert(index, (hit, answer));
+            }
+            if let Some((last, _)) = self.found.get(self.k - 1) {
+                self.limit = last.distance;
+            }
+        }
     }
 }

@@ -4,7 +4,12 @@ use std::mem::take;
 
 use bevy::prelude::*;
 
-use super::{best::Best, filter::SpatialQueryFilter, query::SpatialQuery, scratch};
+use super::{
+    best::{Best, BestFew},
+    filter::SpatialQueryFilter,
+    query::SpatialQuery,
+    scratch,
+};
 use crate::{broad_phase::Hit, collision_index::Body};
 
 /// An entity near a point.
@@ -44,22 +49,22 @@ impl SpatialQuery<'_> {
         hits: &mut Vec<PointHit>,
     ) {
         hits.clear();
-        let (mut nearest, mut looked_at) =
-            scratch::with(|scratch| (take(&mut scratch.nearest), take(&mut scratch.looked_at)));
-        looked_at.clear();
+        if k == 0 {
+            return;
+        }
+        let (mut nearest, mut answers) =
+            scratch::with(|scratch| (take(&mut scratch.nearest), take(&mut scratch.closest_points)));
+        let mut best = BestFew::within(k, max_distance, &mut answers);
         self.index.index().k_nearest_with(point, k, max_distance, &mut nearest, |proxy, _| {
             let PointHit { distance, point, .. } = self.point_hit(self.candidate(proxy, filter)?, point)?;
-            looked_at.push((Hit { proxy, distance }, point));
+            best.offer(Hit { proxy, distance }, point);
             Some(distance)
         });
-        looked_at.sort_unstable_by_key(|(hit, _)| hit.proxy);
-        hits.extend(nearest.iter().filter_map(|hit| {
-            let index = looked_at.binary_search_by_key(&hit.proxy, |(hit, _)| hit.proxy).ok()?;
-            let (Hit { proxy, distance }, point) = looked_at[index];
+        debug_assert!(nearest.iter().eq(answers.iter().map(|(hit, _)| hit)), "the index goes by the same rule");
+        hits.extend(answers.iter().filter_map(|&(Hit { proxy, distance }, point)| {
             Some(PointHit { entity: self.index.body(proxy)?.entity, distance, point })
         }));
-        debug_assert_eq!(hits.len(), nearest.len(), "the nearest are among those that were looked at");
-        scratch::with(|scratch| (scratch.nearest, scratch.looked_at) = (nearest, looked_at));
+        scratch::with(|scratch| (scratch.nearest, scratch.closest_points) = (nearest, answers));
     }
 
     fn point_hit(&self, body: &Body, from: Vec3) -> Option<PointHit> {

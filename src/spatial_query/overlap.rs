@@ -67,7 +67,7 @@ impl SpatialQuery<'_> {
         filter: &SpatialQueryFilter,
         found: impl FnMut(Entity) -> F,
     ) {
-        if let Ok(ball) = Shape::sphere(radius) {
+        if let Ok(ball) = Shape::try_sphere(radius) {
             self.for_each_shape_intersection(&ball, &Transform::from_translation(center), filter, found);
         }
     }

@@ -9,7 +9,6 @@ use crate::{
     broad_phase::ProxyId,
     collision_index::{Body, CollisionIndex},
     narrow_phase::{NarrowPhase, Shape},
-    settings::NarrowPhaseSettings,
 };
 
 /// Asks about entities with a [`CollisionShape`](crate::components::CollisionShape): what a ray or a moving shape meets,
@@ -41,8 +40,9 @@ use crate::{
 /// # What is seen
 ///
 /// Entities where they were at the last tick: after the set [`Maintenance`](crate::CollisionSystems::Maintenance), that
-/// of this tick. [`update_spatial_index`] brings the index up to date at any other moment: in the frame of a spawn, or
-/// while time is paused. Despawned and disabled entities, and those without a valid box, are never found.
+/// of this tick. [`update_spatial_index`](super::update_spatial_index) brings the index up to date at any other moment: in
+/// the frame of a spawn, or while time is paused. Despawned and disabled entities, and those without a valid box, are never
+/// found.
 ///
 /// # Cost
 ///
@@ -53,7 +53,7 @@ use crate::{
 #[doc(alias("raycast", "shapecast", "scene query", "overlap", "spatial query pipeline"))]
 pub struct SpatialQuery<'w> {
     pub(super) index: Res<'w, CollisionIndex>,
-    settings: Res<'w, NarrowPhaseSettings>,
+    tests: Res<'w, NarrowPhase>,
 }
 
 impl SpatialQuery<'_> {
@@ -64,7 +64,7 @@ impl SpatialQuery<'_> {
     }
 
     pub(super) fn tests(&self) -> &NarrowPhase {
-        &self.settings.0
+        &self.tests
     }
 
     /// What is behind a handle, if the filter lets it pass.
@@ -81,6 +81,6 @@ pub(super) fn flow(goes_on: bool) -> ControlFlow<()> {
 /// A box along the world's axes as a shape, if it is a box.
 pub(super) fn cuboid(aabb: &Aabb3d) -> Option<(Shape, Transform)> {
     let center = aabb.min * 0.5 + aabb.max * 0.5;
-    let shape = Shape::cuboid((aabb.max * 0.5 - aabb.min * 0.5).into()).ok()?;
+    let shape = Shape::try_from_half_size((aabb.max * 0.5 - aabb.min * 0.5).into()).ok()?;
     Some((shape, Transform::from_translation(center.into())))
 }

@@ -12,8 +12,8 @@ pub(super) struct Scratch {
     pub workspace: Workspace,
     /// The nearest objects so far.
     pub nearest: Vec<Hit>,
-    /// What the exact tests said about these, and about others.
-    pub looked_at: Vec<(Hit, Vec3)>,
+    /// The same, with the closest point of each.
+    pub closest_points: Vec<(Hit, Vec3)>,
 }
 
 thread_local! {

@@ -82,7 +82,7 @@ impl SpatialQuery<'_> {
         max_distance: f32,
         filter: &SpatialQueryFilter,
     ) -> Option<ShapeHit> {
-        let ball = Shape::sphere(radius).ok()?;
+        let ball = Shape::try_sphere(radius).ok()?;
         self.cast_shape(&ball, &Transform::from_translation(center), direction, max_distance, filter)
     }
 }

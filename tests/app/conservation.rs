@@ -34,7 +34,7 @@ impl Room {
         for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
             for side in [-1.0, 1.0] {
                 let half_size = Vec3::splat(half + 1.0) * (Vec3::ONE - axis) + axis * 0.25;
-                let wall = (CollisionShape::cuboid(half_size).unwrap(), StaticCollider);
+                let wall = (CollisionShape::from_half_size(half_size), StaticCollider);
                 app.world_mut().spawn((wall, Transform::from_translation(axis * side * (half + 0.25))));
             }
         }
@@ -102,7 +102,7 @@ fn head_on(sub_steps: [u32; 2], ticks: usize) -> [(f32, f32); 2] {
     app.insert_resource(MotionSettings { step: Step::Seconds(1.0) });
     let balls = [0, 1].map(|i| {
         let side = [-1.0, 1.0][i];
-        let ball = (CollisionShape::sphere(0.5).unwrap(), Velocity(Vec3::X * -10.0 * side), ELASTIC);
+        let ball = (CollisionShape::sphere(0.5), Velocity(Vec3::X * -10.0 * side), ELASTIC);
         app.world_mut().spawn((ball, Swept::new(sub_steps[i]), Transform::from_xyz(5.0 * side, 0.0, 0.0))).id()
     });
     tick(&mut app, ticks);
@@ -131,10 +131,10 @@ fn who_may_not_bounce_any_more_is_a_wall_at_rest() {
 fn who_has_come_to_stay_is_a_wall_to_all_that_come_after() {
     let mut app = app(BroadPhaseMethod::default());
     app.insert_resource(MotionSettings { step: Step::Seconds(1.0) });
-    let wall = (CollisionShape::cuboid(Vec3::new(0.5, 5.0, 5.0)).unwrap(), StaticCollider);
+    let wall = (CollisionShape::from_half_size(Vec3::new(0.5, 5.0, 5.0)), StaticCollider);
     app.world_mut().spawn((wall, Transform::from_xyz(0.5, 0.0, 0.0)));
     let mut ball = |x: f32, velocity: f32, sub_steps: u32| {
-        let ball = (CollisionShape::sphere(0.5).unwrap(), Velocity(Vec3::X * velocity), ELASTIC);
+        let ball = (CollisionShape::sphere(0.5), Velocity(Vec3::X * velocity), ELASTIC);
         app.world_mut().spawn((ball, Swept::new(sub_steps), Transform::from_xyz(x, 0.0, 0.0))).id()
     };
     let balls = [ball(-1.0, 16.0, 0), ball(-4.0, 8.0, 8), ball(-10.0, 12.0, 8)];
@@ -152,7 +152,7 @@ fn who_has_come_to_stay_is_a_wall_to_all_that_come_after() {
 
 /// The defaults at nine times the size of the room, one bounce for each of many, and all that is between.
 fn rooms() -> Vec<(String, Room, usize)> {
-    let (ball, cube) = (CollisionShape::sphere(0.2).unwrap(), CollisionShape::cuboid(Vec3::splat(0.2)).unwrap());
+    let (ball, cube) = (CollisionShape::sphere(0.2), CollisionShape::from_half_size(Vec3::splat(0.2)));
     let mut rooms = Vec::new();
     let mut add = |half: f32, shape: &CollisionShape, step: f32, restitution: f32, kinds: &[Kind], count: usize| {
         let name = format!("{count} of {kinds:?}, {step} per tick, restitution {restitution}");

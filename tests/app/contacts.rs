@@ -26,12 +26,12 @@ fn listening_app() -> App {
 }
 
 fn wall(app: &mut App, center: Vec3) -> Entity {
-    let shape = CollisionShape::cuboid(Vec3::new(0.1, 1.0, 1.0)).unwrap();
+    let shape = CollisionShape::from_half_size(Vec3::new(0.1, 1.0, 1.0));
     app.world_mut().spawn((shape, Transform::from_translation(center))).id()
 }
 
 fn ball(app: &mut App, radius: f32, center: Vec3, step: Vec3, parts: impl Bundle) -> Entity {
-    let (shape, velocity) = (CollisionShape::sphere(radius).unwrap(), Velocity(step * TICKS_PER_SECOND));
+    let (shape, velocity) = (CollisionShape::sphere(radius), Velocity(step * TICKS_PER_SECOND));
     app.world_mut().spawn((shape, velocity, Transform::from_translation(center), parts)).id()
 }
 

@@ -1,6 +1,12 @@
 //! Layers, static entities, lists of entities to ignore, sensors and hooks.
 
-use bevy::{ecs::schedule::ScheduleLabel, prelude::*};
+use bevy::{
+    ecs::{
+        schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel},
+        system::SystemParam,
+    },
+    prelude::*,
+};
 use bevy_octree::prelude::*;
 
 use crate::{common::warnings::warnings, hook::*};
@@ -249,6 +255,31 @@ fn a_hook_may_be_added_first_and_goes_where_the_ticks_are() {
     cubes(&mut app, 3, ());
     app.world_mut().run_schedule(Elsewhere);
     assert_eq!(app.world().resource::<Contacts>().len(), 3);
+}
+
+/// A hook that has nothing against anyone.
+#[derive(SystemParam)]
+struct Anyone;
+
+impl PairHook for Anyone {
+    fn admits(_: &Anyone, _: Entity, _: Entity) -> bool {
+        true
+    }
+}
+
+#[test]
+fn hooks_and_lists_leave_no_order_open() {
+    let mut app = App::new();
+    app.add_plugins((PairHookPlugin::<NoGhosts>::default(), PairHookPlugin::<Anyone>::default()));
+    app.add_plugins((MinimalPlugins, OctreePlugins::new(Elsewhere)));
+    app.edit_schedule(Elsewhere, |ticks| {
+        ticks.set_build_settings(ScheduleBuildSettings { ambiguity_detection: LogLevel::Error, ..default() });
+    });
+    let ghost = cube(&mut app, Ghost);
+    cube(&mut app, IgnoreCollisions::from([ghost]));
+    cube(&mut app, ());
+    app.world_mut().run_schedule(Elsewhere);
+    assert_eq!(app.world().resource::<Contacts>().len(), 1);
 }
 
 #[test]

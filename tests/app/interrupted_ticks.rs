@@ -79,10 +79,10 @@ fn place(app: &mut App, entity: Entity, x: f32) {
 fn bouncing_elsewhere(app: &mut App) {
     for x in [95.0, 105.0] {
         app.world_mut()
-            .spawn((CollisionShape::cuboid(Vec3::new(0.1, 5.0, 5.0)).unwrap(), Transform::from_xyz(x, 0.0, 0.0)));
+            .spawn((CollisionShape::from_half_size(Vec3::new(0.1, 5.0, 5.0)), Transform::from_xyz(x, 0.0, 0.0)));
     }
     let moving = (Velocity(Vec3::X * 7.0 * TICKS_PER_SECOND), ELASTIC, Swept::default());
-    app.world_mut().spawn((CollisionShape::sphere(0.1).unwrap(), moving, Transform::from_xyz(100.0, 0.0, 0.0)));
+    app.world_mut().spawn((CollisionShape::sphere(0.1), moving, Transform::from_xyz(100.0, 0.0, 0.0)));
 }
 
 /// Ways in which a contact of two ends though nothing moves.
@@ -173,7 +173,7 @@ fn a_shape_that_changes_at_any_moment_counts_by_the_next_tick() {
             for (half_size, expected) in [(2.6, vec![[a, b]]), (0.5, vec![])] {
                 tick(&mut app, 2);
                 Plan::add(&mut app, gap, move |world| {
-                    world.get_mut::<CollisionShape>(a).unwrap().0 = Shape::cuboid(Vec3::splat(half_size)).unwrap();
+                    world.get_mut::<CollisionShape>(a).unwrap().0 = Shape::from_half_size(Vec3::splat(half_size));
                 });
                 tick(&mut app, 2);
                 let what = (moves, gap, half_size);
@@ -256,9 +256,9 @@ fn contacts_that_are_gone_for_a_tick_or_from_another_time_are_made_anew() {
 fn what_a_skipped_response_was_to_do_is_not_done_later() {
     let mut app = skipping_app();
     app.insert_resource(MotionSettings { step: Step::Seconds(1.0) });
-    let wall = (CollisionShape::cuboid(Vec3::new(0.1, 5.0, 5.0)).unwrap(), Transform::from_xyz(2.5, 0.0, 0.0));
+    let wall = (CollisionShape::from_half_size(Vec3::new(0.1, 5.0, 5.0)), Transform::from_xyz(2.5, 0.0, 0.0));
     app.world_mut().spawn(wall);
-    let ball = (CollisionShape::sphere(0.1).unwrap(), Velocity(Vec3::X), ELASTIC, Swept::default());
+    let ball = (CollisionShape::sphere(0.1), Velocity(Vec3::X), ELASTIC, Swept::default());
     let ball = app.world_mut().spawn((ball, Transform::default())).id();
     tick(&mut app, 2);
     skip(&mut app, &[CollisionSystems::Response]);
@@ -342,7 +342,7 @@ fn history(seed: u64, flush: bool, bounces: bool) -> Vec<Seen> {
     let vector = |rng: &mut Rng, reach: f32| Vec3::from_array([0; 3].map(|_| (rng.f32() * 2.0 - 1.0) * reach));
     let mut objects: Vec<Entity> = Vec::new();
     let spawn = |app: &mut App, rng: &mut Rng| {
-        let shape = if rng.bool() { CollisionShape::sphere(0.4).unwrap() } else { CollisionShape::default() };
+        let shape = if rng.bool() { CollisionShape::sphere(0.4) } else { CollisionShape::default() };
         let mut object = app.world_mut().spawn((shape, Transform::from_translation(vector(rng, 2.5))));
         if bounces && rng.u8(0..3) > 0 {
             object.insert((Velocity(vector(rng, 1.0) * TICKS_PER_SECOND), ELASTIC));
@@ -358,7 +358,7 @@ fn history(seed: u64, flush: bool, bounces: bool) -> Vec<Seen> {
     if bounces {
         for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
             for side in [-1.0, 1.0] {
-                let shape = CollisionShape::cuboid(Vec3::splat(5.0) * (Vec3::ONE - axis) + axis * 0.5).unwrap();
+                let shape = CollisionShape::from_half_size(Vec3::splat(5.0) * (Vec3::ONE - axis) + axis * 0.5);
                 let wall = (shape, Transform::from_translation(axis * side * 4.0));
                 objects.push(app.world_mut().spawn(wall).id());
             }
@@ -378,7 +378,7 @@ fn history(seed: u64, flush: bool, bounces: bool) -> Vec<Seen> {
                 0 => object.get_mut::<Transform>().unwrap().translation = to,
                 1 => object.get_mut::<Transform>().unwrap().set_changed(),
                 2 => _ = object.insert((Swept::default(), Transform::from_translation(to))),
-                3 => object.get_mut::<CollisionShape>().unwrap().0 = Shape::cuboid(to.abs() * 0.3 + 0.1).unwrap(),
+                3 => object.get_mut::<CollisionShape>().unwrap().0 = Shape::from_half_size(to.abs() * 0.3 + 0.1),
                 4 => _ = object.insert(IgnoreCollisions::from([other])),
                 5 => _ = object.remove::<IgnoreCollisions>(),
                 6 => _ = object.insert(CollisionLayers::from_bits(1, 2)),
@@ -468,7 +468,7 @@ fn whatever_happens_in_a_tick_the_next_one_is_right() {
                             1 => world.get_mut::<Transform>(block).unwrap().set_changed(),
                             2 => {
                                 let half_size = Vec3::splat(0.3 + x * 0.1);
-                                world.get_mut::<CollisionShape>(block).unwrap().0 = Shape::cuboid(half_size).unwrap();
+                                world.get_mut::<CollisionShape>(block).unwrap().0 = Shape::from_half_size(half_size);
                             }
                             3 => {
                                 world.despawn(block);

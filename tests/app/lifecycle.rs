@@ -203,10 +203,10 @@ fn case_09_a_disabled_parent_still_places_its_children() {
 #[test]
 fn case_10_changed_shapes_and_teleports_count_in_the_same_tick() {
     let (mut app, cubes) = in_contact();
-    *get_mut(&mut app, cubes[1]) = CollisionShape::sphere(0.25).unwrap();
+    *get_mut(&mut app, cubes[1]) = CollisionShape::sphere(0.25);
     tick(&mut app, 1);
     assert_over(&app, cubes);
-    app.world_mut().entity_mut(cubes[1]).insert(CollisionShape::cuboid(Vec3::splat(9.0)).unwrap());
+    app.world_mut().entity_mut(cubes[1]).insert(CollisionShape::from_half_size(Vec3::splat(9.0)));
     tick(&mut app, 1);
     assert_eq!(messages_about(&app, cubes), (2, 1));
     get_mut::<Transform>(&mut app, cubes[0]).translation = Vec3::splat(1e6);
@@ -221,10 +221,10 @@ fn case_10_changed_shapes_and_teleports_count_in_the_same_tick() {
 #[test]
 fn case_11_turning_inside_the_box_is_a_change() {
     let mut app = app(BroadPhaseMethod::default());
-    let thin = CollisionShape::cuboid(Vec3::new(1.0, 0.05, 0.05)).unwrap();
+    let thin = CollisionShape::from_half_size(Vec3::new(1.0, 0.05, 0.05));
     let eighth = |sign: f32| Quat::from_rotation_z(sign * std::f32::consts::FRAC_PI_4);
     let rod = app.world_mut().spawn((thin, Transform::from_rotation(eighth(1.0)))).id();
-    let ball = (CollisionShape::sphere(0.1).unwrap(), Transform::from_xyz(0.6, 0.6, 0.0));
+    let ball = (CollisionShape::sphere(0.1), Transform::from_xyz(0.6, 0.6, 0.0));
     let ball = app.world_mut().spawn(ball).id();
     for (sign, expected) in [(1.0, 1), (-1.0, 0), (1.0, 1)] {
         get_mut::<Transform>(&mut app, rod).rotation = eighth(sign);
@@ -485,7 +485,7 @@ fn case_21_the_work_of_a_mass_spawn_is_linear() {
 /// A scale of zero makes a point, a segment or a rectangle, which meets what it touches; a negative one mirrors.
 #[test]
 fn case_22_scales_may_be_zero_or_negative() {
-    let shapes = [CollisionShape::default(), CollisionShape::sphere(0.5).unwrap()];
+    let shapes = [CollisionShape::default(), CollisionShape::sphere(0.5)];
     for shape in shapes {
         for scale in [Vec3::ZERO, -Vec3::ONE, Vec3::new(0.0, -1.0, 1.0)] {
             let mut app = app(BroadPhaseMethod::default());
@@ -618,7 +618,7 @@ fn case_26_a_new_shape_place_and_parent_in_one_tick() {
     assert_eq!(contacts(&app), [[child, before]]);
     let other = app.world_mut().spawn(Transform::from_xyz(0.0, 7.0, 0.0)).id();
     let after = app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(-3.0, 10.0, 0.0))).id();
-    let ball = CollisionShape::sphere(2.0).unwrap();
+    let ball = CollisionShape::sphere(2.0);
     app.world_mut().entity_mut(child).insert((ChildOf(other), ball, Transform::from_xyz(-3.0, 0.75, 0.0)));
     // And the old parent goes in the same tick: what was its child stays.
     app.world_mut().despawn(parent);

@@ -26,6 +26,7 @@ mod rapier;
 mod rapier_bodies;
 mod schedule;
 mod seams;
+mod shapes;
 mod shear;
 mod spaces;
 mod spatial_query;

@@ -60,7 +60,7 @@ fn the_nearest_is_picked_with_its_place_and_normal() {
     assert!(hits(&mut app).is_empty());
     spawn(&mut app, 8.0, ());
     let near = spawn(&mut app, 4.0, ());
-    let ball = CollisionShape::sphere(1.0).unwrap();
+    let ball = CollisionShape::sphere(1.0);
     // The ray meets the box of this one, and not the ball.
     app.world_mut().spawn((ball, Transform::from_xyz(2.0, 0.9, 0.9)));
     let hits = hits(&mut app);

@@ -43,9 +43,9 @@ impl Scene {
 
     fn shape(&mut self) -> CollisionShape {
         if self.rng.bool() {
-            CollisionShape::sphere(self.size()).unwrap()
+            CollisionShape::sphere(self.size())
         } else {
-            CollisionShape::cuboid(Vec3::new(self.size(), self.size(), self.size())).unwrap()
+            CollisionShape::from_half_size(Vec3::new(self.size(), self.size(), self.size()))
         }
     }
 

@@ -171,7 +171,7 @@ fn each_tick_contacts_are_those_of_rapier() {
 #[test]
 fn a_shape_comes_changes_and_goes_with_its_collider() {
     let mut app = fixed_app();
-    let probe = app.world_mut().spawn((CollisionShape::sphere(0.1).unwrap(), Transform::from_xyz(2.0, 0.0, 0.0))).id();
+    let probe = app.world_mut().spawn((CollisionShape::sphere(0.1), Transform::from_xyz(2.0, 0.0, 0.0))).id();
     let stranger = app.world_mut().spawn((Collider::ball(3.0), Transform::default())).id();
     let entity = spawn(&mut app, Collider::ball(1.0), Vec3::ZERO, ());
     let touches = |app: &mut App| {
@@ -271,7 +271,7 @@ fn a_bounce_changes_the_velocity_that_rapier_moves_by() {
     let reflect = Bounce::Reflect { restitution: 0.5 };
     for (bounce, after) in [(Bounce::Reverse, Vec3::new(-1.0, -0.5, 0.0)), (reflect, Vec3::new(-0.5, 0.5, 0.0))] {
         for mut app in [app_in(PostUpdate, PostUpdate), fixed_app()] {
-            let wall = CollisionShape::cuboid(Vec3::new(1.0, 9.0, 9.0)).unwrap();
+            let wall = CollisionShape::from_half_size(Vec3::new(1.0, 9.0, 9.0));
             app.world_mut().spawn((wall, Transform::from_xyz(3.0, 0.0, 0.0)));
             let velocity = rapier::Velocity { linear: Vec3::new(1.0, 0.5, 0.0) * 16.0, angular: Vec3::Y };
             let more = (RigidBody::KinematicVelocityBased, velocity, bounce);
@@ -349,7 +349,7 @@ fn half_space() -> CollisionShape {
 }
 
 fn ball(app: &mut App, at: Vec3, more: impl Bundle) -> Entity {
-    app.world_mut().spawn((CollisionShape::sphere(0.5).unwrap(), Transform::from_translation(at), more)).id()
+    app.world_mut().spawn((CollisionShape::sphere(0.5), Transform::from_translation(at), more)).id()
 }
 
 #[test]
@@ -379,7 +379,7 @@ fn half_spaces_meet_what_brute_force_says_by_every_method() {
                     app.world_mut().spawn((half_space(), Transform::from_xyz(0.0, -8.0, 0.0)));
                 }
                 // A box from now on; and no longer.
-                40 => get_mut::<CollisionShape>(&mut app, slopes[2]).0 = Shape::sphere(4.0).unwrap(),
+                40 => get_mut::<CollisionShape>(&mut app, slopes[2]).0 = Shape::sphere(4.0),
                 50 => *get_mut::<CollisionShape>(&mut app, slopes[2]) = half_space(),
                 _ => {}
             }
@@ -482,7 +482,7 @@ fn queries_see_half_spaces() {
         assert_eq!(spatial.cast_ray(down(0.0), 100.0, &below).map(|hit| hit.entity), Some(entity));
         let hit = spatial.cast_sphere(Vec3::Y, 0.5, Dir3::NEG_Y, 100.0, &all).unwrap();
         assert!(hit.entity == ground && (hit.distance - 1.5).abs() < 1e-4, "{hit:?}");
-        let brick = CollisionShape::cuboid(Vec3::splat(0.5)).unwrap();
+        let brick = CollisionShape::from_half_size(Vec3::splat(0.5));
         let start = Transform::from_xyz(7.0, 1.0, 0.0);
         let hit = spatial.cast_shape(&brick, &start, Dir3::NEG_Y, 100.0, &all).unwrap();
         assert!(hit.entity == ground && (hit.distance - 1.5).abs() < 1e-4, "{hit:?}");

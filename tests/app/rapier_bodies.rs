@@ -91,8 +91,8 @@ fn shapes_of_ours_touch_height_fields_and_voxels() {
         (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5).collect();
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let shapes = [
-        CollisionShape::sphere(0.5),
-        CollisionShape::cuboid(Vec3::splat(0.5)),
+        CollisionShape::try_sphere(0.5),
+        CollisionShape::try_from_half_size(Vec3::splat(0.5)),
         Shape::mesh(corners.clone(), faces).map(CollisionShape),
         Shape::convex(corners, faces).map(CollisionShape),
     ];
@@ -175,7 +175,7 @@ fn a_pair_that_nothing_is_known_of_is_told_once_with_both_entities() {
         let unheard = || CollisionShape(Shape::Rapier(SharedShape(Arc::new(Unheard(Ball::new(0.5))))));
         let [near, far] =
             [0.0, 100.0].map(|x| app.world_mut().spawn((unheard(), Transform::from_xyz(x, 0.0, 0.0))).id());
-        let cube = CollisionShape::cuboid(Vec3::splat(0.5)).unwrap();
+        let cube = CollisionShape::from_half_size(Vec3::splat(0.5));
         let other = app.world_mut().spawn((cube, Transform::from_xyz(0.2, 0.0, 0.0))).id();
         for _ in 0..4 {
             tick(&mut app, 1);
@@ -198,7 +198,7 @@ const REFLECT: Bounce = Bounce::Reflect { restitution: 1.0 };
 
 /// A ball of ours that flies along the first axis, until its velocity changes: what to?
 fn flies_against(app: &mut App, from: f32, speed: f32, more: impl Bundle) -> f32 {
-    let flying = (CollisionShape::sphere(0.5).unwrap(), Velocity(Vec3::X * speed), REFLECT);
+    let flying = (CollisionShape::sphere(0.5), Velocity(Vec3::X * speed), REFLECT);
     let ball = app.world_mut().spawn((flying, Transform::from_xyz(from, 0.0, 0.0), more)).id();
     for _ in 0..120 {
         tick(app, 1);

@@ -27,10 +27,10 @@ fn faces(half: Vec3) -> (Vec<Vec3>, [[u32; 4]; 6]) {
 fn shape(made: Made, half: Vec3) -> CollisionShape {
     let (corners, sides) = faces(half);
     CollisionShape(match made {
-        Made::Cuboid => Shape::cuboid(half).unwrap(),
+        Made::Cuboid => Shape::from_half_size(half),
         Made::Convex => Shape::convex(corners, sides).unwrap(),
         Made::Mesh => Shape::mesh(corners, sides).unwrap(),
-        Made::Ball => Shape::sphere(half.y).unwrap(),
+        Made::Ball => Shape::sphere(half.y),
     })
 }
 

@@ -84,7 +84,7 @@ fn a_turned_cube_under_a_scaled_parent_is_what_it_is() {
             assert_eq!(found_at(&mut app, Vec3::new(2.5, 0.0, 0.0)), [cube]);
         }
         // Another shape, in the same tick.
-        *get_mut(&mut app, cube) = CollisionShape::cuboid(Vec3::splat(0.25)).unwrap();
+        *get_mut(&mut app, cube) = CollisionShape::from_half_size(Vec3::splat(0.25));
         tick(&mut app, 1);
         assert_eq!(found_at(&mut app, Vec3::new(2.5, 0.0, 0.0)), []);
         assert_eq!(found_at(&mut app, Vec3::new(1.25, 0.0, 0.0)), [cube]);
@@ -130,7 +130,7 @@ fn cuboid(half: Vec3, which: u8) -> CollisionShape {
     let corners: Vec<Vec3> = corners(half.as_dvec3(), &DAffine3::IDENTITY).map(DVec3::as_vec3).to_vec();
     let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     match which {
-        0 => CollisionShape::cuboid(half).unwrap(),
+        0 => CollisionShape::from_half_size(half),
         1 => CollisionShape(Shape::convex(corners, sides).unwrap()),
         _ => CollisionShape(Shape::mesh(corners, sides).unwrap()),
     }
@@ -235,7 +235,7 @@ fn a_ball_stays_one() {
     let parent = app.world_mut().spawn(Transform::from_scale(Vec3::new(4.0, 1.0, 1.0))).id();
     let inner = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_4)).with_scale(Vec3::new(1.0, 3.0, 1.0));
     let inner = app.world_mut().spawn((inner, ChildOf(parent))).id();
-    let ball = app.world_mut().spawn((CollisionShape::sphere(0.5).unwrap(), ChildOf(inner))).id();
+    let ball = app.world_mut().spawn((CollisionShape::sphere(0.5), ChildOf(inner))).id();
     for (round, angle) in [0.0, 1.0, 2.0].into_iter().enumerate() {
         get_mut::<Transform>(&mut app, parent).rotation = Quat::from_rotation_x(angle);
         // That it should be an ellipsoid is said once.
@@ -284,7 +284,7 @@ fn a_sheared_shape_is_swept() {
     let turned = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_4));
     let cube = (CollisionShape::default(), turned, Swept::default(), ChildOf(parent));
     let cube = app.world_mut().spawn(cube).id();
-    let thin = CollisionShape::cuboid(Vec3::new(0.1, 0.01, 0.1)).unwrap();
+    let thin = CollisionShape::from_half_size(Vec3::new(0.1, 0.01, 0.1));
     let at = |x: f32| (thin.clone(), Transform::from_xyz(x, 0.0, 0.0));
     let [near, _far] = [2.6, 3.0].map(|x| app.world_mut().spawn(at(x)).id());
     tick(&mut app, 1);
@@ -307,7 +307,7 @@ fn a_rapier_collider_is_not_sheared() {
     let child = app.world_mut().spawn((shape.clone(), turned, ChildOf(parent))).id();
     assert_eq!(warnings(|| tick(&mut app, 1)), 1);
     let at = GlobalTransform::from(place(app.world(), child).as_affine3a()).compute_transform();
-    let tests = app.world().resource::<NarrowPhaseSettings>().0;
+    let tests = *app.world().resource::<NarrowPhase>();
     let expected = tests.world_aabb(bevy_octree::narrow_phase::Placed::new(&shape, &at)).unwrap();
     let found = get::<WorldAabb>(&app, child).0;
     assert!((found.min - expected.min).abs().max_element() < 1e-5, "{found:?} {expected:?}");

@@ -11,13 +11,13 @@ use common::*;
 const ELASTIC: Bounce = Bounce::Reflect { restitution: 1.0 };
 
 fn wall(app: &mut App, center: Vec3, half_size: Vec3) -> Entity {
-    let shape = CollisionShape::cuboid(half_size).unwrap();
+    let shape = CollisionShape::from_half_size(half_size);
     app.world_mut().spawn((shape, StaticCollider, Transform::from_translation(center))).id()
 }
 
 /// A ball that bounces, of radius 0.25 in the world under a parent of the scale that is given.
 fn ball(app: &mut App, at: Transform, velocity: Vec3, swept: bool) -> Entity {
-    let ball = (CollisionShape::sphere(0.25).unwrap(), ELASTIC, Velocity(velocity), at);
+    let ball = (CollisionShape::sphere(0.25), ELASTIC, Velocity(velocity), at);
     let ball = app.world_mut().spawn(ball).id();
     if swept {
         app.world_mut().entity_mut(ball).insert(Swept::default());
@@ -116,7 +116,7 @@ fn a_sheared_space_changes_nothing_in_the_world() {
     let step = Vec3::new(17.0, -23.0, 31.0);
     // One that hangs on it and one that hangs on nothing, which pass through each other. Next to points, for in a sheared
     // space a ball is none.
-    let shape = CollisionShape::sphere(0.0001).unwrap();
+    let shape = CollisionShape::sphere(0.0001);
     let both = [false, true].map(|hangs| {
         let (at, v) = if hangs {
             (frame.inverse().transform_point3(start), frame.inverse().transform_vector3(step))

@@ -61,12 +61,12 @@ fn star() -> CollisionShape {
 
 fn random_shape(rng: &mut Rng) -> CollisionShape {
     match rng.u8(..5) {
-        0 => CollisionShape::sphere(0.2 + rng.f32()).unwrap(),
+        0 => CollisionShape::sphere(0.2 + rng.f32()),
         1 => tetrahedron(),
         2 => star(),
         #[cfg(feature = "rapier")]
         3 => Shape::from(&bevy_rapier3d::geometry::Collider::capsule_y(0.5, 0.3)).into(),
-        _ => CollisionShape::cuboid(vector(rng, 1.0).abs() + 0.1).unwrap(),
+        _ => CollisionShape::from_half_size(vector(rng, 1.0).abs() + 0.1),
     }
 }
 
@@ -97,7 +97,7 @@ fn rays_and_neighbours_are_those_of_brute_force() {
     for (seed, method) in methods().into_iter().enumerate() {
         let mut rng = Rng::with_seed(seed as u64);
         let mut app = random_app(&mut rng, method, 400);
-        let (objects, tests) = (everything(&mut app), app.world().resource::<NarrowPhaseSettings>().0);
+        let (objects, tests) = (everything(&mut app), *app.world().resource::<NarrowPhase>());
         let mut ray = || {
             let (origin, target) = (vector(&mut rng, 12.0), vector(&mut rng, 6.0));
             Ray3d::new(origin, Dir3::new(target - origin).unwrap_or(Dir3::X))
@@ -145,7 +145,7 @@ fn overlaps_and_sweeps_are_those_of_brute_force() {
     for (seed, method) in methods().into_iter().enumerate() {
         let mut rng = Rng::with_seed(100 + seed as u64);
         let mut app = random_app(&mut rng, method, 400);
-        let (objects, tests) = (everything(&mut app), app.world().resource::<NarrowPhaseSettings>().0);
+        let (objects, tests) = (everything(&mut app), *app.world().resource::<NarrowPhase>());
         ask(&mut app, move |spatial| {
             let (mut workspace, mut rng) = (Workspace::default(), Rng::with_seed(7));
             let (mut overlaps, mut sweeps) = (0, 0);
@@ -181,7 +181,7 @@ fn overlaps_and_sweeps_are_those_of_brute_force() {
 /// A cube of side 2 that is turned by an eighth: its box reaches further than it does.
 fn turned_cube(app: &mut App) -> Entity {
     let turned = Transform::from_xyz(10.0, 0.0, 0.0).with_rotation(Quat::from_rotation_z(FRAC_PI_4));
-    app.world_mut().spawn((CollisionShape::cuboid(Vec3::ONE).unwrap(), turned)).id()
+    app.world_mut().spawn((CollisionShape::from_half_size(Vec3::ONE), turned)).id()
 }
 
 #[test]
@@ -287,7 +287,7 @@ fn vectors_are_filled_with_what_callbacks_are_called_with() {
                 called.clear();
             };
             let (cube, place) =
-                (Shape::cuboid(Vec3::splat(3.0)).unwrap(), Transform::from_rotation(Quat::from_rotation_y(0.7)));
+                (Shape::from_half_size(Vec3::splat(3.0)), Transform::from_rotation(Quat::from_rotation_y(0.7)));
             let aabb = Aabb3d::new(Vec3::ONE, Vec3::splat(4.0));
             let frustum = ViewFrustum { half_spaces: [HalfSpace::new(Vec4::X); 6] };
             spatial.box_intersections(&aabb, &ALL, &mut filled);
@@ -531,7 +531,7 @@ fn bad_input_finds_nothing() {
 fn what_is_far_away_is_found_at_its_distance() {
     let rotation = Quat::from_rotation_z(0.4);
     for method in methods() {
-        for shape in [CollisionShape::sphere(1.0).unwrap(), CollisionShape::default(), tetrahedron(), star()] {
+        for shape in [CollisionShape::sphere(1.0), CollisionShape::default(), tetrahedron(), star()] {
             let mut app = app(method.clone());
             let mut at = |x: f32| {
                 let pose = Transform { translation: Vec3::X * x, rotation, ..default() };
@@ -559,7 +559,7 @@ fn what_is_far_away_is_found_at_its_distance() {
         // As large as far away.
         let mut app = app(method);
         let pose = Transform::from_xyz(2e20, 0.0, 0.0).with_scale(Vec3::splat(1e18));
-        let ball = app.world_mut().spawn((CollisionShape::sphere(1.0).unwrap(), pose)).id();
+        let ball = app.world_mut().spawn((CollisionShape::sphere(1.0), pose)).id();
         tick(&mut app, 1);
         ask(&mut app, move |spatial: SpatialQuery| {
             let ray = spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), f32::INFINITY, &ALL).unwrap();
@@ -582,7 +582,7 @@ fn pairs_within_a_distance_are_those_of_brute_force() {
     for (seed, method) in methods().into_iter().enumerate() {
         let mut rng = Rng::with_seed(seed as u64 + 70);
         let mut app = random_app(&mut rng, method, 150);
-        let (objects, tests) = (everything(&mut app), app.world().resource::<NarrowPhaseSettings>().0);
+        let (objects, tests) = (everything(&mut app), *app.world().resource::<NarrowPhase>());
         ask(&mut app, move |spatial| {
             let mut workspace = Workspace::default();
             let is_first = |entity: Entity| entity.index_u32().is_multiple_of(3);

@@ -12,7 +12,7 @@ const ELASTIC: Bounce = Bounce::Reflect { restitution: 1.0 };
 
 /// A static box.
 fn wall(app: &mut App, center: Vec3, half_size: Vec3) -> Entity {
-    let shape = CollisionShape::cuboid(half_size).unwrap();
+    let shape = CollisionShape::from_half_size(half_size);
     app.world_mut().spawn((shape, Transform::from_translation(center))).id()
 }
 
@@ -23,7 +23,7 @@ fn paper(app: &mut App, x: f32) -> Entity {
 
 /// A swept ball of diameter 0.1 that moves by `step` per tick.
 fn bullet(app: &mut App, start: Vec3, step: Vec3) -> Entity {
-    let shape = CollisionShape::sphere(0.05).unwrap();
+    let shape = CollisionShape::sphere(0.05);
     let velocity = Velocity(step * TICKS_PER_SECOND);
     app.world_mut().spawn((shape, Swept::default(), Transform::from_translation(start), velocity)).id()
 }
@@ -201,8 +201,8 @@ fn in_a_room(shape: &CollisionShape, ticks: usize, steps: u32, swept: bool) -> (
 /// Small steps find contacts up to a step too late, by which places differ; and where round things meet, directions do.
 #[test]
 fn it_comes_to_the_same_as_a_thousand_small_steps() {
-    let cube = CollisionShape::cuboid(Vec3::splat(0.9)).unwrap();
-    let ball = CollisionShape::sphere(0.9).unwrap();
+    let cube = CollisionShape::from_half_size(Vec3::splat(0.9));
+    let ball = CollisionShape::sphere(0.9);
     for (shape, ticks, within) in [(cube, 4, 0.05), (ball, 1, 0.25)] {
         let (coarse, fine) = (in_a_room(&shape, ticks, 1, true), in_a_room(&shape, ticks, 1000, false));
         assert!(fine.0.iter().sum::<u64>() > 10 * ticks as u64, "{:?}", fine.0);
@@ -228,7 +228,7 @@ fn every_broad_phase_gives_the_same() {
             })
             .collect();
         for ball in &balls {
-            app.world_mut().entity_mut(*ball).insert(CollisionShape::sphere(0.5).unwrap());
+            app.world_mut().entity_mut(*ball).insert(CollisionShape::sphere(0.5));
         }
         tick(&mut app, 10);
         let places: Vec<_> = balls.iter().map(|ball| place(&app, *ball)).collect();

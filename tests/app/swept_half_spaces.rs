@@ -21,7 +21,7 @@ fn a_half_space_meets_what_it_passes_as_it_turns() {
             app.world_mut().entity_mut(roof).insert(Swept::default());
         }
         let ball = |app: &mut App, y: f32| {
-            app.world_mut().spawn((CollisionShape::sphere(0.1).unwrap(), Transform::from_xyz(0.0, y, 0.0))).id()
+            app.world_mut().spawn((CollisionShape::sphere(0.1), Transform::from_xyz(0.0, y, 0.0))).id()
         };
         let [below, _above] = [-1.0, 1.0].map(|y| ball(&mut app, y));
         tick(&mut app, 1);
@@ -41,7 +41,7 @@ fn a_half_space_meets_what_it_passes_as_it_turns() {
 fn a_half_space_meets_what_it_comes_to() {
     let mut app = app(BroadPhaseMethod::default());
     let floor = app.world_mut().spawn((half_space(), Swept::default(), Transform::from_xyz(0.0, -10.0, 0.0))).id();
-    let ball = app.world_mut().spawn((CollisionShape::sphere(0.1).unwrap(), Transform::from_xyz(3.0, 0.0, 0.0))).id();
+    let ball = app.world_mut().spawn((CollisionShape::sphere(0.1), Transform::from_xyz(3.0, 0.0, 0.0))).id();
     tick(&mut app, 1);
     get_mut::<Transform>(&mut app, floor).translation.y = 10.0;
     tick(&mut app, 1);

@@ -14,7 +14,7 @@ const ELASTIC: Bounce = Bounce::Reflect { restitution: 1.0 };
 
 /// A static box.
 fn wall(app: &mut App, center: Vec3, half_size: Vec3) -> Entity {
-    let shape = CollisionShape::cuboid(half_size).unwrap();
+    let shape = CollisionShape::from_half_size(half_size);
     app.world_mut().spawn((shape, Transform::from_translation(center))).id()
 }
 
@@ -25,7 +25,7 @@ fn paper(app: &mut App, x: f32) -> Entity {
 
 /// A swept ball of diameter 0.1 that moves by `step` per tick.
 fn bullet(app: &mut App, start: Vec3, step: Vec3) -> Entity {
-    let shape = CollisionShape::sphere(0.05).unwrap();
+    let shape = CollisionShape::sphere(0.05);
     let velocity = Velocity(step * TICKS_PER_SECOND);
     app.world_mut().spawn((shape, Swept::default(), Transform::from_translation(start), velocity)).id()
 }
@@ -56,11 +56,11 @@ fn what_is_copied_begins_where_it_is() {
         |world, bullet| world.entity_mut(bullet).clone_and_spawn(),
         |world, bullet| {
             let copy = *world.get::<Swept>(bullet).unwrap();
-            world.spawn((CollisionShape::sphere(0.05).unwrap(), copy)).id()
+            world.spawn((CollisionShape::sphere(0.05), copy)).id()
         },
         |world, bullet| {
             let way = world.get::<SweptWay>(bullet).unwrap().clone();
-            world.spawn((CollisionShape::sphere(0.05).unwrap(), Swept::default(), way)).id()
+            world.spawn((CollisionShape::sphere(0.05), Swept::default(), way)).id()
         },
         // Put elsewhere by inserting the component with the value that it has.
         |world, bullet| {
@@ -116,7 +116,7 @@ fn what_hangs_on_a_swept_entity_bounces_with_it() {
             let before = wall(&mut app, Vec3::new(-0.1, 2.0, 0.0), Vec3::splat(0.3));
             let ball = elastic_bullet(&mut app, Vec3::X * 1.0, Vec3::X * 9.0);
             let holder = if nested { app.world_mut().spawn((Transform::default(), ChildOf(ball))).id() } else { ball };
-            let part = (CollisionShape::sphere(0.05).unwrap(), Transform::from_xyz(0.0, 2.0, 0.0), ChildOf(holder));
+            let part = (CollisionShape::sphere(0.05), Transform::from_xyz(0.0, 2.0, 0.0), ChildOf(holder));
             let part = app.world_mut().spawn((part, Sensor)).id();
             if swept {
                 app.world_mut().entity_mut(part).insert(Swept::default());
@@ -167,7 +167,7 @@ fn what_hangs_on_a_swept_entity_bounces_with_it() {
 fn what_hangs_on_a_body_at_rest_leaves_with_it() {
     let mut app = app(BroadPhaseMethod::default());
     let ball = elastic_bullet(&mut app, Vec3::ZERO, Vec3::ZERO);
-    let part = app.world_mut().spawn((CollisionShape::sphere(0.05).unwrap(), Transform::from_xyz(0.0, 2.0, 0.0)));
+    let part = app.world_mut().spawn((CollisionShape::sphere(0.05), Transform::from_xyz(0.0, 2.0, 0.0)));
     let part = part.id();
     app.world_mut().entity_mut(part).insert(ChildOf(ball));
     let there = wall(&mut app, Vec3::Y * 2.5, Vec3::splat(0.5));

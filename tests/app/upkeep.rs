@@ -59,7 +59,7 @@ fn what_goes_while_the_index_is_away_leaves_no_ghost() {
         let sparse = number != 0;
         meanwhile(&mut app, |world| act(world, cubes[1]));
         // What is swept meets nothing at its place, not even in the same tick.
-        let ball = (CollisionShape::sphere(0.1).unwrap(), Swept::default(), Bounce::Reflect { restitution: 1.0 });
+        let ball = (CollisionShape::sphere(0.1), Swept::default(), Bounce::Reflect { restitution: 1.0 });
         let ball = (ball, Velocity(Vec3::X * -TICKS_PER_SECOND), Transform::from_xyz(2.75, 0.0, 0.0));
         let ball = app.world_mut().spawn(ball).id();
         tick(&mut app, 1);
@@ -257,7 +257,7 @@ fn any_disabling_component_takes_an_entity_out() {
 fn an_entity_spawned_disabled_stays_out_and_so_does_its_swept_way() {
     let (mut app, cubes) = in_contact();
     app.world_mut().register_disabling_component::<Parked>();
-    let ball = (CollisionShape::sphere(0.1).unwrap(), Swept::default(), Parked, Transform::from_xyz(5.0, 0.0, 0.0));
+    let ball = (CollisionShape::sphere(0.1), Swept::default(), Parked, Transform::from_xyz(5.0, 0.0, 0.0));
     let ball = app.world_mut().spawn(ball).id();
     tick(&mut app, 2);
     assert_in_index(&app, &cubes);
@@ -273,7 +273,7 @@ fn parents_disabled_by_whatever_place_their_children() {
     let mut app = app(BroadPhaseMethod::default());
     app.world_mut().register_disabling_component::<Parked>();
     let parent = app.world_mut().spawn((Transform::from_xyz(10.0, 0.0, 0.0), Parked)).id();
-    let child = (CollisionShape::sphere(0.25).unwrap(), Swept::default(), Transform::from_xyz(2.0, 0.0, 0.0));
+    let child = (CollisionShape::sphere(0.25), Swept::default(), Transform::from_xyz(2.0, 0.0, 0.0));
     let child = app.world_mut().spawn((child, ChildOf(parent))).id();
     let wall = app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(12.0, 4.0, 0.0))).id();
     // On the way from the world's origin, it would have met this.
@@ -336,12 +336,12 @@ fn a_box_that_is_overwritten_or_was_removed_is_computed_anew() {
 #[test]
 fn an_update_takes_up_a_new_tolerance() {
     let mut app = app(BroadPhaseMethod::default());
-    let ball = (CollisionShape::sphere(0.5).unwrap(), Transform::from_xyz(5.0, 0.0, 0.0));
+    let ball = (CollisionShape::sphere(0.5), Transform::from_xyz(5.0, 0.0, 0.0));
     let ball = app.world_mut().spawn(ball).id();
     tick(&mut app, 1);
     update_spatial_index(app.world_mut());
     tick(&mut app, 1);
-    app.world_mut().resource_mut::<NarrowPhaseSettings>().0 = NarrowPhase::new(0.5).unwrap();
+    app.insert_resource(NarrowPhase::new(0.5).unwrap());
     update_spatial_index(app.world_mut());
     let find = move |spatial: SpatialQuery| {
         let mut found = Vec::new();

@@ -144,7 +144,7 @@ pub fn brute_force_contacts(app: &mut App) -> Vec<EntityPair> {
     let shapes = world.query::<(Entity, &CollisionShape)>();
     let world = &*world;
     let placed: Vec<_> = shapes.iter_manual(world).map(|(id, shape)| (id, shape, world_pose(world, id))).collect();
-    let tests = world.resource::<NarrowPhaseSettings>().0;
+    let tests = *world.resource::<NarrowPhase>();
     let mut workspace = Workspace::default();
     let mut pairs = Vec::new();
     for (place, (a, shape_a, pose_a)) in placed.iter().enumerate() {

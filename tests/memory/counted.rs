@@ -174,10 +174,10 @@ fn an_app_takes_as_much_after_many_ticks_as_after_a_few() {
         // Bevy keeps messages until a fixed timestep has passed.
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(20)));
     for x in [-1.0, 1.0] {
-        let wall = CollisionShape::cuboid(Vec3::new(0.1, 5.0, 5.0)).unwrap();
+        let wall = CollisionShape::from_half_size(Vec3::new(0.1, 5.0, 5.0));
         app.world_mut().spawn((wall, Transform::from_xyz(x, 0.0, 0.0)));
     }
-    let ball = CollisionShape::sphere(0.1).unwrap();
+    let ball = CollisionShape::sphere(0.1);
     let bounce = Bounce::Reflect { restitution: 1.0 };
     app.world_mut().spawn((
         ball,

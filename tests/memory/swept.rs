@@ -22,12 +22,12 @@ fn app() -> App {
 }
 
 fn wall(app: &mut App, center: Vec3, half_size: Vec3) {
-    let shape = CollisionShape::cuboid(half_size).unwrap();
+    let shape = CollisionShape::from_half_size(half_size);
     app.world_mut().spawn((shape, Transform::from_translation(center)));
 }
 
 fn ball(app: &mut App, center: Vec3, velocity: Vec3, parts: impl Bundle) {
-    let shape = CollisionShape::sphere(0.1).unwrap();
+    let shape = CollisionShape::sphere(0.1);
     let moving = (Velocity(velocity), Bounce::Reflect { restitution: 1.0 });
     app.world_mut().spawn((shape, moving, Transform::from_translation(center), parts));
 }

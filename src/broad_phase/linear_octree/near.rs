@@ -8,11 +8,13 @@ use super::{
     list::{List, Packed},
     skin::REFRESH_SHARE,
 };
-use crate::broad_phase::proxy::Proxies;
+use crate::broad_phase::{block::WIDTH, proxy::Proxies};
 
-/// The near pairs of a slot are not known any more.
+/// The near pairs of a slot are not known any more. Set when its skin changes, and when it begins to be watched; cleared
+/// when they are found.
 const FRESH: u8 = 1;
-/// The near pairs of a slot are kept.
+/// The near pairs of a slot are kept. Set when its object moves; cleared, for all at once, when many more are watched
+/// than move.
 const WATCHED: u8 = 2;
 
 /// Pairs of slots whose skins overlap, kept for as long as the skins are. Of objects that rest, none are kept: what
@@ -87,6 +89,7 @@ impl NearPairs {
 
     /// Watches the objects that moved and no others, if many more are watched.
     pub(super) fn watch_moved(&mut self, proxies: &Proxies, slot_of: &[u32]) {
+        debug_assert!(self.all_are_watched || self.watched.len() <= self.flags.len(), "each slot is listed once");
         let watched = if self.all_are_watched { self.flags.len() } else { self.watched.len() };
         if watched < 64 + 8 * proxies.moved().len() {
             return;
@@ -141,6 +144,7 @@ impl NearPairs {
     fn find_all(&mut self, level: Level, tree: &Levels, admits: Option<impl Fn(u32, u32) -> bool + Sync>) {
         self.forget();
         self.are_known = true;
+        debug_assert_eq!(self.flags.len().div_ceil(WIDTH).max(1), tree.leaves(), "the slots are those of the tree");
         let Self { pairs, flags, all_are_watched, work, .. } = self;
         let is_watched = |a: u32, b: u32| *all_are_watched || (flags[a as usize] | flags[b as usize]) & WATCHED != 0;
         match admits {

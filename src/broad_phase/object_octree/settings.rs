@@ -5,7 +5,7 @@ use thiserror::Error;
 
 /// How the root cell of an [`ObjectOctree`](super::ObjectOctree) is laid.
 #[derive(Clone, Copy, Debug, Reflect)]
-#[type_path = "bevy_octree::broad_phase"]
+#[type_path = "bevy_octree"]
 pub enum RootPolicy {
     /// A cube around the centre of the bounding box of all objects, its side this multiple of the box's longest side. The
     /// report's heuristic is 1.5.
@@ -44,7 +44,7 @@ impl Default for RootPolicy {
 
 /// The parameters of an [`ObjectOctree`](super::ObjectOctree).
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
-#[type_path = "bevy_octree::broad_phase"]
+#[type_path = "bevy_octree"]
 pub struct ObjectOctreeSettings {
     /// The report's N: a leaf that lists more objects than this splits, unless it is at the depth limit. At least 1.
     ///

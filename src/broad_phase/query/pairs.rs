@@ -13,7 +13,8 @@ impl SpatialIndex {
     /// than `distance`, in a straight line, and with their distance: 0 for boxes that overlap or touch.
     ///
     /// The groups are told by predicates, and may share members. No object makes a pair with itself, and a pair that could
-    /// be told in either order is told once, by its lower handle first. [Pair filters](crate::broad_phase::PairFilter) are not asked.
+    /// be told in either order is told once, by its lower handle first. [Pair filters](crate::broad_phase::PairFilter)
+    /// are not asked.
     ///
     /// In the order of the handles of the first group; the partners of one as the broad phase comes upon them, which
     /// depends on the history of the index alone.

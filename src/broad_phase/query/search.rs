@@ -12,7 +12,7 @@ use crate::broad_phase::{
 /// # Queries
 ///
 /// Written once, with the same answers whatever the broad phase. None allocates, and none panics: bad input finds
-/// nothing. They are fastest with a [`LinearOctree`](super::LinearOctree), whose blocks they search eight boxes at a
+/// nothing. They are fastest with a [`LinearOctree`], whose blocks they search eight boxes at a
 /// time.
 ///
 /// Unbounded objects are found by each, at a distance of 0, wherever they are: what lies where is for `distance`, or

@@ -36,10 +36,9 @@ impl NarrowPhase {
     /// use bevy::{math::{Dir3, Vec3}, transform::components::Transform};
     /// use bevy_octree::narrow_phase::{NarrowPhase, Placed, Shape};
     ///
-    /// let (ball, at) = (Shape::sphere(1.0)?, Transform::from_xyz(5.0, 0.0, 0.0));
+    /// let (ball, at) = (Shape::sphere(1.0), Transform::from_xyz(5.0, 0.0, 0.0));
     /// let hit = NarrowPhase::default().cast_ray(Placed::new(&ball, &at), Vec3::ZERO, Dir3::X, 100.0).unwrap();
     /// assert_eq!((hit.distance, hit.point, hit.normal), (4.0, Vec3::X * 4.0, Vec3::NEG_X));
-    /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
     /// ```
     #[doc(alias = "raycast")]
     #[must_use]

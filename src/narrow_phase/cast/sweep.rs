@@ -34,12 +34,11 @@ impl NarrowPhase {
     /// use bevy::{math::{Dir3, Vec3}, transform::components::Transform};
     /// use bevy_octree::narrow_phase::{NarrowPhase, Placed, Shape, Workspace};
     ///
-    /// let (brick, ball) = (Shape::cuboid(Vec3::ONE)?, Shape::sphere(0.5)?);
+    /// let (brick, ball) = (Shape::cuboid(2.0, 2.0, 2.0), Shape::sphere(0.5));
     /// let (here, there) = (Transform::IDENTITY, Transform::from_xyz(8.0, 0.0, 0.0));
     /// let (moving, target) = (Placed::new(&ball, &here), Placed::new(&brick, &there));
     /// let hit = NarrowPhase::default().sweep(moving, Dir3::X, 10.0, target, &mut Workspace::default()).unwrap();
     /// assert_eq!((hit.distance, hit.point, hit.normal), (6.5, Vec3::X * 7.0, Vec3::NEG_X));
-    /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
     /// ```
     #[doc(alias = "shapecast")]
     #[doc(alias = "cast_shape")]

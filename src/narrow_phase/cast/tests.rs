@@ -20,7 +20,7 @@ pub fn shapes() -> Vec<Shape> {
     let square = [Vec3::NEG_X, Vec3::Y, Vec3::X, Vec3::NEG_Y];
     let mut shapes = vec![
         box_of(1.0, 0.5, 0.25),
-        Shape::sphere(0.75).unwrap(),
+        Shape::sphere(0.75),
         Shape::convex(pyramid, [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]).unwrap(),
         Shape::mesh(level(0.0).chain(level(1.0)).collect::<Vec<_>>(), sides).unwrap(),
         Shape::mesh(square, [[0, 1, 2, 3]]).unwrap(),
@@ -168,7 +168,7 @@ fn rays_through_edges_and_corners_do_not_slip_through() {
 fn rays_from_inside_and_afar_and_at_flat_shapes() {
     let inside =
         |shape: &Shape| NarrowPhase::default().cast_ray(Placed::new(shape, &at(1.0, 0.0, 0.0)), Vec3::X, Dir3::Z, 0.0);
-    for solid in [box_of(1.0, 1.0, 1.0), Shape::sphere(1.0).unwrap(), mesh_of(Vec3::ONE)] {
+    for solid in [box_of(1.0, 1.0, 1.0), Shape::sphere(1.0), mesh_of(Vec3::ONE)] {
         let hit = inside(&solid).unwrap();
         assert_eq!((hit.distance, hit.point, hit.normal), (0.0, Vec3::X, Vec3::NEG_Z));
         // A million sides away.
@@ -207,7 +207,7 @@ fn equal_cubes_turned_alike_meet_face_to_face() {
 fn the_way_may_be_endless() {
     let (here, turn) = (at(0.0, 0.0, 0.0), Quat::from_rotation_y(1.0));
     let there = at(50.0, 0.3, 0.3).with_rotation(turn);
-    let ball = Shape::sphere(0.5).unwrap();
+    let ball = Shape::sphere(0.5);
     for shape in shapes() {
         let target = Placed::new(&shape, &there);
         let towards = Dir3::new(there.translation + turn * Vec3::splat(0.1)).unwrap();

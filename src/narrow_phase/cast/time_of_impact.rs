@@ -27,8 +27,8 @@ const MOST_GRAZES: u32 = 8;
 const LONGEST_STEP: f32 = 1.0 / 16.0;
 
 impl NarrowPhase {
-    /// Returns when two shapes on their way first come into contact, and how they then touch; `None` if they do not, or anything is
-    /// not finite.
+    /// Returns when two shapes on their way first come into contact, and how they then touch; `None` if they do not, or
+    /// anything is not finite.
     ///
     /// Two that are [in contact](Self::intersects) at the start meet at once if they come nearer to each other, and if they
     /// stay in contact to the end; those that part count from then on, if they are apart for more than 1/16 of the way or
@@ -47,12 +47,11 @@ impl NarrowPhase {
     /// use bevy_octree::narrow_phase::{Moving, NarrowPhase, Shape, Workspace};
     ///
     /// // Two bullets, head-on, at a thousand times their size.
-    /// let bullet = Shape::sphere(0.5)?;
+    /// let bullet = Shape::sphere(0.5);
     /// let (left, right) = (Transform::from_xyz(-500.0, 0.0, 0.0), Transform::from_xyz(500.0, 0.0, 0.0));
     /// let (a, b) = (Moving::new(&bullet, &left, &right), Moving::new(&bullet, &right, &left));
     /// let met = NarrowPhase::default().time_of_impact(&a, &b, &mut Workspace::default()).unwrap();
     /// assert!((met.time - 0.4995).abs() < 1e-6 && met.contact.point.length() < 1e-3);
-    /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
     /// ```
     #[doc(alias = "ccd")]
     #[doc(alias = "toi")]

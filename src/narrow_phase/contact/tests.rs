@@ -24,7 +24,7 @@ fn assert_close(found: Contact, normal: Vec3, depth: f32) {
 
 #[test]
 fn every_kind_of_pair_pushes_the_second_away() {
-    let (cube, ball) = (box_of(1.0, 1.0, 1.0), Shape::sphere(1.0).unwrap());
+    let (cube, ball) = (box_of(1.0, 1.0, 1.0), Shape::sphere(1.0));
     let (mesh, here) = (mesh_of(Vec3::ONE), at(0.0, 0.0, 0.0));
     let convex = Shape::convex(
         mesh_vertices(&mesh).to_vec(),
@@ -64,7 +64,7 @@ fn mesh_vertices(shape: &Shape) -> &[Vec3] {
 
 #[test]
 fn a_ball_inside_leaves_by_the_nearest_face() {
-    let small = Shape::sphere(0.1).unwrap();
+    let small = Shape::sphere(0.1);
     let here = at(0.0, 0.0, 0.0);
     for solid in [box_of(1.0, 1.0, 1.0), mesh_of(Vec3::ONE)] {
         let found = contact((&solid, here), (&small, at(0.2, 0.0, -0.7)));

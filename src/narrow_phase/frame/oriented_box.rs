@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn turned_cube_reaches_further() {
-        let shape = Shape::cuboid(Vec3::ONE).unwrap();
+        let shape = Shape::from_half_size(Vec3::ONE);
         let transform = Transform::from_xyz(1.0, 2.0, 3.0)
             .with_rotation(Quat::from_rotation_z(FRAC_PI_4))
             .with_scale(Vec3::new(1.0, -1.0, 5.0));
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn closest_point_is_clamped_along_own_axes() {
-        let shape = Shape::cuboid(Vec3::ONE).unwrap();
+        let shape = Shape::from_half_size(Vec3::ONE);
         let turned = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_4));
         let placed = OrientedBox::of(&shape, &turned, Vec3::ZERO).unwrap();
         let closest = placed.closest_point(Vec3A::new(5.0, 0.0, 0.0));

@@ -14,7 +14,7 @@ pub const ROUNDING: f32 = 16.0 * f32::EPSILON;
 ///
 /// Rotations are normalised before use. In a hierarchy of entities the transform is the one in the
 /// world: `GlobalTransform::compute_transform()`, which drops shear; the plugins do
-/// [without that loss](crate::BoundsPlugin#sheared-shapes).
+/// [without that loss](crate::plugins::BoundsPlugin#sheared-shapes).
 #[doc(alias = "pose")]
 #[doc(alias = "isometry")]
 #[derive(Clone, Copy, Debug)]

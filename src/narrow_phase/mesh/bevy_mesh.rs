@@ -172,7 +172,7 @@ mod tests {
         let mesh = PolygonMesh::from_mesh(&Mesh::from(Torus::new(0.5, 1.0))).unwrap();
         assert!(mesh.is_closed());
         let torus = Shape::from(mesh);
-        let pea = Shape::cuboid(Vec3::splat(0.1)).unwrap();
+        let pea = Shape::from_half_size(Vec3::splat(0.1));
         let meets = |x: f32| {
             let (here, there) = (Transform::IDENTITY, Transform::from_xyz(x, 0.0, 0.0));
             let (torus, pea) = (Placed::new(&torus, &here), Placed::new(&pea, &there));

@@ -48,6 +48,7 @@ pub struct PolygonMesh {
     center: Vec3A,
     half_size: Vec3A,
     radius: f32,
+    #[cfg_attr(not(feature = "rapier"), expect(dead_code, reason = "nothing is made of it without Rapier"))]
     pub(in crate::narrow_phase) cache: Cache,
 }
 

@@ -187,7 +187,7 @@ fn apart(a: (&Shape, Transform), b: (&Shape, Transform)) -> f32 {
 fn half_space_has_distances_too() {
     let ground = Shape::from(SharedShape::halfspace(Vec3::Y));
     let here = at(0.0, 0.0, 0.0);
-    for other in [box_of(0.5, 0.5, 0.5), mesh_of(Vec3::splat(0.5)), Shape::sphere(0.5).unwrap()] {
+    for other in [box_of(0.5, 0.5, 0.5), mesh_of(Vec3::splat(0.5)), Shape::sphere(0.5)] {
         for (height, expected) in [(1.75, 1.25), (0.5, 0.0), (0.25, 0.0)] {
             let found = apart((&ground, here), (&other, at(1e3, height, 0.0)));
             assert!((found - expected).abs() < 1e-5, "{found} {expected} {other:?}");
@@ -226,7 +226,7 @@ fn half_space_has_no_bounds_but_contacts() {
     let here = at(0.0, 0.0, 0.0);
     assert_eq!(ground.world_aabb(&here), Err(BoundsError::Unbounded));
     let cube = box_of(0.5, 0.5, 0.5);
-    for other in [cube.clone(), mesh_of(Vec3::splat(0.5)), Shape::sphere(0.5).unwrap()] {
+    for other in [cube.clone(), mesh_of(Vec3::splat(0.5)), Shape::sphere(0.5)] {
         assert!(meets((&ground, here), (&other, at(1e3, 0.4, 0.0))));
         assert!(meets((&ground, here), (&other, at(0.0, 0.5, 0.0))));
         assert!(!meets((&ground, here), (&other, at(0.0, 0.6, 0.0))));
@@ -246,7 +246,7 @@ fn contacts_of_a_half_space_are_where_a_shape_is_deepest() {
     let parts = [-1.0, 1.0].map(|x| (Pose::translation(x, -0.5 * x, 0.0), SharedShape::cuboid(0.5, 0.5, 0.5)));
     // Each of them, where its lowest point is, and how low.
     let shapes = [
-        (Shape::sphere(0.5).unwrap(), 0.0, 0.5),
+        (Shape::sphere(0.5), 0.0, 0.5),
         (SharedShape::ball(0.5).into(), 0.0, 0.5),
         (SharedShape::cone(0.5, 0.5).into(), 0.0, 0.5),
         (SharedShape::compound(parts.into()).into(), 1.0, 1.0),

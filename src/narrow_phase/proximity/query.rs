@@ -31,11 +31,10 @@ impl NarrowPhase {
     /// use bevy::{math::Vec3, transform::components::Transform};
     /// use bevy_octree::narrow_phase::{NarrowPhase, Placed, Shape, Workspace};
     ///
-    /// let (brick, at) = (Shape::cuboid(Vec3::new(2.0, 1.0, 1.0))?, Transform::from_xyz(5.0, 0.0, 0.0));
+    /// let (brick, at) = (Shape::cuboid(4.0, 2.0, 2.0), Transform::from_xyz(5.0, 0.0, 0.0));
     /// let brick = Placed::new(&brick, &at);
     /// let closest = NarrowPhase::default().closest_point(brick, Vec3::Y, &mut Workspace::default());
     /// assert_eq!(closest, Some(Vec3::new(3.0, 1.0, 0.0)));
-    /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
     /// ```
     #[doc(alias = "project_point")]
     #[must_use]
@@ -65,7 +64,7 @@ impl NarrowPhase {
     /// overlap as they do for [`intersects`](Self::intersects): one inside the other too, if that is closed. Those that are
     /// in contact by tolerance alone have a distance, which is no more than the tolerance. Swapping the two swaps the
     /// points and turns the offset around, unless they are equal in all things, position included. `None` if anything is not
-    /// finite, and for pairs of which nothing is known, such as two half-spaces: see the [module](super).
+    /// finite, and for pairs of which nothing is known, such as two half-spaces: see the [module](crate::narrow_phase).
     ///
     /// Two cuboids: O(1), in the order of 0.1 µs if turned alike, and 1 µs if not; two spheres, and a sphere and a cuboid:
     /// O(1); a sphere and a mesh: linear in its polygons; two meshes: linear in their polygons where they are far from each
@@ -77,13 +76,12 @@ impl NarrowPhase {
     /// use bevy::{math::Vec3, transform::components::Transform};
     /// use bevy_octree::narrow_phase::{NarrowPhase, Placed, Shape, Workspace};
     ///
-    /// let (brick, ball) = (Shape::cuboid(Vec3::ONE)?, Shape::sphere(0.5)?);
+    /// let (brick, ball) = (Shape::cuboid(2.0, 2.0, 2.0), Shape::sphere(0.5));
     /// let (here, there) = (Transform::IDENTITY, Transform::from_xyz(4.0, 5.0, 0.0));
     /// let (brick, ball) = (Placed::new(&brick, &here), Placed::new(&ball, &there));
     /// let found = NarrowPhase::default().closest_points(brick, ball, &mut Workspace::default()).unwrap();
     /// assert_eq!(found.distance, 4.5);
     /// assert_eq!(found.points[0], Vec3::new(1.0, 1.0, 0.0));
-    /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
     /// ```
     #[doc(alias = "distance")]
     #[must_use]

@@ -128,7 +128,7 @@ fn what_overlaps_has_no_distance() {
     let here = at(0.0, 0.0, 0.0);
     let turned = at(0.3, 0.2, 0.1).with_rotation(Quat::from_rotation_y(1.0));
     let bar = at(0.0, 0.0, 0.0).with_scale(Vec3::new(5.0, 0.1, 0.1)).with_rotation(Quat::from_rotation_z(1.0));
-    let solids = [box_of(1.0, 1.0, 1.0), mesh_of(Vec3::ONE), Shape::sphere(1.0).unwrap()];
+    let solids = [box_of(1.0, 1.0, 1.0), mesh_of(Vec3::ONE), Shape::sphere(1.0)];
     for a in &solids {
         for b in &solids {
             // Aside, through and through, inside and around.
@@ -153,17 +153,17 @@ fn hollows_and_open_meshes_are_empty() {
     let Shape::Mesh(cube) = mesh_of(Vec3::ONE) else { unreachable!() };
     let open = Shape::mesh(cube.vertices(), cube.polygons().skip(1)).unwrap();
     assert!((closest((&open, here), (&pea, at(0.5, 0.25, 0.0))).distance - 0.375).abs() < 1e-6);
-    let ball = Shape::sphere(0.25).unwrap();
+    let ball = Shape::sphere(0.25);
     assert!((closest((&open, here), (&ball, at(0.5, 0.25, 0.0))).distance - 0.25).abs() < 1e-6);
 }
 
 #[test]
 fn flat_shapes_and_points_have_distances() {
     let here = at(0.0, 0.0, 0.0);
-    for shape in [box_of(1.0, 1.0, 1.0), mesh_of(Vec3::ONE), Shape::sphere(1.0).unwrap()] {
+    for shape in [box_of(1.0, 1.0, 1.0), mesh_of(Vec3::ONE), Shape::sphere(1.0)] {
         for scale in [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 0.0, 1.0)] {
             let flat = here.with_scale(scale);
-            for other in [box_of(0.5, 0.5, 0.5), mesh_of(Vec3::splat(0.5)), Shape::sphere(0.5).unwrap()] {
+            for other in [box_of(0.5, 0.5, 0.5), mesh_of(Vec3::splat(0.5)), Shape::sphere(0.5)] {
                 let found = closest((&shape, flat), (&other, at(0.0, 5.0, 0.0)));
                 let is_ball = matches!(shape, Shape::Sphere { .. }) && scale != Vec3::ZERO;
                 let expected = if is_ball { 3.5 } else { 4.5 };

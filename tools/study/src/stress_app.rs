@@ -50,7 +50,7 @@ impl StressApp {
 
         let boxes = simulation.boxes().iter().enumerate();
         let entities = boxes.map(|(object, aabb)| {
-            let shape = CollisionShape::cuboid(aabb.half_size().into())?;
+            let shape = CollisionShape::try_from_half_size(aabb.half_size().into())?;
             Ok((Object(object), shape, Transform::from_translation(aabb.center().into())))
         });
         let entities = entities.collect::<Outcome<Vec<_>>>()?;

@@ -87,7 +87,7 @@ proptest! {
 /// A blade of length 2 that turns by a third of a turn hits a ball beside it with its end.
 #[test]
 fn a_blade_hits_what_it_turns_through() {
-    let (blade, ball) = (box_of(1.0, 0.01, 0.2), Shape::sphere(0.1).unwrap());
+    let (blade, ball) = (box_of(1.0, 0.01, 0.2), Shape::sphere(0.1));
     let start = at(0.0, 0.0, 0.0);
     let blade = Moving::new(&blade, &start, &start.with_rotation(Quat::from_rotation_z(2.0)));
     let placed = at(0.0, 0.8, 0.0);
@@ -119,7 +119,7 @@ fn those_that_part_meet_when_they_come_back() {
     // A wall with another behind it, as one mesh.
     let sheet = |x: f32| [[x, -1., -1.], [x, 1., -1.], [x, 1., 1.], [x, -1., 1.]].map(Vec3::from);
     let walls = Shape::mesh([sheet(0.0), sheet(4.0)].concat(), [[0, 1, 2, 3], [4, 5, 6, 7]]).unwrap();
-    let (ball, here) = (Shape::sphere(0.5).unwrap(), at(0.0, 0.0, 0.0));
+    let (ball, here) = (Shape::sphere(0.5), at(0.0, 0.0, 0.0));
     let walls = Moving::resting(Placed::new(&walls, &here));
     // Touching the first, on its way to the second.
     let found = met(&Moving::new(&ball, &at(0.5, 0.0, 0.0), &at(8.5, 0.0, 0.0)), &walls).unwrap();
@@ -158,7 +158,7 @@ fn met_in_time(name: &str, search: impl FnOnce() -> Option<TimedContact> + Send 
 #[test]
 fn every_search_has_an_end() {
     let sizes = [1e-30, 1e-3, 0.5, 1e4, 1e10, 1e19, 1e30, 1e37, 1e38];
-    let shapes = |size: f32| [Shape::sphere(size).unwrap(), box_of(size, size, size), mesh_of(Vec3::splat(size))];
+    let shapes = |size: f32| [Shape::sphere(size), box_of(size, size, size), mesh_of(Vec3::splat(size))];
     for (size, far) in sizes.into_iter().flat_map(|size| sizes.map(|far| (size, far))) {
         for (one, other) in shapes(size).into_iter().flat_map(|one| shapes(0.5).map(|other| (one.clone(), other))) {
             for (angle, gap) in [0.0, 0.3, 3.0].into_iter().flat_map(|angle| [0.0, 2e-4, 1.0].map(|gap| (angle, gap))) {
@@ -192,7 +192,7 @@ fn the_search_above_a_half_space_has_an_end() {
                     let (ball, here) = (Shape::from(&Collider::ball(radius)), at(0.0, 0.0, 0.0));
                     let end = at(0.0, radius + gap, 0.0).with_rotation(Quat::from_rotation_z(angle));
                     let resting = Moving::resting(Placed::new(&ground, &here));
-                    let own = Shape::sphere(radius).unwrap();
+                    let own = Shape::sphere(radius);
                     met(&Moving::new(&own, &at(0.0, -way, 0.0), &end), &resting);
                     met(&Moving::new(&ball, &at(0.0, -way, 0.0), &end), &resting)
                 });

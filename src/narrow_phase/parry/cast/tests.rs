@@ -19,7 +19,7 @@ fn targets() -> Vec<Shape> {
     let mut shapes: Vec<Shape> = solids(1.0, random).into_iter().map(|solid| solid.shape).collect();
     shapes.extend(boxes_of(Vec3::new(0.5, 1.0, 0.7)).into_iter().map(|(_, shape)| shape));
     shapes.extend([
-        Shape::sphere(0.7).unwrap(),
+        Shape::sphere(0.7),
         SharedShape::triangle(flat[0], flat[1], flat[2]).into(),
         SharedShape::segment(Vec3::NEG_Y, Vec3::Y).into(),
         (&field).into(),
@@ -110,7 +110,7 @@ fn a_ray_from_a_face_along_it_meets_the_shape_at_once() {
         ("voxel", SharedShape::voxels(Vec3::ONE, &[IVector::new(0, 0, 0)]).into(), 1.0),
     ]);
     let round = [
-        ("sphere", Shape::sphere(0.5).unwrap(), 0.5),
+        ("sphere", Shape::sphere(0.5), 0.5),
         ("ball", SharedShape::ball(0.5).into(), 0.5),
         ("capsule", SharedShape::capsule_x(0.3, 0.5).into(), 0.5),
         ("cylinder", SharedShape::cylinder(0.5, 0.3).into(), 0.5),
@@ -178,7 +178,7 @@ fn what_is_huge_is_as_right_as_what_is_not() {
         let capsule: Shape = SharedShape::capsule_y(size * 0.2, size * 0.1).into();
         assert!(contact((&mesh, at(0.0, 0.0, 0.0)), (&capsule, at(0.0, size * 0.2, 0.0))).is_some(), "2^{power}");
         let balls: [Shape; 3] =
-            [Shape::sphere(size).unwrap(), SharedShape::ball(size).into(), SharedShape::capsule_z(size, size).into()];
+            [Shape::sphere(size), SharedShape::ball(size).into(), SharedShape::capsule_z(size, size).into()];
         for a in &boxes {
             for b in boxes.iter().chain(&balls) {
                 for rotation in [Quat::IDENTITY, turned] {

@@ -297,7 +297,7 @@ fn height_fields_and_voxels_are_as_far_as_what_they_are_made_of() {
     let [field, trimesh, mesh] = hills();
     let ([voxels, compound], cuboids) = voxels();
     let probes: Vec<(Shape, Shape)> = vec![
-        (Shape::sphere(0.4).unwrap(), SharedShape::ball(0.4).into()),
+        (Shape::sphere(0.4), SharedShape::ball(0.4).into()),
         (box_of(0.5, 0.3, 0.4), SharedShape::cuboid(0.5, 0.3, 0.4).into()),
         (mesh_of(Vec3::new(0.2, 0.6, 0.3)), hull_of(Vec3::new(0.2, 0.6, 0.3)).into()),
     ];

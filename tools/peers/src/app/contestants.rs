@@ -73,8 +73,7 @@ impl Contestant {
         let world = app.world_mut();
         match self {
             Self::Ours => {
-                let shape = bevy_octree::components::CollisionShape::cuboid(Vec3::splat(0.5));
-                let shape = shape.expect("a cube of side 1 is a shape");
+                let shape = bevy_octree::components::CollisionShape::cuboid(1.0, 1.0, 1.0);
                 world.spawn_batch(cubes.map(|cube| (cube, shape.clone())).collect::<Vec<_>>());
             }
             Self::Avian => {
