@@ -262,7 +262,7 @@ fn a_hook_may_be_added_first_and_goes_where_the_ticks_are() {
 struct Anyone;
 
 impl PairHook for Anyone {
-    fn admits(_: &Anyone, _: Entity, _: Entity) -> bool {
+    fn admits(_: &Self, _: Entity, _: Entity) -> bool {
         true
     }
 }
