@@ -2,7 +2,7 @@
 
 use bevy::{math::DVec3, prelude::*};
 
-/// How an entity's [`Velocity`] answers to contacts. This happens in the world: velocities of entities with a parent are
+/// How an entity's [`Velocity`](crate::motion::Velocity) answers to contacts. This happens in the world: velocities of entities with a parent are
 /// taken there and back, through the whole hierarchy. One whose ancestors are scaled to nothing has no answer. Entities without this component pass through each other, and are
 /// only reported. Those that are [swept](crate::swept::Swept), and what they meet, answer at the time of impact.
 #[doc(alias("restitution", "response"))]
