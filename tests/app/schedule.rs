@@ -87,7 +87,7 @@ fn with_rapier_too() {
 fn what_is_drawn_is_that_of_the_tick() {
     use bevy::{gizmos::GizmoPlugin, mesh::MeshPlugin};
 
-    let mut app = app_in(Last);
+    let mut app = app_in(Update);
     app.add_plugins((AssetPlugin::default(), MeshPlugin, GizmoPlugin, CollisionDebugPlugin));
     assert_in_order(&mut app, Last);
 }

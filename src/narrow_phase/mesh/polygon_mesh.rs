@@ -117,6 +117,7 @@ impl PolygonMesh {
 
     /// Returns the vertex indices of the polygons, in the order given; each polygon counter-clockwise
     /// around its [normal](Self::normals).
+    #[must_use]
     pub fn polygons(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         (0..self.ends.len()).map(|polygon| self.polygon(polygon))
     }
