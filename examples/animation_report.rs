@@ -12,6 +12,7 @@ use std::{
 use arguments::Arguments;
 use bevy::prelude::*;
 use bevy_octree::{
+    motion::{MotionSettings, Step},
     prelude::*,
     scene::{CollisionReport, Motion, SceneDescription},
 };

@@ -4,7 +4,10 @@
 //! `cargo run --example bullets`
 
 use bevy::prelude::*;
-use bevy_octree::prelude::*;
+use bevy_octree::{
+    motion::{MotionSettings, Step},
+    prelude::*,
+};
 
 /// The diameter of a bullet.
 const CALIBER: f32 = 0.1;

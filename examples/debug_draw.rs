@@ -13,7 +13,14 @@ use bevy::{
     mesh::MeshPlugin,
     prelude::*,
 };
-use bevy_octree::{counters::TickCounters, prelude::*};
+use bevy_octree::{
+    broad_phase::ObjectOctreeSettings,
+    collision_index::CollisionIndex,
+    counters::TickCounters,
+    debug_draw::LeafColors,
+    motion::{MotionSettings, Step},
+    prelude::*,
+};
 use gizmo_lines::{Path, paths};
 use outcome::{Outcome, exit};
 use svg::Svg;

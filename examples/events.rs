@@ -3,7 +3,10 @@
 //! A ball rolls through a gate, breaks a vase, and rolls on. `cargo run --example events`
 
 use bevy::prelude::*;
-use bevy_octree::prelude::*;
+use bevy_octree::{
+    motion::{MotionSettings, Step},
+    prelude::*,
+};
 
 fn main() {
     let mut app = App::new();

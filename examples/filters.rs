@@ -2,7 +2,10 @@
 //! `cargo run --release --example filters`.
 
 use bevy::{ecs::system::SystemParam, prelude::*};
-use bevy_octree::prelude::*;
+use bevy_octree::{
+    motion::{CollisionClock, MotionSettings, Step},
+    prelude::*,
+};
 
 collision_layers! {
     /// The layers of this game.

@@ -11,7 +11,10 @@ use std::{
 use arguments::Arguments;
 use bevy::prelude::*;
 use bevy_octree::{
+    broad_phase::ObjectOctreeSettings,
+    collision_index::CollisionIndex,
     counters::TickCounters,
+    motion::{MotionSettings, Step},
     prelude::*,
     scene::{SceneDescription, TestSet},
 };

@@ -11,7 +11,9 @@ use std::{
 use arguments::Arguments;
 use bevy::{math::bounding::Aabb3d, prelude::*};
 use bevy_octree::{
-    broad_phase::{ObjectOctree, ProxyId},
+    broad_phase::{ObjectOctree, ObjectOctreeSettings, ProxyId},
+    collision_index::CollisionIndex,
+    motion::{MotionSettings, Step},
     octree::NodeId,
     prelude::*,
     scene::SceneDescription,

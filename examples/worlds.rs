@@ -3,7 +3,12 @@
 //! A ship carries its shield with it, changes over to another match, and a match ends. `cargo run --example worlds`
 
 use bevy::prelude::*;
-use bevy_octree::{contacts::Collision, prelude::*};
+use bevy_octree::{
+    collision_index::CollisionIndex,
+    contacts::Collision,
+    motion::{CollisionClock, MotionSettings, Step},
+    prelude::*,
+};
 
 fn main() {
     let mut app = App::new();

@@ -25,7 +25,7 @@ use crate::{
 ///
 /// ```
 /// use bevy::prelude::*;
-/// use bevy_octree::prelude::*;
+/// use bevy_octree::{components::WorldAabb, prelude::*};
 ///
 /// let mut world = World::new();
 /// let wall = world.spawn((CollisionShape::cuboid(0.2, 4.0, 4.0), Transform::from_xyz(3.0, 0.0, 0.0))).id();

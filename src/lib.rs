@@ -3,7 +3,7 @@
 //!
 //! ```
 //! use bevy::prelude::*;
-//! use bevy_octree::prelude::*;
+//! use bevy_octree::{motion::{MotionSettings, Step}, prelude::*, scene::Cube};
 //!
 //! let mut app = App::new();
 //! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
@@ -118,33 +118,29 @@ pub mod plugins {
     };
 }
 
-/// What most users need.
+/// The prelude: what a game writes daily. Settings and types that are looked into now and then are in their modules.
 pub mod prelude {
     #[cfg(feature = "debug_draw")]
-    pub use crate::debug_draw::{CollisionDebugPlugin, CollisionGizmos, DebugDraw, LeafColors, QueryGizmos};
+    pub use crate::debug_draw::{CollisionDebugPlugin, CollisionGizmos, DebugDraw};
     #[cfg(feature = "picking")]
-    pub use crate::picking::{CollisionPickable, CollisionPickingPlugin, CollisionPickingSettings};
+    pub use crate::picking::{CollisionPickable, CollisionPickingPlugin};
     #[cfg(feature = "rapier")]
     pub use crate::rapier::{RapierInteropPlugin, ShapeFromRapier};
     pub use crate::{
-        broad_phase::{BroadPhaseMethod, ObjectOctreeSettings, PairKinds},
-        collision_index::{CandidatePairs, CollisionIndex},
+        broad_phase::BroadPhaseMethod,
         collision_layers,
-        components::{CollisionShape, WorldAabb},
+        components::CollisionShape,
         contacts::{
             CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted,
             Collisions, Contacts, EventScope,
         },
         counters::CollisionCounters,
         filters::{
-            CollisionLayer, CollisionLayers, IgnoreCollisions, LayerMask, PairHook, PairHookPlugin, Sensor,
-            StaticCollider,
+            CollisionLayer, CollisionLayers, IgnoreCollisions, LayerMask, PairHook, PairHookPlugin, Sensor, StaticShape,
         },
-        motion::{CollisionClock, MotionSettings, MovedElsewhere, PositionTrack, Step, Velocity},
-        narrow_phase::{NarrowPhase, Shape},
+        motion::{MovedElsewhere, PositionTrack, Velocity},
         plugin::OctreePlugins,
-        response::{Bounce, BouncePlugin},
-        scene::Cube,
+        response::Bounce,
         schedule::CollisionSystems,
         settings::BroadPhaseSettings,
         spatial_query::{PairHit, PointHit, RayHit, ShapeHit, SpatialQuery, SpatialQueryFilter, update_spatial_index},

@@ -52,7 +52,7 @@ use crate::{
 ///
 /// ```
 /// use bevy::prelude::*;
-/// use bevy_octree::{plugins::MotionPlugin, prelude::*, schedule::CollisionSchedule};
+/// use bevy_octree::{plugins::{BouncePlugin, MotionPlugin}, prelude::*, scene::Cube, schedule::CollisionSchedule};
 ///
 /// // Detection only: something else moves things.
 /// let detection = OctreePlugins::new(PostUpdate).build().disable::<MotionPlugin>().disable::<BouncePlugin>();

@@ -26,7 +26,7 @@ use crate::{
 ///
 /// ```
 /// use bevy::prelude::*;
-/// use bevy_octree::prelude::*;
+/// use bevy_octree::{prelude::*, scene::Cube};
 ///
 /// let mut app = App::new();
 /// app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)));

@@ -3,7 +3,7 @@
 //!
 //! ```
 //! use bevy::{gizmos::GizmoPlugin, mesh::MeshPlugin, prelude::*};
-//! use bevy_octree::prelude::*;
+//! use bevy_octree::{debug_draw::LeafColors, prelude::*};
 //!
 //! App::new()
 //!     // Instead of these, `DefaultPlugins`.

@@ -14,8 +14,8 @@ use crate::components::change_filter;
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 #[component(on_insert = is_static, on_remove = is_not_static)]
-#[doc(alias("static body", "fixed", "scenery"))]
-pub struct StaticCollider;
+#[doc(alias("static collider", "static body", "fixed", "scenery"))]
+pub struct StaticShape;
 
 /// An entity whose contacts are reported, and that nothing bounces off.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
@@ -33,5 +33,5 @@ fn is_not_static(world: DeferredWorld, context: HookContext) {
 }
 
 pub(super) fn register(app: &mut App) {
-    app.register_type::<StaticCollider>().register_type::<Sensor>();
+    app.register_type::<StaticShape>().register_type::<Sensor>();
 }

@@ -36,7 +36,7 @@ pub use hooks::{PairHook, PairHookPlugin};
 pub use ignore::IgnoreCollisions;
 pub use layers::CollisionLayers;
 pub(crate) use layers::refresh;
-pub use markers::{Sensor, StaticCollider};
+pub use markers::{Sensor, StaticShape};
 pub use mask::{CollisionLayer, LayerMask};
 pub(crate) use pair_filter::{FilterParts, filter, may_meet};
 

@@ -6,7 +6,7 @@ use super::{
     hooks,
     ignore::{self, IgnoreCollisions},
     layers::CollisionLayers,
-    markers::StaticCollider,
+    markers::StaticShape,
 };
 use crate::{
     broad_phase::{Pair, PairFilter},
@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// What an entity's components say about the pairs that it makes.
-pub(crate) type FilterParts<'a> = (Option<&'a CollisionLayers>, Has<StaticCollider>, Option<&'a InCollisionWorld>);
+pub(crate) type FilterParts<'a> = (Option<&'a CollisionLayers>, Has<StaticShape>, Option<&'a InCollisionWorld>);
 
 /// The same, for the broad phase.
 pub(crate) fn filter(

@@ -42,7 +42,7 @@ impl Vertex {
     /// the faces along x, y, z, then the edges along xy, xz, yz.
     ///
     /// ```
-    /// use bevy_octree::octree::Vertex;
+    /// use bevy_octree::octree::{Direction, Vertex};
     ///
     /// let names = Vertex::RUF.directions().map(Direction::name);
     /// assert_eq!(names, ["RUF", "R", "U", "F", "RU", "RF", "UF"]);
@@ -59,7 +59,7 @@ impl Vertex {
 ///
 /// ```
 /// use bevy::math::Vec3;
-/// use bevy_octree::octree::directions_toward;
+/// use bevy_octree::octree::{Direction, directions_toward};
 ///
 /// // Bevy looks along −z, so that −z is the front; a component of zero is left, down or back.
 /// let names = directions_toward(Vec3::new(0.0, 2.0, -1.0)).map(Direction::name);

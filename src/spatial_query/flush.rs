@@ -17,7 +17,7 @@ use crate::{bounds, filters, maintenance, swept};
 ///
 /// ```
 /// use bevy::prelude::*;
-/// use bevy_octree::prelude::*;
+/// use bevy_octree::{prelude::*, scene::Cube};
 ///
 /// fn spawn(mut commands: Commands) {
 ///     commands.spawn((Cube, Transform::from_xyz(5.0, 0.0, 0.0)));

@@ -3,7 +3,7 @@
 use crate::common;
 
 use bevy::prelude::*;
-use bevy_octree::prelude::*;
+use bevy_octree::{prelude::*, scene::Cube};
 use common::*;
 
 const REFLECT: fn(f32) -> Bounce = |restitution| Bounce::Reflect { restitution };

@@ -3,7 +3,10 @@
 use crate::common;
 
 use bevy::prelude::*;
-use bevy_octree::prelude::*;
+use bevy_octree::{
+    motion::{MotionSettings, Step},
+    prelude::*,
+};
 use common::*;
 use fastrand::Rng;
 
@@ -34,7 +37,7 @@ impl Room {
         for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
             for side in [-1.0, 1.0] {
                 let half_size = Vec3::splat(half + 1.0) * (Vec3::ONE - axis) + axis * 0.25;
-                let wall = (CollisionShape::from_half_size(half_size), StaticCollider);
+                let wall = (CollisionShape::from_half_size(half_size), StaticShape);
                 app.world_mut().spawn((wall, Transform::from_translation(axis * side * (half + 0.25))));
             }
         }
@@ -65,7 +68,7 @@ impl Room {
                 Kind::Discrete => body.insert((velocity, reflect)),
                 Kind::DiscreteReverse => body.insert((velocity, Bounce::Reverse)),
                 Kind::Sensor => body.insert((velocity, reflect, Swept::default(), Sensor)),
-                Kind::Static => body.insert(StaticCollider),
+                Kind::Static => body.insert(StaticShape),
             };
             let entity = body.id();
             self.bodies.push((entity, kind));
@@ -131,7 +134,7 @@ fn who_may_not_bounce_any_more_is_a_wall_at_rest() {
 fn who_has_come_to_stay_is_a_wall_to_all_that_come_after() {
     let mut app = app(BroadPhaseMethod::default());
     app.insert_resource(MotionSettings { step: Step::Seconds(1.0) });
-    let wall = (CollisionShape::from_half_size(Vec3::new(0.5, 5.0, 5.0)), StaticCollider);
+    let wall = (CollisionShape::from_half_size(Vec3::new(0.5, 5.0, 5.0)), StaticShape);
     app.world_mut().spawn((wall, Transform::from_xyz(0.5, 0.0, 0.0)));
     let mut ball = |x: f32, velocity: f32, sub_steps: u32| {
         let ball = (CollisionShape::sphere(0.5), Velocity(Vec3::X * velocity), ELASTIC);

@@ -4,7 +4,8 @@ use crate::common;
 
 use bevy::{ecs::system::RunSystemOnce, prelude::*};
 use bevy_octree::{
-    broad_phase::Pair, components::BroadPhaseProxy, narrow_phase::Contact, prelude::*, schedule::PairFilterSystems,
+    broad_phase::Pair, collision_index::CandidatePairs, components::BroadPhaseProxy, narrow_phase::Contact, prelude::*,
+    schedule::PairFilterSystems,
 };
 use common::*;
 

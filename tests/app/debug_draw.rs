@@ -12,7 +12,10 @@ use bevy::{
     prelude::*,
 };
 use bevy_octree::{
-    broad_phase::{Leaf, ObjectOctree, RootPolicy},
+    broad_phase::{Leaf, ObjectOctree, ObjectOctreeSettings, RootPolicy},
+    collision_index::CollisionIndex,
+    components::WorldAabb,
+    debug_draw::LeafColors,
     narrow_phase::Contact,
     prelude::*,
     spatial_query::SpatialQuery,

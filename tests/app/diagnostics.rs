@@ -16,7 +16,8 @@ use bevy::{
     prelude::*,
 };
 use bevy_octree::{
-    broad_phase::{BroadPhase, BroadPhaseStats, Pair, Proxies, Visitor},
+    broad_phase::{BroadPhase, BroadPhaseStats, ObjectOctreeSettings, Pair, Proxies, Visitor},
+    collision_index::CollisionIndex,
     diagnostics::{CollisionDiagnosticsPlugin as Paths, STAGES, StageTimes},
     prelude::*,
 };

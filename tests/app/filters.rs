@@ -7,7 +7,11 @@ use bevy::{
     },
     prelude::*,
 };
-use bevy_octree::prelude::*;
+use bevy_octree::{
+    broad_phase::PairKinds,
+    motion::{MotionSettings, Step},
+    prelude::*,
+};
 
 use crate::{common::warnings::warnings, hook::*};
 
@@ -119,15 +123,15 @@ fn an_entity_in_the_place_of_one_that_went_has_no_filter_of_it() {
 #[test]
 fn static_entities_do_not_meet_each_other_however_they_move() {
     let mut app = app();
-    let wall = cube(&mut app, StaticCollider);
-    cube(&mut app, StaticCollider);
+    let wall = cube(&mut app, StaticShape);
+    cube(&mut app, StaticShape);
     let mover = cube(&mut app, Velocity(Vec3::ZERO));
     assert_eq!(contacts(&mut app), 2);
     app.world_mut().get_mut::<Transform>(wall).unwrap().translation.x += 0.25;
     assert_eq!(contacts(&mut app), 2);
     app.world_mut().despawn(mover);
     assert_eq!(contacts(&mut app), 0);
-    app.world_mut().entity_mut(wall).remove::<StaticCollider>();
+    app.world_mut().entity_mut(wall).remove::<StaticShape>();
     assert_eq!(contacts(&mut app), 1);
 }
 
@@ -148,7 +152,7 @@ fn kinds_of_pairs_come_and_go_though_nothing_moves() {
     ] {
         let mut app = app();
         app.insert_resource(BroadPhaseSettings { method, ..default() });
-        cubes(&mut app, count, StaticCollider);
+        cubes(&mut app, count, StaticShape);
         cubes(&mut app, 3, ());
         let (fixed, mixed, moving) = (count * (count - 1) / 2, 3 * count, 3);
         for _ in 0..2 {
@@ -186,10 +190,10 @@ fn what_is_removed_many_frames_before_the_next_tick_is_gone() {
         app.world().resource::<Contacts>().len()
     };
     let layers = cube(&mut app, CollisionLayers::NONE);
-    let walls = cubes(&mut app, 2, StaticCollider);
+    let walls = cubes(&mut app, 2, StaticShape);
     assert_eq!(tick(&mut app), 0);
     app.world_mut().entity_mut(layers).remove::<CollisionLayers>();
-    app.world_mut().entity_mut(walls[0]).remove::<StaticCollider>();
+    app.world_mut().entity_mut(walls[0]).remove::<StaticShape>();
     for _ in 0..5 {
         app.update();
     }

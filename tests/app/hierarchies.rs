@@ -13,7 +13,7 @@ use bevy::{
     math::{DAffine3, bounding::BoundingVolume},
     prelude::*,
 };
-use bevy_octree::prelude::*;
+use bevy_octree::{collision_index::CollisionIndex, components::WorldAabb, prelude::*};
 use common::{warnings::warnings, *};
 
 /// A component that disables, as those of rollback crates.

@@ -7,7 +7,11 @@ use bevy::{
     ecs::{entity::EntityHashSet, entity_disabling::Disabled, system::RunSystemOnce},
     prelude::*,
 };
-use bevy_octree::prelude::*;
+use bevy_octree::{
+    motion::{MotionSettings, Step},
+    narrow_phase::Shape,
+    prelude::*,
+};
 use common::*;
 use fastrand::Rng;
 
@@ -87,7 +91,7 @@ fn bouncing_elsewhere(app: &mut App) {
 
 /// Ways in which a contact of two ends though nothing moves.
 const PARTINGS: [fn(&mut World, EntityPair); 4] = [
-    |world, [a, b]| world.insert_batch([(a, StaticCollider), (b, StaticCollider)]),
+    |world, [a, b]| world.insert_batch([(a, StaticShape), (b, StaticShape)]),
     |world, [a, b]| _ = world.entity_mut(a).insert(IgnoreCollisions::from([b])),
     |world, [_, b]| {
         let other = world.spawn_empty().id();

@@ -4,10 +4,12 @@ use crate::common;
 
 use bevy::{ecs::entity_disabling::Disabled, prelude::*};
 use bevy_octree::{
-    components::BroadPhaseProxy,
+    broad_phase::ObjectOctreeSettings,
+    components::{BroadPhaseProxy, WorldAabb},
+    motion::CollisionClock,
     narrow_phase::Shape,
     prelude::*,
-    scene::{Motion, ObjectDescription, SceneDescription, ShapeDescription},
+    scene::{Cube, Motion, ObjectDescription, SceneDescription, ShapeDescription},
 };
 use common::*;
 

@@ -15,7 +15,7 @@ use bevy::{
     },
     prelude::*,
 };
-use bevy_octree::prelude::*;
+use bevy_octree::{picking::CollisionPickingSettings, prelude::*};
 use common::*;
 
 /// An app that picks, and a camera whose pointer looks along x from the origin.

@@ -14,11 +14,15 @@ use bevy::{
     time::TimePlugin,
 };
 use bevy_octree::{
-    broad_phase::{BroadPhase, BroadPhaseStats, Exhaustive, Pair, Proxies, RootPolicy, Visitor},
+    broad_phase::{BroadPhase, BroadPhaseStats, Exhaustive, ObjectOctreeSettings, Pair, Proxies, RootPolicy, Visitor},
+    collision_index::{CandidatePairs, CollisionIndex},
+    components::WorldAabb,
     diagnostics::CollisionDiagnosticsPlugin,
-    motion::PositionTrack,
-    plugins::{BoundsPlugin, BroadPhasePlugin, MotionPlugin, NarrowPhasePlugin, ReportPlugin},
+    motion::{CollisionClock, MotionSettings, PositionTrack, Step},
+    narrow_phase::NarrowPhase,
+    plugins::{BouncePlugin, BoundsPlugin, BroadPhasePlugin, MotionPlugin, NarrowPhasePlugin, ReportPlugin},
     prelude::*,
+    scene::Cube,
 };
 use common::*;
 
@@ -392,7 +396,7 @@ fn components_can_be_built_from_templates() {
     assert_template::<MovedElsewhere>();
     assert_template::<PositionTrack>();
     assert_template::<Sensor>();
-    assert_template::<StaticCollider>();
+    assert_template::<StaticShape>();
     assert_template::<Swept>();
     assert_template::<Velocity>();
 }

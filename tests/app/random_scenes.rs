@@ -4,7 +4,7 @@
 use crate::common;
 
 use bevy::prelude::*;
-use bevy_octree::prelude::*;
+use bevy_octree::{broad_phase::ObjectOctreeSettings, prelude::*, scene::Cube};
 use common::*;
 use fastrand::Rng;
 

@@ -9,7 +9,7 @@ use bevy::{
     ecs::{entity_disabling::Disabled, schedule::ScheduleLabel, system::RunSystemOnce},
     prelude::*,
 };
-use bevy_octree::{narrow_phase::Shape, prelude::*};
+use bevy_octree::{components::WorldAabb, narrow_phase::Shape, prelude::*};
 use bevy_rapier3d::{
     parry::{math::Pose, query},
     plugin::ReadRapierContext,
@@ -402,7 +402,7 @@ fn what_touches_a_half_space_meets_it_far_from_anywhere() {
             let (along, gap) = (unit() * far, unit().y * 3e-4);
             let entity = ball(&mut app, slope * Vec3::new(along.x, 0.5 + gap, along.z), ());
             // Boxes of the balls would touch.
-            app.world_mut().entity_mut(entity).insert(StaticCollider);
+            app.world_mut().entity_mut(entity).insert(StaticShape);
         }
         tick(&mut app, 1);
         let found = contacts(&app);
@@ -437,13 +437,13 @@ fn contacts_with_a_half_space_rest_and_end_like_others() {
     tick(&mut app, 1);
     assert_eq!(messages_about(&app, pair(ground, entity)), (2, 1));
     // Layers and static entities.
-    app.world_mut().entity_mut(ground).insert((StaticCollider, CollisionLayers::ALL));
+    app.world_mut().entity_mut(ground).insert((StaticShape, CollisionLayers::ALL));
     tick(&mut app, 1);
     assert_eq!(contacts(&app).len(), 1);
-    app.world_mut().entity_mut(entity).insert(StaticCollider);
+    app.world_mut().entity_mut(entity).insert(StaticShape);
     tick(&mut app, 1);
     assert!(contacts(&app).is_empty());
-    app.world_mut().entity_mut(entity).remove::<StaticCollider>();
+    app.world_mut().entity_mut(entity).remove::<StaticShape>();
     tick(&mut app, 1);
     assert_eq!(contacts(&app).len(), 1);
     app.world_mut().entity_mut(ground).insert(CollisionLayers::NONE);

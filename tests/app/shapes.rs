@@ -1,7 +1,7 @@
 //! Shapes as a game writes them.
 
 use bevy::{math::bounding::Bounded3d, prelude::*};
-use bevy_octree::prelude::*;
+use bevy_octree::{components::WorldAabb, prelude::*};
 
 use crate::common::warnings::warnings;
 

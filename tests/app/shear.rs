@@ -9,7 +9,11 @@ use bevy::{
     math::{DAffine3, DVec3},
     prelude::*,
 };
-use bevy_octree::{narrow_phase::Shape, prelude::*};
+use bevy_octree::{
+    components::WorldAabb,
+    narrow_phase::{NarrowPhase, Shape},
+    prelude::*,
+};
 use common::{warnings::warnings, *};
 use fastrand::Rng;
 

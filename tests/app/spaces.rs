@@ -12,7 +12,7 @@ const ELASTIC: Bounce = Bounce::Reflect { restitution: 1.0 };
 
 fn wall(app: &mut App, center: Vec3, half_size: Vec3) -> Entity {
     let shape = CollisionShape::from_half_size(half_size);
-    app.world_mut().spawn((shape, StaticCollider, Transform::from_translation(center))).id()
+    app.world_mut().spawn((shape, StaticShape, Transform::from_translation(center))).id()
 }
 
 /// A ball that bounces, of radius 0.25 in the world under a parent of the scale that is given.
@@ -161,7 +161,7 @@ fn a_paddle_pushes_by_the_motion_of_its_arm() {
                     hangs_on = hand;
                 }
                 let paddle = wall(&mut app, Vec3::ZERO, Vec3::splat(0.5 / depth as f32));
-                app.world_mut().entity_mut(paddle).remove::<StaticCollider>();
+                app.world_mut().entity_mut(paddle).remove::<StaticShape>();
                 if of_paddle && swept {
                     app.world_mut().entity_mut(paddle).insert(Swept::default());
                 }

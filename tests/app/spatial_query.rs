@@ -16,8 +16,10 @@ use bevy::{
 };
 use bevy_octree::{
     components::BroadPhaseProxy,
-    narrow_phase::{Placed, Workspace},
+    motion::CollisionClock,
+    narrow_phase::{NarrowPhase, Placed, Shape, Workspace},
     prelude::*,
+    scene::Cube,
 };
 use common::*;
 use fastrand::Rng;

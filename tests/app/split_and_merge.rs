@@ -4,8 +4,9 @@ use crate::common;
 
 use bevy::{math::bounding::Aabb3d, prelude::*};
 use bevy_octree::{
-    broad_phase::{ProxyId, Visitor},
+    broad_phase::{ObjectOctreeSettings, ProxyId, Visitor},
     prelude::*,
+    scene::Cube,
 };
 use common::*;
 

@@ -4,7 +4,13 @@ use crate::common;
 use crate::hook;
 
 use bevy::prelude::*;
-use bevy_octree::{narrow_phase::Shape, prelude::*};
+use bevy_octree::{
+    broad_phase::ObjectOctreeSettings,
+    components::WorldAabb,
+    motion::{MotionSettings, Step},
+    narrow_phase::Shape,
+    prelude::*,
+};
 use common::*;
 use hook::*;
 

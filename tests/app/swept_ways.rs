@@ -4,6 +4,7 @@ use crate::common;
 
 use bevy::prelude::*;
 use bevy_octree::{
+    components::WorldAabb,
     counters::TickCounters,
     prelude::*,
     swept::{SweptPlugin, SweptWay},

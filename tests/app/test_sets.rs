@@ -5,8 +5,9 @@ use crate::common;
 
 use bevy::prelude::*;
 use bevy_octree::{
+    broad_phase::ObjectOctreeSettings,
     prelude::*,
-    scene::{TestCube, TestSet},
+    scene::{Cube, TestCube, TestSet},
 };
 use common::*;
 

@@ -3,7 +3,12 @@
 use crate::common;
 
 use bevy::{ecs::entity_disabling::Disabled, math::bounding::BoundingVolume, prelude::*};
-use bevy_octree::{components::BroadPhaseProxy, narrow_phase::NarrowPhase, prelude::*};
+use bevy_octree::{
+    collision_index::CollisionIndex,
+    components::{BroadPhaseProxy, WorldAabb},
+    narrow_phase::NarrowPhase,
+    prelude::*,
+};
 use common::*;
 
 fn block(app: &mut App, x: f32) -> Entity {
@@ -88,12 +93,12 @@ fn filters_that_change_while_the_index_is_away_take_effect() {
     let acts: [[Act; 2]; 3] = [
         [
             |world, [a, b, _]| {
-                world.entity_mut(a).insert(StaticCollider);
-                world.entity_mut(b).insert(StaticCollider);
+                world.entity_mut(a).insert(StaticShape);
+                world.entity_mut(b).insert(StaticShape);
             },
             |world, [a, b, _]| {
-                world.entity_mut(a).remove::<StaticCollider>();
-                world.entity_mut(b).remove::<StaticCollider>();
+                world.entity_mut(a).remove::<StaticShape>();
+                world.entity_mut(b).remove::<StaticShape>();
             },
         ],
         [
@@ -185,7 +190,7 @@ fn a_copied_proxy_is_nobody_elses_entry() {
     assert_eq!((contacts(&app), messages_about(&app, cubes)), (vec![cubes], (1, 0)));
     // Nor does a change of its filter become that of the other.
     let fourth = app.world_mut().spawn((CollisionShape::default(), copy, Transform::from_xyz(50.0, 0.0, 0.0))).id();
-    app.world_mut().entity_mut(fourth).insert((StaticCollider, CollisionLayers::NONE));
+    app.world_mut().entity_mut(fourth).insert((StaticShape, CollisionLayers::NONE));
     tick(&mut app, 1);
     assert_in_index(&app, &[cubes[0], cubes[1], fourth]);
     assert_eq!(contacts(&app), [cubes]);

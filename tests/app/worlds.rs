@@ -87,7 +87,7 @@ fn layers_and_static_entities_are_of_a_world_too() {
     let [first, second] = worlds(&mut app);
     let mut red = |world| cube(&mut app, (InCollisionWorld(world), RED));
     let reds = [red(first), red(first), red(second)];
-    let [wall, floor] = [(); 2].map(|()| cube(&mut app, (InCollisionWorld(first), StaticCollider)));
+    let [wall, floor] = [(); 2].map(|()| cube(&mut app, (InCollisionWorld(first), StaticShape)));
     let plain = cube(&mut app, InCollisionWorld(second));
     let expected = [[reds[0], wall], [reds[0], floor], [reds[1], wall], [reds[1], floor], [reds[2], plain]];
     assert_eq!(ticked(&mut app), expected);

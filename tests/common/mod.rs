@@ -6,8 +6,13 @@ use std::{collections::HashMap, time::Duration};
 
 use bevy::{app::Plugins, ecs::schedule::ScheduleLabel, prelude::*, time::TimeUpdateStrategy};
 use bevy_octree::{
-    broad_phase::{BroadPhase, BroadPhaseStats, ObjectOctree, Pair, Proxies, ProxyId, SpatialIndex, Visitor},
-    narrow_phase::{Placed, Workspace},
+    broad_phase::{
+        BroadPhase, BroadPhaseStats, ObjectOctree, ObjectOctreeSettings, Pair, Proxies, ProxyId, SpatialIndex, Visitor,
+    },
+    collision_index::CollisionIndex,
+    components::WorldAabb,
+    motion::CollisionClock,
+    narrow_phase::{NarrowPhase, Placed, Workspace},
     prelude::*,
 };
 

@@ -9,7 +9,9 @@ use allocator::{alone, assert_flat, live, peak_of};
 use bevy::{math::bounding::Aabb3d, prelude::*, time::TimeUpdateStrategy};
 use bevy_octree::{
     broad_phase::{PairFilter, ProxyId, SpatialIndex},
+    motion::{MotionSettings, Step},
     prelude::*,
+    scene::Cube,
 };
 use fastrand::Rng;
 

@@ -4,7 +4,10 @@ use crate::{allocator, common};
 
 use allocator::{alone, live};
 use bevy::prelude::*;
-use bevy_octree::prelude::*;
+use bevy_octree::{
+    motion::{MotionSettings, Step},
+    prelude::*,
+};
 
 /// Bytes in use after `ticks` ticks, by which all buffers have grown, and after four times as many.
 fn early_and_late(app: &mut App, ticks: usize) -> [f64; 2] {

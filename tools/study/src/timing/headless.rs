@@ -1,7 +1,11 @@
 //! An app without a window, a tick per update.
 
 use bevy::prelude::*;
-use bevy_octree::{prelude::*, scene::TestSet};
+use bevy_octree::{
+    motion::{MotionSettings, Step},
+    prelude::*,
+    scene::{Cube, TestSet},
+};
 
 /// Ticks per second: a power of two, so that velocities per tick become velocities per second and back without rounding.
 const TICKS_PER_SECOND: f32 = 64.0;

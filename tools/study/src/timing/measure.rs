@@ -6,7 +6,13 @@ use std::{
     time::{Duration, Instant},
 };
 
-use bevy_octree::{counters::TickCounters, prelude::*, scene::TestSet};
+use bevy_octree::{
+    broad_phase::ObjectOctreeSettings,
+    counters::TickCounters,
+    motion::{MotionSettings, Step},
+    prelude::*,
+    scene::TestSet,
+};
 
 use super::headless::app_with;
 use crate::outcome::Outcome;
