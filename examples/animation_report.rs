@@ -1,6 +1,7 @@
 //! Which objects of an animation touch, and when: the report over position tracks.
 //!
-//! `cargo run --release --features reports,scene_files --example animation_report -- assets/scenes/clip.scene.ron`
+//! `cargo run --release --features reports,scene_files --example animation_report --
+//! assets/scenes/clip.scene.ron`
 
 use std::{
     fs::{self, File},
@@ -51,7 +52,9 @@ fn main() -> ExitCode {
 
 fn run(mut arguments: Arguments) -> Outcome {
     let ticks = arguments.option("--ticks")?;
-    let out = arguments.option("--out")?.unwrap_or_else(|| PathBuf::from("target/animation_report"));
+    let out = arguments
+        .option("--out")?
+        .unwrap_or_else(|| PathBuf::from("target/animation_report"));
     let method = arguments.option("--method")?.unwrap_or_default();
     let [file] = arguments.rest(["FILE"])?;
 
@@ -59,9 +62,16 @@ fn run(mut arguments: Arguments) -> Outcome {
     let ticks = ticks.unwrap_or_else(|| last_keyframe(&scene) + 1);
     let report = play(&scene, ticks, method)?;
 
-    println!("{:<12} {:<12} {:>6} {:>6} {:>6}  intervals", "a", "b", "first", "last", "ticks");
+    println!(
+        "{:<12} {:<12} {:>6} {:>6} {:>6}  intervals",
+        "a", "b", "first", "last", "ticks"
+    );
     for pair in report.pairs() {
-        let intervals: Vec<_> = pair.intervals.iter().map(|(from, to)| format!("{from}–{to}")).collect();
+        let intervals: Vec<_> = pair
+            .intervals
+            .iter()
+            .map(|(from, to)| format!("{from}–{to}"))
+            .collect();
         println!(
             "{:<12} {:<12} {:>6} {:>6} {:>6}  {}",
             pair.a,
@@ -90,15 +100,28 @@ fn last_keyframe(scene: &SceneDescription) -> u64 {
         Motion::Track(track) => track.keyframes().last().map_or(0, |(tick, _)| *tick),
         _ => 0,
     };
-    scene.objects().map(|object| last(&object)).max().unwrap_or(0)
+    scene
+        .objects()
+        .map(|object| last(&object))
+        .max()
+        .unwrap_or(0)
 }
 
 /// Plays the clip in a headless app, and notes the contacts of each tick.
-fn play(scene: &SceneDescription, ticks: u64, method: BroadPhaseMethod) -> Outcome<CollisionReport> {
+fn play(
+    scene: &SceneDescription,
+    ticks: u64,
+    method: BroadPhaseMethod,
+) -> Outcome<CollisionReport> {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-        .insert_resource(BroadPhaseSettings { method, ..default() })
-        .insert_resource(MotionSettings { step: Step::Seconds(scene.tick_length()?.as_secs_f32()) });
+        .insert_resource(BroadPhaseSettings {
+            method,
+            ..default()
+        })
+        .insert_resource(MotionSettings {
+            step: Step::Seconds(scene.tick_length()?.as_secs_f32()),
+        });
     scene.spawn(&mut app.world_mut().commands())?;
     app.world_mut().flush();
 
@@ -108,8 +131,15 @@ fn play(scene: &SceneDescription, ticks: u64, method: BroadPhaseMethod) -> Outco
         progress.begin(format!("tick {tick}"));
         app.update();
         let world = app.world();
-        let name = |entity| world.get::<Name>(entity).map_or_else(|| entity.to_string(), ToString::to_string);
-        let contacts = world.resource::<Contacts>().iter().map(|contact| (name(contact.a), name(contact.b)));
+        let name = |entity| {
+            world
+                .get::<Name>(entity)
+                .map_or_else(|| entity.to_string(), ToString::to_string)
+        };
+        let contacts = world
+            .resource::<Contacts>()
+            .iter()
+            .map(|contact| (name(contact.a), name(contact.b)));
         report.record(tick, contacts)?;
     }
     Ok(report)
@@ -118,10 +148,12 @@ fn play(scene: &SceneDescription, ticks: u64, method: BroadPhaseMethod) -> Outco
 fn write(report: &CollisionReport, folder: &Path) -> Outcome {
     let create = |name: &str| {
         let path = folder.join(name);
-        let file = File::create(&path).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+        let file = File::create(&path)
+            .map_err(|error| format!("cannot write {}: {error}", path.display()))?;
         Outcome::Ok(BufWriter::new(file))
     };
-    fs::create_dir_all(folder).map_err(|error| format!("cannot make the folder {}: {error}", folder.display()))?;
+    fs::create_dir_all(folder)
+        .map_err(|error| format!("cannot make the folder {}: {error}", folder.display()))?;
     report.write_csv(create("contacts.csv")?)?;
     report.write_jsonl(create("contacts.jsonl")?)?;
     report.write_ticks_csv(create("ticks.csv")?)?;

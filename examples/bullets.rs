@@ -1,7 +1,7 @@
 //! A shooting range: what is fast passes through what is thin, unless it is `Swept`.
 //!
-//! Five walls as thin as paper; bullets that cover from half their own length to a thousand times that in a tick.
-//! `cargo run --example bullets`
+//! Five walls as thin as paper; bullets that cover from half their own length to a thousand times
+//! that in a tick. `cargo run --example bullets`
 
 use bevy::prelude::*;
 use bevy_octree::{
@@ -23,7 +23,12 @@ fn main() {
             bullet.insert((Swept::default(), Bounce::Reflect { restitution: 1.0 }));
         });
         let place = bounced.end.x;
-        println!("{calibers:17}   {:17}, {:10}   {}", without.hits, with.hits, if place < 0.0 { "yes" } else { "no" });
+        println!(
+            "{calibers:17}   {:17}, {:10}   {}",
+            without.hits,
+            with.hits,
+            if place < 0.0 { "yes" } else { "no" }
+        );
     }
 
     println!("\nthe walls of a bullet's way in one tick, by the time of impact:");
@@ -46,13 +51,19 @@ fn shoot(calibers_per_tick: f32, prepare: impl Fn(&mut EntityWorldMut)) -> Shot 
     let mut app = App::new();
     // A tick per update, of a second each: the example needs no clock.
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-        .insert_resource(MotionSettings { step: Step::Seconds(1.0) })
+        .insert_resource(MotionSettings {
+            step: Step::Seconds(1.0),
+        })
         .init_resource::<Hits>()
         .add_systems(Update, count_hits.in_set(CollisionSystems::Last));
     let paper = CollisionShape::cuboid(0.002, 10.0, 10.0);
     for number in 0..WALLS {
         let place = Transform::from_xyz(number as f32 * 0.77, 0.0, 0.0);
-        app.world_mut().spawn((Name::new(format!("wall {}", number + 1)), paper.clone(), place));
+        app.world_mut().spawn((
+            Name::new(format!("wall {}", number + 1)),
+            paper.clone(),
+            place,
+        ));
     }
     let (start, step) = (-1.0, calibers_per_tick * CALIBER);
     let mut bullet = app.world_mut().spawn((
@@ -66,15 +77,26 @@ fn shoot(calibers_per_tick: f32, prepare: impl Fn(&mut EntityWorldMut)) -> Shot 
     for _ in 0..ticks {
         app.update();
     }
-    let end = app.world().get::<Transform>(bullet).map_or(Vec3::ZERO, |transform| transform.translation);
+    let end = app
+        .world()
+        .get::<Transform>(bullet)
+        .map_or(Vec3::ZERO, |transform| transform.translation);
     let Hits(times) = app.world_mut().remove_resource().unwrap_or_default();
-    Shot { hits: times.len(), times, end }
+    Shot {
+        hits: times.len(),
+        times,
+        end,
+    }
 }
 
 #[derive(Resource, Default)]
 struct Hits(Vec<(String, f32)>);
 
-fn count_hits(mut started: MessageReader<CollisionStarted>, names: Query<&Name>, mut hits: ResMut<Hits>) {
+fn count_hits(
+    mut started: MessageReader<CollisionStarted>,
+    names: Query<&Name>,
+    mut hits: ResMut<Hits>,
+) {
     for CollisionStarted { a, b, time, .. } in started.read() {
         if let Ok(wall) = names.get(*a).or(names.get(*b)) {
             hits.0.push((wall.to_string(), *time));

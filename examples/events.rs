@@ -1,4 +1,5 @@
-//! Four ways to learn of contacts: observers, messages, a list on the entity, and a look at all of them.
+//! Four ways to learn of contacts: observers, messages, a list on the entity, and a look at all of
+//! them.
 //!
 //! A ball rolls through a gate, breaks a vase, and rolls on. `cargo run --example events`
 
@@ -12,9 +13,16 @@ fn main() {
     let mut app = App::new();
     // Ten ticks a second, one per update: the example needs no clock.
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-        .insert_resource(MotionSettings { step: Step::Seconds(0.1) })
+        .insert_resource(MotionSettings {
+            step: Step::Seconds(0.1),
+        })
         .add_systems(Startup, spawn)
-        .add_systems(Update, (print_messages, print_list, print_contacts).chain().in_set(CollisionSystems::Last));
+        .add_systems(
+            Update,
+            (print_messages, print_list, print_contacts)
+                .chain()
+                .in_set(CollisionSystems::Last),
+        );
     for tick in 1..=30 {
         app.world_mut().insert_resource(Tick(tick));
         app.update();
@@ -39,14 +47,33 @@ fn spawn(mut commands: Commands) {
     // An observer on one entity. It is told because the entity opts in.
     let gate = CollisionShape::cuboid(0.5, 4.0, 4.0);
     commands
-        .spawn((Name::new("gate"), gate, Transform::from_xyz(-1.0, 0.0, 0.0), CollisionEventsEnabled))
-        .observe(|event: On<CollisionStarted>, names: Query<&Name>, tick: Res<Tick>| {
-            // `event.a` is the entity that is observed, `event.b` the other one.
-            println!("{:2}  observer: {} enters the {}", **tick, name(&names, event.b), name(&names, event.a));
-        })
-        .observe(|event: On<CollisionEnded>, names: Query<&Name>, tick: Res<Tick>| {
-            println!("{:2}  observer: {} leaves the {}", **tick, name(&names, event.b), name(&names, event.a));
-        });
+        .spawn((
+            Name::new("gate"),
+            gate,
+            Transform::from_xyz(-1.0, 0.0, 0.0),
+            CollisionEventsEnabled,
+        ))
+        .observe(
+            |event: On<CollisionStarted>, names: Query<&Name>, tick: Res<Tick>| {
+                // `event.a` is the entity that is observed, `event.b` the other one.
+                println!(
+                    "{:2}  observer: {} enters the {}",
+                    **tick,
+                    name(&names, event.b),
+                    name(&names, event.a)
+                );
+            },
+        )
+        .observe(
+            |event: On<CollisionEnded>, names: Query<&Name>, tick: Res<Tick>| {
+                println!(
+                    "{:2}  observer: {} leaves the {}",
+                    **tick,
+                    name(&names, event.b),
+                    name(&names, event.a)
+                );
+            },
+        );
 
     // An observer may despawn what it is told about. The contact still ends, once.
     commands
@@ -56,11 +83,16 @@ fn spawn(mut commands: Commands) {
             Transform::from_xyz(3.0, 0.0, 0.0),
             CollisionEventsEnabled,
         ))
-        .observe(|event: On<CollisionStarted>, mut commands: Commands, tick: Res<Tick>| {
-            let contact = event.contact.expect("events come with the contact");
-            println!("{:2}  observer: the vase breaks at {}, hit from {}", **tick, contact.point, contact.normal);
-            commands.entity(event.a).despawn();
-        });
+        .observe(
+            |event: On<CollisionStarted>, mut commands: Commands, tick: Res<Tick>| {
+                let contact = event.contact.expect("events come with the contact");
+                println!(
+                    "{:2}  observer: the vase breaks at {}, hit from {}",
+                    **tick, contact.point, contact.normal
+                );
+                commands.entity(event.a).despawn();
+            },
+        );
 }
 
 /// Messages: about all contacts, for systems that look at many.
@@ -72,10 +104,20 @@ fn print_messages(
 ) {
     for CollisionEnded { a, b, .. } in ended.read() {
         // Either may be gone by now.
-        println!("{:2}  message:  {} and {} part", **tick, name(&names, *a), name(&names, *b));
+        println!(
+            "{:2}  message:  {} and {} part",
+            **tick,
+            name(&names, *a),
+            name(&names, *b)
+        );
     }
     for CollisionStarted { a, b, .. } in started.read() {
-        println!("{:2}  message:  {} and {} meet", **tick, name(&names, *a), name(&names, *b));
+        println!(
+            "{:2}  message:  {} and {} meet",
+            **tick,
+            name(&names, *a),
+            name(&names, *b)
+        );
     }
 }
 

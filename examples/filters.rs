@@ -28,15 +28,22 @@ struct Cloaking<'w, 's> {
 
 impl PairHook for Cloaking<'static, 'static> {
     fn admits(hook: &Cloaking, a: Entity, b: Entity) -> bool {
-        let misses = |bullet, target| hook.bullets.contains(bullet) && hook.cloaked.contains(target);
+        let misses =
+            |bullet, target| hook.bullets.contains(bullet) && hook.cloaked.contains(target);
         !misses(a, b) && !misses(b, a)
     }
 }
 
 fn main() {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, OctreePlugins::new(Update), PairHookPlugin::<Cloaking>::default()));
-    app.insert_resource(MotionSettings { step: Step::Seconds(1.0) });
+    app.add_plugins((
+        MinimalPlugins,
+        OctreePlugins::new(Update),
+        PairHookPlugin::<Cloaking>::default(),
+    ));
+    app.insert_resource(MotionSettings {
+        step: Step::Seconds(1.0),
+    });
     app.add_systems(Startup, spawn);
     app.add_systems(Update, report.after(CollisionSystems::Report));
     for _ in 0..12 {
@@ -45,14 +52,28 @@ fn main() {
 }
 
 fn spawn(mut commands: Commands) {
-    // Ships meet everything but other ships; the zone is entered by ships only, and nothing bounces off it.
+    // Ships meet everything but other ships; the zone is entered by ships only, and nothing bounces
+    // off it.
     let ship = CollisionLayers::new(Layer::Ship, Layer::Bullet | Layer::Zone);
     let cube = CollisionShape::default();
-    let shooter = commands.spawn((Name::new("shooter"), cube.clone(), ship)).id();
+    let shooter = commands
+        .spawn((Name::new("shooter"), cube.clone(), ship))
+        .id();
     let target = Transform::from_xyz(8.0, 0.0, 0.0);
     commands.spawn((Name::new("target"), cube.clone(), ship, target));
-    commands.spawn((Name::new("wingman"), cube.clone(), ship, target.with_translation(Vec3::new(8.0, 0.5, 0.0))));
-    commands.spawn((Name::new("cloaked ship"), cube.clone(), ship, Cloaked, Transform::from_xyz(4.0, 0.0, 0.0)));
+    commands.spawn((
+        Name::new("wingman"),
+        cube.clone(),
+        ship,
+        target.with_translation(Vec3::new(8.0, 0.5, 0.0)),
+    ));
+    commands.spawn((
+        Name::new("cloaked ship"),
+        cube.clone(),
+        ship,
+        Cloaked,
+        Transform::from_xyz(4.0, 0.0, 0.0),
+    ));
     commands.spawn((
         Name::new("zone"),
         cube.clone(),
@@ -60,7 +81,8 @@ fn spawn(mut commands: Commands) {
         Sensor,
         Transform::from_xyz(8.0, 0.0, 0.0).with_scale(Vec3::splat(3.0)),
     ));
-    // It begins within the ship that fired it, and ignores it; other bullets are not on a layer that it may meet.
+    // It begins within the ship that fired it, and ignores it; other bullets are not on a layer
+    // that it may meet.
     for height in [0.0, 0.25] {
         commands.spawn((
             Name::new("bullet"),
@@ -73,7 +95,11 @@ fn spawn(mut commands: Commands) {
     }
 }
 
-fn report(mut started: MessageReader<CollisionStarted>, names: Query<&Name>, clock: Res<CollisionClock>) {
+fn report(
+    mut started: MessageReader<CollisionStarted>,
+    names: Query<&Name>,
+    clock: Res<CollisionClock>,
+) {
     for contact in started.read() {
         if let Ok([a, b]) = names.get_many([contact.a, contact.b]) {
             println!("tick {}: {a} meets {b}", clock.tick());

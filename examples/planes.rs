@@ -1,4 +1,5 @@
-//! Runs one of the report's test sets: two planes of cubes that move toward each other and bounce off.
+//! Runs one of the report's test sets: two planes of cubes that move toward each other and bounce
+//! off.
 //!
 //! `cargo run --release --example planes -- --help` explains the arguments.
 
@@ -53,7 +54,9 @@ fn main() -> ExitCode {
 
 fn run(mut arguments: Arguments) -> Outcome {
     let rings: Option<u32> = arguments.option("--rings")?;
-    let max_objects = arguments.option("--max-objects")?.unwrap_or(ObjectOctreeSettings::default().max_objects);
+    let max_objects = arguments
+        .option("--max-objects")?
+        .unwrap_or(ObjectOctreeSettings::default().max_objects);
     let steps = arguments.option("--steps")?.unwrap_or(200);
     let method: Option<BroadPhaseMethod> = arguments.option("--method")?;
     let file: Option<PathBuf> = arguments.option("--scene")?;
@@ -69,7 +72,10 @@ fn run(mut arguments: Arguments) -> Outcome {
     let methods = match method {
         Some(BroadPhaseMethod::ObjectOctree(_)) => vec![BroadPhaseMethod::ObjectOctree(octree)],
         Some(method) => vec![method],
-        None => vec![BroadPhaseMethod::ObjectOctree(octree), BroadPhaseMethod::Exhaustive],
+        None => vec![
+            BroadPhaseMethod::ObjectOctree(octree),
+            BroadPhaseMethod::Exhaustive,
+        ],
     };
     let mut totals = Vec::new();
     for method in &methods {
@@ -94,18 +100,31 @@ fn load(_: &Path) -> Outcome<SceneDescription> {
 }
 
 /// Runs a scene by one method, and prints its line.
-fn measure(scene: &SceneDescription, method: &BroadPhaseMethod, steps: u32, max_objects: u32) -> Outcome<TickCounters> {
+fn measure(
+    scene: &SceneDescription,
+    method: &BroadPhaseMethod,
+    steps: u32,
+    max_objects: u32,
+) -> Outcome<TickCounters> {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-        .insert_resource(BroadPhaseSettings { method: method.clone(), ..default() })
-        .insert_resource(MotionSettings { step: Step::Seconds(scene.tick_length()?.as_secs_f32()) });
+        .insert_resource(BroadPhaseSettings {
+            method: method.clone(),
+            ..default()
+        })
+        .insert_resource(MotionSettings {
+            step: Step::Seconds(scene.tick_length()?.as_secs_f32()),
+        });
     scene.spawn(&mut app.world_mut().commands())?;
     app.world_mut().flush();
 
     let mut progress = Progress::new(u64::from(steps));
     let start = Instant::now();
     for step in 0..steps {
-        progress.begin(format!("{method}: {:.2} ms per step", per_step(start, step)));
+        progress.begin(format!(
+            "{method}: {:.2} ms per step",
+            per_step(start, step)
+        ));
         app.update();
     }
     let milliseconds = per_step(start, steps);
@@ -119,7 +138,11 @@ fn measure(scene: &SceneDescription, method: &BroadPhaseMethod, steps: u32, max_
         total.pairs_tested,
         total.contacts,
         total.bounces,
-        app.world().resource::<CollisionIndex>().index().stats().nodes,
+        app.world()
+            .resource::<CollisionIndex>()
+            .index()
+            .stats()
+            .nodes,
     );
     Ok(total)
 }

@@ -68,37 +68,53 @@ fn main() -> ExitCode {
 }
 
 fn run(mut arguments: Arguments) -> Outcome {
-    let out = arguments.option("--out")?.unwrap_or_else(|| PathBuf::from("target/split_and_merge"));
-    let scene = arguments.option("--scene")?.unwrap_or_else(|| PathBuf::from("assets/scenes/figures_5_7.scene.ron"));
+    let out = arguments
+        .option("--out")?
+        .unwrap_or_else(|| PathBuf::from("target/split_and_merge"));
+    let scene = arguments
+        .option("--scene")?
+        .unwrap_or_else(|| PathBuf::from("assets/scenes/figures_5_7.scene.ron"));
     let max_objects = arguments.option("--max-objects")?.unwrap_or(2);
     let steps = arguments.option("--steps")?.unwrap_or(60);
     let [] = arguments.rest([])?;
 
     let frames = play(&scene, max_objects, steps)?;
-    fs::create_dir_all(&out).map_err(|error| format!("cannot make the folder {}: {error}", out.display()))?;
+    fs::create_dir_all(&out)
+        .map_err(|error| format!("cannot make the folder {}: {error}", out.display()))?;
     let captions = ["before the split", "after the split", "after the merge"];
     for (number, (frame, caption)) in (5..).zip(frames.iter().zip(captions)) {
-        let title = format!("Figure {number}: tick {}, {caption}, {} nodes", frame.tick, frame.nodes);
+        let title = format!(
+            "Figure {number}: tick {}, {caption}, {} nodes",
+            frame.tick, frame.nodes
+        );
         println!("{title}\n{}", frame.tree);
         let path = out.join(format!("figure_{number}.svg"));
         picture(frame, &title).save(&path)?;
         println!("{}\n", path.display());
     }
     let [before, split, merged] = frames.map(|frame| frame.nodes);
-    println!("scene={} nodes_before={before} nodes_split={split} nodes_merged={merged}", scene.display());
+    println!(
+        "scene={} nodes_before={before} nodes_split={split} nodes_merged={merged}",
+        scene.display()
+    );
     Ok(())
 }
 
-/// Runs the scene until the octree has split and merged again; gives the frames before the split, after it, and after
-/// the merge.
+/// Runs the scene until the octree has split and merged again; gives the frames before the split,
+/// after it, and after the merge.
 fn play(scene: &Path, max_objects: u32, steps: u32) -> Outcome<[Frame; 3]> {
     let scene = SceneDescription::load(scene)?;
     let settings = ObjectOctreeSettings::with_max_objects(max_objects);
     settings.check()?;
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-        .insert_resource(BroadPhaseSettings { method: BroadPhaseMethod::ObjectOctree(settings), ..default() })
-        .insert_resource(MotionSettings { step: Step::Seconds(scene.tick_length()?.as_secs_f32()) });
+        .insert_resource(BroadPhaseSettings {
+            method: BroadPhaseMethod::ObjectOctree(settings),
+            ..default()
+        })
+        .insert_resource(MotionSettings {
+            step: Step::Seconds(scene.tick_length()?.as_secs_f32()),
+        });
     scene.spawn(&mut app.world_mut().commands())?;
     app.world_mut().flush();
 
@@ -106,9 +122,13 @@ fn play(scene: &Path, max_objects: u32, steps: u32) -> Outcome<[Frame; 3]> {
     let mut split: Option<[Frame; 2]> = None;
     for tick in 1..=steps {
         app.update();
-        let Some(now) = look(&app, tick) else { continue };
+        let Some(now) = look(&app, tick) else {
+            continue;
+        };
         match (&before, &split) {
-            (Some(before), None) if now.nodes > before.nodes => split = Some([before.clone(), now.clone()]),
+            (Some(before), None) if now.nodes > before.nodes => {
+                split = Some([before.clone(), now.clone()])
+            }
             (_, Some([before, after])) if now.nodes < after.nodes => {
                 return Ok([before.clone(), after.clone(), now]);
             }
@@ -123,23 +143,37 @@ fn look(app: &App, tick: u32) -> Option<Frame> {
     let world = app.world();
     let index = world.resource::<CollisionIndex>();
     let octree = index.index().engine_as::<ObjectOctree>()?;
-    let name = |entity| world.get::<Name>(entity).map_or_else(String::new, ToString::to_string);
+    let name = |entity| {
+        world
+            .get::<Name>(entity)
+            .map_or_else(String::new, ToString::to_string)
+    };
     let entity = |id: ProxyId| index.entity(id).unwrap_or(Entity::PLACEHOLDER);
     let tree = octree.tree().display_with(NodeId::ROOT, |cell, f| {
-        let names: Vec<_> = cell.listed().iter().map(|id| name(entity(ProxyId::new(*id)))).collect();
+        let names: Vec<_> = cell
+            .listed()
+            .iter()
+            .map(|id| name(entity(ProxyId::new(*id))))
+            .collect();
         write!(f, "{}", names.join(", "))
     });
     let objects = index.index().proxies().iter().map(|(id, aabb)| Object {
         name: name(entity(id)),
         aabb: *aabb,
-        velocity: world.get::<Velocity>(entity(id)).map_or(Vec3::ZERO, |velocity| velocity.0),
+        velocity: world
+            .get::<Velocity>(entity(id))
+            .map_or(Vec3::ZERO, |velocity| velocity.0),
     });
     Some(Frame {
         tick,
         nodes: octree.tree().node_count(),
         tree: tree.to_string(),
         root: octree.root_cell()?,
-        leaves: octree.tree().leaves(NodeId::ROOT).map(|leaf| octree.tree().data(leaf).cube()).collect(),
+        leaves: octree
+            .tree()
+            .leaves(NodeId::ROOT)
+            .map(|leaf| octree.tree().data(leaf).cube())
+            .collect(),
         objects: objects.collect(),
     })
 }
@@ -153,8 +187,8 @@ const BOTTOM: f32 = 799.0;
 const LEAF: &str = r##"stroke="#3c5a8c" stroke-width="2" shape-rendering="crispEdges""##;
 const OBJECTS: [&str; 3] = ["#0072b2", "#d55e00", "#009e73"];
 
-/// The octree and the objects, seen along z: a square for each cube of a leaf, a filled one for each object, with an
-/// arrow as long as the way of ten ticks.
+/// The octree and the objects, seen along z: a square for each cube of a leaf, a filled one for
+/// each object, with an arrow as long as the way of ten ticks.
 fn picture(frame: &Frame, title: &str) -> Svg {
     let mut svg = Svg::new(SIZE, "#ffffff");
     svg.text(
@@ -164,11 +198,21 @@ fn picture(frame: &Frame, title: &str) -> Svg {
     );
     let (low, high) = (frame.root.min, frame.root.max);
     let pixel = |x: f32, y: f32| {
-        let (x, y) = ((x - low.x) / (high.x - low.x), (y - low.y) / (high.y - low.y));
+        let (x, y) = (
+            (x - low.x) / (high.x - low.x),
+            (y - low.y) / (high.y - low.y),
+        );
         [LEFT.lerp(RIGHT, x), BOTTOM.lerp(TOP, y)]
     };
     let square = |Aabb3d { min, max }: &Aabb3d| {
-        [(min.x, min.y), (max.x, min.y), (max.x, max.y), (min.x, max.y), (min.x, min.y)].map(|(x, y)| pixel(x, y))
+        [
+            (min.x, min.y),
+            (max.x, min.y),
+            (max.x, max.y),
+            (min.x, max.y),
+            (min.x, min.y),
+        ]
+        .map(|(x, y)| pixel(x, y))
     };
     for leaf in &frame.leaves {
         svg.line(square(leaf), LEAF);
@@ -177,14 +221,27 @@ fn picture(frame: &Frame, title: &str) -> Svg {
     for (object, color) in frame.objects.iter().zip(OBJECTS.iter().cycle()) {
         let center = (object.aabb.min + object.aabb.max) * 0.5;
         let way = object.velocity * (10.0 / 64.0);
-        svg.line(square(&object.aabb), &format!(r#"fill="{color}" fill-opacity="0.55" stroke="{color}""#));
+        svg.line(
+            square(&object.aabb),
+            &format!(r#"fill="{color}" fill-opacity="0.55" stroke="{color}""#),
+        );
         if way != Vec3::ZERO {
-            let [start, tip] = [pixel(center.x, center.y), pixel(center.x + way.x, center.y + way.y)];
+            let [start, tip] = [
+                pixel(center.x, center.y),
+                pixel(center.x + way.x, center.y + way.y),
+            ];
             let barb = |side: f32| [tip[0] - 14.0 * way.x.signum(), tip[1] + side];
-            svg.line([start, tip, barb(-7.0), tip, barb(7.0)], r#"stroke="black" stroke-width="2""#);
+            svg.line(
+                [start, tip, barb(-7.0), tip, barb(7.0)],
+                r#"stroke="black" stroke-width="2""#,
+            );
         }
         let [x, y] = pixel(center.x, object.aabb.max.y);
-        svg.text([x, y - 12.0], &object.name, r#"font-size="15" fill="black" text-anchor="middle""#);
+        svg.text(
+            [x, y - 12.0],
+            &object.name,
+            r#"font-size="15" fill="black" text-anchor="middle""#,
+        );
     }
     svg
 }
@@ -198,14 +255,30 @@ fn axes(svg: &mut Svg, root: &Aabb3d, pixel: impl Fn(f32, f32) -> [f32; 2]) {
     for x in halves(root.min.x, root.max.x) {
         let [at, _] = pixel(x, 0.0);
         svg.line([[at, BOTTOM], [at, BOTTOM + 5.0]], line);
-        svg.text([at, BOTTOM + 20.0], &format!("{x:.1}"), &format!(r#"{number} text-anchor="middle""#));
+        svg.text(
+            [at, BOTTOM + 20.0],
+            &format!("{x:.1}"),
+            &format!(r#"{number} text-anchor="middle""#),
+        );
     }
     for y in halves(root.min.y, root.max.y) {
         let [_, at] = pixel(0.0, y);
         svg.line([[LEFT - 5.0, at], [LEFT, at]], line);
-        svg.text([LEFT - 10.0, at + 4.0], &format!("{y:.1}"), &format!(r#"{number} text-anchor="end""#));
+        svg.text(
+            [LEFT - 10.0, at + 4.0],
+            &format!("{y:.1}"),
+            &format!(r#"{number} text-anchor="end""#),
+        );
     }
     let middle = [LEFT.midpoint(RIGHT), TOP.midpoint(BOTTOM)];
-    svg.text([middle[0], BOTTOM + 42.0], "x", r#"font-size="15" fill="black" text-anchor="middle""#);
-    svg.text([18.0, middle[1] + 4.0], "y", r#"font-size="15" fill="black" text-anchor="middle""#);
+    svg.text(
+        [middle[0], BOTTOM + 42.0],
+        "x",
+        r#"font-size="15" fill="black" text-anchor="middle""#,
+    );
+    svg.text(
+        [18.0, middle[1] + 4.0],
+        "y",
+        r#"font-size="15" fill="black" text-anchor="middle""#,
+    );
 }

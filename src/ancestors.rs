@@ -6,8 +6,8 @@ use bevy::prelude::*;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Circle;
 
-/// Walks up from an entity, itself included: what `look` finds of each, and its parent. Ends at the first of which it finds
-/// nothing, or, in a circle, with an error.
+/// Walks up from an entity, itself included: what `look` finds of each, and its parent. Ends at the
+/// first of which it finds nothing, or, in a circle, with an error.
 pub(crate) fn up<T>(
     from: Entity,
     mut look: impl FnMut(Entity) -> Option<(T, Option<Entity>)>,
@@ -21,7 +21,13 @@ pub(crate) fn up<T>(
         let (found, parent) = look(entity)?;
         steps += 1;
         // Who walks in a circle comes back to where it was when the steps were last a power of two.
-        next = parent.map(|parent| if parent == mark { Err(Circle) } else { Ok(parent) });
+        next = parent.map(|parent| {
+            if parent == mark {
+                Err(Circle)
+            } else {
+                Ok(parent)
+            }
+        });
         if steps.is_power_of_two() {
             mark = parent.unwrap_or(mark);
         }

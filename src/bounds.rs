@@ -10,32 +10,41 @@ use crate::{
     shear::{self, Sheared},
 };
 
-/// The plugin that computes the [`WorldAabb`] of every entity whose shape or place in the world changed.
+/// The plugin that computes the [`WorldAabb`] of every entity whose shape or place in the world
+/// changed.
 ///
-/// The place is taken from the [`Transform`]s of the entity and its ancestors, not from `GlobalTransform`, which is up
-/// to date only after transform propagation: boxes are right in the tick in which something moved. A parent without a
-/// `Transform` is at the origin of the world. What rests is not looked at, however deep the hierarchy.
+/// The place is taken from the [`Transform`]s of the entity and its ancestors, not from
+/// `GlobalTransform`, which is up to date only after transform propagation: boxes are right in the
+/// tick in which something moved. A parent without a `Transform` is at the origin of the world.
+/// What rests is not looked at, however deep the hierarchy.
 ///
-/// An entity whose box cannot be computed is left out of collision detection until that changes, with a warning in the
-/// log: one with a transform that is not finite, its own or an ancestor's, and one that is its own ancestor. So is one
-/// that has lost its `Transform`, without a warning. One whose shape is unbounded has an
-/// [unbounded](WorldAabb::UNBOUNDED) box.
+/// An entity whose box cannot be computed is left out of collision detection until that changes,
+/// with a warning in the log: one with a transform that is not finite, its own or an ancestor's,
+/// and one that is its own ancestor. So is one that has lost its `Transform`, without a warning.
+/// One whose shape is unbounded has an [unbounded](WorldAabb::UNBOUNDED) box.
 ///
 /// # Sheared shapes
 ///
-/// A parent with a scale that differs by axis shears the children that are turned against it. Cuboids and meshes are then
-/// what they are under it, exactly. A ball stays a ball, by the largest stretch in any direction, and a Rapier collider
-/// is not sheared, as by Rapier itself: both with a warning in the log, once for each entity. Ancestors that move, turn and
-/// stretch cost what they cost elsewhere; a shape that turns against them is built anew, in time linear in its vertices.
+/// A parent with a scale that differs by axis shears the children that are turned against it.
+/// Cuboids and meshes are then what they are under it, exactly. A ball stays a ball, by the largest
+/// stretch in any direction, and a Rapier collider is not sheared, as by Rapier itself: both with a
+/// warning in the log, once for each entity. Ancestors that move, turn and stretch cost what they
+/// cost elsewhere; a shape that turns against them is built anew, in time linear in its vertices.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BoundsPlugin;
 
 impl Plugin for BoundsPlugin {
     fn build(&self, app: &mut App) {
-        let some_children = any_match_filter::<Or<((With<ChildOf>, With<CollisionShape>), With<Sheared>)>>;
+        let some_children =
+            any_match_filter::<Or<((With<ChildOf>, With<CollisionShape>), With<Sheared>)>>;
         app.add_observer(hierarchy::on_unparented);
         add_to_tick(app, move |app, schedule| {
-            let update = (outdate_all, update_roots, update_children.run_if(some_children)).chain();
+            let update = (
+                outdate_all,
+                update_roots,
+                update_children.run_if(some_children),
+            )
+                .chain();
             app.add_systems(schedule, update.in_set(CollisionSystems::Bounds));
         });
     }
@@ -44,7 +53,9 @@ impl Plugin for BoundsPlugin {
 /// Boxes are grown by the tolerance: when that changes, so do all of them.
 fn outdate_all(mut proxies: Query<&mut BroadPhaseProxy>, tests: Res<NarrowPhase>) {
     if tests.is_changed() {
-        proxies.iter_mut().for_each(|mut proxy| BroadPhaseProxy::outdate(&mut proxy));
+        proxies
+            .iter_mut()
+            .for_each(|mut proxy| BroadPhaseProxy::outdate(&mut proxy));
     }
 }
 
@@ -55,8 +66,21 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     world.run_system_cached(update_children)
 }
 
-type Bounded<'a> = (Entity, &'a CollisionShape, &'a Transform, &'a mut WorldAabb, &'a mut BroadPhaseProxy);
-type ChangedRoot = (Without<ChildOf>, Or<(Changed<Transform>, Changed<CollisionShape>, Changed<BroadPhaseProxy>)>);
+type Bounded<'a> = (
+    Entity,
+    &'a CollisionShape,
+    &'a Transform,
+    &'a mut WorldAabb,
+    &'a mut BroadPhaseProxy,
+);
+type ChangedRoot = (
+    Without<ChildOf>,
+    Or<(
+        Changed<Transform>,
+        Changed<CollisionShape>,
+        Changed<BroadPhaseProxy>,
+    )>,
+);
 
 fn update_roots(
     mut roots: Query<Bounded, ChangedRoot>,
@@ -72,8 +96,12 @@ fn update_roots(
     }
 }
 
-type Child =
-    (&'static CollisionShape, &'static mut WorldAabb, &'static mut BroadPhaseProxy, Option<&'static mut Sheared>);
+type Child = (
+    &'static CollisionShape,
+    &'static mut WorldAabb,
+    &'static mut BroadPhaseProxy,
+    Option<&'static mut Sheared>,
+);
 
 pub(crate) fn update_children(
     world: &mut World,
@@ -81,7 +109,9 @@ pub(crate) fn update_children(
     children: &mut QueryState<Child>,
     unparented: &mut QueryState<Entity, (With<Sheared>, Without<ChildOf>)>,
 ) {
-    let Some(&tests) = world.get_resource::<NarrowPhase>() else { return };
+    let Some(&tests) = world.get_resource::<NarrowPhase>() else {
+        return;
+    };
     for entity in unparented.iter(world).collect::<Vec<_>>() {
         world.entity_mut(entity).remove::<Sheared>();
         // What takes part is another shape from now on.
@@ -91,7 +121,9 @@ pub(crate) fn update_children(
     }
     hierarchy.for_each_moved(world, |world, entity, pose| {
         // It may be disabled.
-        let Ok((own, mut aabb, mut proxy, sheared)) = children.get_mut(world, entity) else { return };
+        let Ok((own, mut aabb, mut proxy, sheared)) = children.get_mut(world, entity) else {
+            return;
+        };
         let Some(pose) = pose else {
             aabb.set_if_neq(WorldAabb::NONE);
             return;
@@ -107,7 +139,9 @@ pub(crate) fn update_children(
             let sheared = Sheared::new(own, placement.turn);
             *aabb = world_aabb(&tests, entity, sheared.shape(), &placement.transform);
             if sheared.shape().is_same(own) {
-                tracing::warn!("{entity} is sheared by an ancestor, as its shape cannot be: see `BoundsPlugin`");
+                tracing::warn!(
+                    "{entity} is sheared by an ancestor, as its shape cannot be: see `BoundsPlugin`"
+                );
             }
             world.entity_mut(entity).insert(sheared);
         }
@@ -115,7 +149,12 @@ pub(crate) fn update_children(
 }
 
 /// The box around a shape where it is.
-pub(crate) fn world_aabb(tests: &NarrowPhase, entity: Entity, shape: &Shape, transform: &Transform) -> WorldAabb {
+pub(crate) fn world_aabb(
+    tests: &NarrowPhase,
+    entity: Entity,
+    shape: &Shape,
+    transform: &Transform,
+) -> WorldAabb {
     match tests.world_aabb(Placed::new(shape, transform)) {
         Ok(aabb) => WorldAabb(aabb),
         Err(BoundsError::Unbounded) => WorldAabb::UNBOUNDED,

@@ -9,11 +9,14 @@ use bevy::{
 };
 
 use crate::{
-    broad_phase::{BroadPhase, BroadPhaseMethod, Pair, PairFilter, PairKinds, ProxyId, SpatialIndex},
+    broad_phase::{
+        BroadPhase, BroadPhaseMethod, Pair, PairFilter, PairKinds, ProxyId, SpatialIndex,
+    },
     narrow_phase::{Moving, NarrowPhase, Placed, Shape},
 };
 
-/// The [`SpatialIndex`] of all entities with a [`CollisionShape`](crate::components::CollisionShape).
+/// The [`SpatialIndex`] of all entities with a
+/// [`CollisionShape`](crate::components::CollisionShape).
 ///
 /// It may be taken out of the world for a while, or be replaced by another: at the next tick, or
 /// [update](crate::spatial_query::update_spatial_index), it holds what it should.
@@ -35,8 +38,8 @@ pub struct CollisionIndex {
     /// How many searches there were whose pairs are for the exact tests.
     #[reflect(ignore)]
     search: u64,
-    /// By proxy index: what had moved when pairs were last searched for. Empty as long as the boxes are those of the
-    /// search, and say so themselves.
+    /// By proxy index: what had moved when pairs were last searched for. Empty as long as the boxes
+    /// are those of the search, and say so themselves.
     #[reflect(ignore)]
     moved_at_search: Vec<bool>,
     /// When the pairs of the last search were handed out.
@@ -63,7 +66,8 @@ impl Default for CollisionIndex {
     }
 }
 
-/// What the index has to know to be right, though it may miss things: hooks may run while it is out of the world.
+/// What the index has to know to be right, though it may miss things: hooks may run while it is out
+/// of the world.
 #[derive(Resource, Debug, Default)]
 pub(crate) struct Upkeep {
     /// The index that all entries are about.
@@ -100,7 +104,8 @@ impl Upkeep {
         self.disabling.contains(&id)
     }
 
-    /// Takes note of a component that disables entities, and is observed from now on. What it disables already, was missed.
+    /// Takes note of a component that disables entities, and is observed from now on. What it
+    /// disables already, was missed.
     pub(crate) fn watch(&mut self, id: ComponentId) {
         self.disabling.push(id);
         self.miss();
@@ -118,7 +123,8 @@ pub(crate) struct Body {
 }
 
 impl Body {
-    /// Brings the shape up to date with what takes part, which became what it is at that time, unless an ancestor shears it.
+    /// Brings the shape up to date with what takes part, which became what it is at that time,
+    /// unless an ancestor shears it.
     #[cold]
     pub(crate) fn reshape(&mut self, shape: &Shape, reshaped: Tick) {
         self.reshaped = reshaped;
@@ -130,7 +136,10 @@ impl Body {
     /// The shape, where it is at the end of the tick.
     #[inline]
     pub(crate) const fn placed(&self) -> Placed<'_> {
-        Placed { shape: &self.shape, transform: &self.pose }
+        Placed {
+            shape: &self.shape,
+            transform: &self.pose,
+        }
     }
 
     /// The shape on its way in this tick: at rest where it is, if it is not swept.
@@ -173,13 +182,14 @@ impl CollisionIndex {
         &self.index
     }
 
-    /// Searches with a broad phase of one's own from the next tick on, until the method in the [`BroadPhaseSettings`](crate::settings::BroadPhaseSettings)
-    /// changes. It must be empty.
+    /// Searches with a broad phase of one's own from the next tick on, until the method in the
+    /// [`BroadPhaseSettings`](crate::settings::BroadPhaseSettings) changes. It must be empty.
     pub fn set_engine(&mut self, engine: Box<dyn BroadPhase>) {
         self.index.set_engine(engine);
     }
 
-    /// Returns the entity behind a handle. For a handle that was removed, the entity that had it last.
+    /// Returns the entity behind a handle. For a handle that was removed, the entity that had it
+    /// last.
     #[must_use]
     pub fn entity(&self, id: ProxyId) -> Option<Entity> {
         self.bodies.get(id.index()).map(|body| body.entity)
@@ -196,10 +206,14 @@ impl CollisionIndex {
 
     /// What is behind a handle, unless it was removed.
     pub(crate) fn body(&self, id: ProxyId) -> Option<&Body> {
-        self.index.proxies().contains(id).then(|| &self.bodies[id.index()])
+        self.index
+            .proxies()
+            .contains(id)
+            .then(|| &self.bodies[id.index()])
     }
 
-    /// The two of a pair, as the exact tests are to look at them. `None` if one is gone: pairs may be older than that.
+    /// The two of a pair, as the exact tests are to look at them. `None` if one is gone: pairs may
+    /// be older than that.
     #[inline]
     pub(crate) fn candidate(&self, pair: Pair) -> Option<Candidate<'_>> {
         let (a, b) = (self.body(pair.a)?, self.body(pair.b)?);
@@ -239,7 +253,9 @@ impl CollisionIndex {
 
     /// Puts what is behind a handle elsewhere, at once. Ways and pairs stay as they are.
     pub(crate) fn put(&mut self, id: ProxyId, pose: &Transform, tests: &NarrowPhase) {
-        let Some(body) = self.bodies.get_mut(id.index()) else { return };
+        let Some(body) = self.bodies.get_mut(id.index()) else {
+            return;
+        };
         // What cannot be there stays where it is until the next tick, which says so.
         if let Ok(aabb) = tests.world_aabb(Placed::new(&body.shape, pose))
             && self.index.set(id, &aabb).is_ok()
@@ -251,8 +267,8 @@ impl CollisionIndex {
     /// Has queries find everything where it was [put](Self::put).
     pub(crate) fn settle(&mut self) {
         self.index.update();
-        // An update without a search would have the next one look at everything. The exact tests see nothing of this
-        // search: for the next one, which is for them, the same have moved.
+        // An update without a search would have the next one look at everything. The exact tests
+        // see nothing of this search: for the next one, which is for them, the same have moved.
         self.index.find_pairs();
         self.index.touch_moved();
     }
@@ -297,12 +313,14 @@ impl CollisionIndex {
         self.index.touch_all();
     }
 
-    /// Keeps in mind what had moved when pairs were last searched for, before the index is updated without a search.
+    /// Keeps in mind what had moved when pairs were last searched for, before the index is updated
+    /// without a search.
     pub(crate) fn keep_search(&mut self) {
         if self.moved_at_search.is_empty() {
             let proxies = self.index.proxies();
             let handles = (0..proxies.capacity() as u32).map(ProxyId::new);
-            self.moved_at_search.extend(handles.map(|id| proxies.is_moved(id)));
+            self.moved_at_search
+                .extend(handles.map(|id| proxies.is_moved(id)));
         }
     }
 
@@ -311,13 +329,20 @@ impl CollisionIndex {
         self.moved_at_search.is_empty()
     }
 
-    /// Were the two at rest when pairs were last searched for, and are both still there? What was known of them then
-    /// still holds.
+    /// Were the two at rest when pairs were last searched for, and are both still there? What was
+    /// known of them then still holds.
     pub(crate) fn rested(&self, pair: Pair, entities: [Entity; 2]) -> bool {
         let proxies = self.index.proxies();
         let rested = |id: ProxyId| {
-            let moved = self.moved_at_search.get(id.index()).is_some_and(|moved| *moved);
-            if self.is_as_searched() { proxies.is_resting(id) } else { proxies.contains(id) && !moved }
+            let moved = self
+                .moved_at_search
+                .get(id.index())
+                .is_some_and(|moved| *moved);
+            if self.is_as_searched() {
+                proxies.is_resting(id)
+            } else {
+                proxies.contains(id) && !moved
+            }
         };
         rested(pair.a) && rested(pair.b) && self.entities(pair) == entities
     }
@@ -353,30 +378,43 @@ impl CollisionIndex {
     /// Is this handle that of this entity? Others may have a copy of it, or one of another index.
     #[inline]
     pub(crate) fn is_entry_of(&self, id: ProxyId, entity: Entity) -> bool {
-        self.bodies.get(id.index()).is_some_and(|body| body.entity == entity)
+        self.bodies
+            .get(id.index())
+            .is_some_and(|body| body.entity == entity)
     }
 
     /// Removes all whose entities do not say that the entry is theirs.
     pub(crate) fn remove_strays(&mut self, is_entry: impl Fn(ProxyId, Entity) -> bool) {
         let proxies = self.index.proxies();
         let all = proxies.iter().map(|(id, _)| id).chain(proxies.unbounded());
-        let strays: Vec<_> = all.filter(|id| !is_entry(*id, self.bodies[id.index()].entity)).collect();
+        let strays: Vec<_> = all
+            .filter(|id| !is_entry(*id, self.bodies[id.index()].entity))
+            .collect();
         strays.into_iter().for_each(|id| self.remove(id));
     }
 
-    /// Gives an entity that is in, and in a box, its box of this tick. Returns what is to follow it; `None` if it is not in by
-    /// this handle, or one of the boxes is none: then [`upsert`](Self::upsert) has to decide.
+    /// Gives an entity that is in, and in a box, its box of this tick. Returns what is to follow
+    /// it; `None` if it is not in by this handle, or one of the boxes is none: then
+    /// [`upsert`](Self::upsert) has to decide.
     #[inline]
-    pub(crate) fn follow(&mut self, id: ProxyId, entity: Entity, aabb: &Aabb3d) -> Option<&mut Body> {
-        let body = self.bodies.get_mut(id.index()).filter(|body| body.entity == entity)?;
+    pub(crate) fn follow(
+        &mut self,
+        id: ProxyId,
+        entity: Entity,
+        aabb: &Aabb3d,
+    ) -> Option<&mut Body> {
+        let body = self
+            .bodies
+            .get_mut(id.index())
+            .filter(|body| body.entity == entity)?;
         self.index.set(id, aabb).ok()?;
         // It may have turned inside its box.
         self.index.touch(id);
         Some(body)
     }
 
-    /// Decides about an entity that cannot [follow](Self::follow), given the handle that it says is its own. Returns the one
-    /// that it has from now on.
+    /// Decides about an entity that cannot [follow](Self::follow), given the handle that it says is
+    /// its own. Returns the one that it has from now on.
     ///
     /// | its own handle is | it has | it |
     /// |---|---|---|
@@ -385,7 +423,11 @@ impl CollisionIndex {
     /// | any, or none | neither, or no filter | leaves, if it was in |
     #[cold]
     pub(crate) fn upsert(&mut self, id: Option<ProxyId>, seen: Seen) -> Option<ProxyId> {
-        let Seen { body, extent, filter } = seen;
+        let Seen {
+            body,
+            extent,
+            filter,
+        } = seen;
         let own = id.filter(|id| self.is_entry_of(*id, body.entity));
         if let (Some(own), Extent::Unbounded(side)) = (own, extent)
             && self.index.set_unbounded(own, side).is_ok()
@@ -417,14 +459,14 @@ impl CollisionIndex {
     }
 }
 
-/// The pairs that the exact tests look at in this tick: those whose boxes overlap and of which at least one entity
-/// moved. The verdict on all other pairs is still that of the last tick.
+/// The pairs that the exact tests look at in this tick: those whose boxes overlap and of which at
+/// least one entity moved. The verdict on all other pairs is still that of the last tick.
 ///
 /// A system after [`BroadPhase`](crate::CollisionSystems::BroadPhase) and before
-/// [`NarrowPhase`](crate::CollisionSystems::NarrowPhase) may take pairs out: they are then not in contact. A pair that is listed
-/// twice, or the wrong way round, is one contact. What a
-/// [swept](crate::swept::Swept) entity meets after a bounce, within the same tick, is not among them: layers, lists and
-/// [hooks](crate::filters::PairHook) see that too.
+/// [`NarrowPhase`](crate::CollisionSystems::NarrowPhase) may take pairs out: they are then not in
+/// contact. A pair that is listed twice, or the wrong way round, is one contact. What a
+/// [swept](crate::swept::Swept) entity meets after a bounce, within the same tick, is not among
+/// them: layers, lists and [hooks](crate::filters::PairHook) see that too.
 #[doc(alias("broad phase pairs", "possible collisions"))]
 #[derive(Resource, Clone, Debug, Default, Deref, DerefMut, Reflect)]
 #[reflect(Resource, Debug, Default)]

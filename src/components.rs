@@ -13,15 +13,17 @@ use crate::{
     way::SweptWay,
 };
 
-/// The shape of an entity. An entity that has one takes part in collision detection; one that loses it, or is
-/// despawned, no longer does, from that moment on. A shape that is overwritten is changed; one that is removed and
-/// inserted again, even within a frame, starts anew: its contacts end and start.
+/// The shape of an entity. An entity that has one takes part in collision detection; one that loses
+/// it, or is despawned, no longer does, from that moment on. A shape that is overwritten is
+/// changed; one that is removed and inserted again, even within a frame, starts anew: its contacts
+/// end and start.
 ///
-/// It is placed by the [`Transform`]s of the entity and its ancestors. What becomes of shapes that a scaled parent shears is
-/// said of the [`BoundsPlugin`](crate::plugins::BoundsPlugin#sheared-shapes).
+/// It is placed by the [`Transform`]s of the entity and its ancestors. What becomes of shapes that
+/// a scaled parent shears is said of the
+/// [`BoundsPlugin`](crate::plugins::BoundsPlugin#sheared-shapes).
 ///
-/// An entity with a shape and no [`Velocity`](crate::motion::Velocity) is *at rest*: while its [`Transform`] stays unchanged, it is
-/// looked at by nothing.
+/// An entity with a shape and no [`Velocity`](crate::motion::Velocity) is *at rest*: while its
+/// [`Transform`] stays unchanged, it is looked at by nothing.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -45,7 +47,8 @@ pub struct CollisionShape(pub Shape);
 ///
 /// As those of [`Shape`], for which see what becomes of [bad numbers](Shape#constructors).
 impl CollisionShape {
-    /// Makes a box around the entity's origin, by the lengths of its whole sides, as Bevy's `Cuboid::new` does.
+    /// Makes a box around the entity's origin, by the lengths of its whole sides, as Bevy's
+    /// `Cuboid::new` does.
     ///
     /// See [`Shape::cuboid`].
     #[must_use]
@@ -116,7 +119,8 @@ impl CollisionShape {
     }
 }
 
-/// From whatever a [`Shape`] can be made of: Bevy's primitives, meshes, and, with the feature `rapier`, colliders.
+/// From whatever a [`Shape`] can be made of: Bevy's primitives, meshes, and, with the feature
+/// `rapier`, colliders.
 impl<T: Into<Shape>> From<T> for CollisionShape {
     fn from(shape: T) -> Self {
         Self(shape.into())
@@ -126,17 +130,19 @@ impl<T: Into<Shape>> From<T> for CollisionShape {
 /// The cube of side 1 around the entity's origin: what the report's scenes are made of.
 impl Default for CollisionShape {
     fn default() -> Self {
-        Self(Shape::Cuboid { half_size: Vec3::splat(0.5) })
+        Self(Shape::Cuboid {
+            half_size: Vec3::splat(0.5),
+        })
     }
 }
 
-/// The box along the world's axes around an entity's shape, as the broad phase sees it: grown by half the
-/// [tolerance](crate::narrow_phase::NarrowPhase::tolerance) of the exact tests. That of an entity which is
-/// [swept](crate::swept::Swept) is around all of its way in the tick.
+/// The box along the world's axes around an entity's shape, as the broad phase sees it: grown by
+/// half the [tolerance](crate::narrow_phase::NarrowPhase::tolerance) of the exact tests. That of an
+/// entity which is [swept](crate::swept::Swept) is around all of its way in the tick.
 ///
-/// Kept up to date in the set [`Bounds`](crate::CollisionSystems::Bounds). A system after that set and before
-/// [`Maintenance`](crate::CollisionSystems::Maintenance) may enlarge it. What is inserted in its place is computed anew
-/// at the next tick.
+/// Kept up to date in the set [`Bounds`](crate::CollisionSystems::Bounds). A system after that set
+/// and before [`Maintenance`](crate::CollisionSystems::Maintenance) may enlarge it. What is
+/// inserted in its place is computed anew at the next tick.
 #[doc(alias("aabb", "bounding box", "fat aabb"))]
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect, Deref)]
 #[reflect(Component, Debug, Default, PartialEq)]
@@ -145,12 +151,15 @@ impl Default for CollisionShape {
 pub struct WorldAabb(pub Aabb3d);
 
 impl WorldAabb {
-    /// The box of an entity that has none: not computed yet, or impossible to compute. It is inverted, and so refused
-    /// by the broad phase.
-    pub const NONE: Self = Self(Aabb3d { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY });
+    /// The box of an entity that has none: not computed yet, or impossible to compute. It is
+    /// inverted, and so refused by the broad phase.
+    pub const NONE: Self = Self(Aabb3d {
+        min: Vec3A::INFINITY,
+        max: Vec3A::NEG_INFINITY,
+    });
 
-    /// The box of an entity whose shape is unbounded, as a half-space: all of space. The index keeps such entities apart
-    /// from the broad phase.
+    /// The box of an entity whose shape is unbounded, as a half-space: all of space. The index
+    /// keeps such entities apart from the broad phase.
     pub const UNBOUNDED: Self = Self(EVERYWHERE);
 }
 
@@ -160,11 +169,12 @@ impl Default for WorldAabb {
     }
 }
 
-/// An entity's entry in the [`CollisionIndex`]. Comes and goes with the [`CollisionShape`]; a cloned entity gets one of its
-/// own, as does one that is given a copy of another's.
+/// An entity's entry in the [`CollisionIndex`]. Comes and goes with the [`CollisionShape`]; a
+/// cloned entity gets one of its own, as does one that is given a copy of another's.
 ///
-/// For systems of one's own it is a handle to look at. That it counts as [changed](bevy::ecs::query::Changed) has a meaning of
-/// its own: the box of the entity is out of date.
+/// For systems of one's own it is a handle to look at. That it counts as
+/// [changed](bevy::ecs::query::Changed) has a meaning of its own: the box of the entity is out of
+/// date.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default)]
 #[type_path = "bevy_octree"]
@@ -177,7 +187,8 @@ pub struct BroadPhaseProxy {
 }
 
 impl BroadPhaseProxy {
-    /// Returns the entity's handle in the index; `None` before its first tick, and while it has no valid box.
+    /// Returns the entity's handle in the index; `None` before its first tick, and while it has no
+    /// valid box.
     #[must_use]
     pub const fn id(&self) -> Option<ProxyId> {
         self.id
@@ -191,8 +202,9 @@ impl BroadPhaseProxy {
 
 /// # Out of date or not
 ///
-/// The set [`Bounds`](crate::CollisionSystems::Bounds) computes the boxes of those whose transform, shape or proxy changed.
-/// So the change tick of a proxy is a flag, "the box is out of date", and these are all who may write to one:
+/// The set [`Bounds`](crate::CollisionSystems::Bounds) computes the boxes of those whose transform,
+/// shape or proxy changed. So the change tick of a proxy is a flag, "the box is out of date", and
+/// these are all who may write to one:
 ///
 /// | method | who calls it | is the box out of date then? |
 /// |---|---|---|
@@ -229,7 +241,8 @@ fn compute_anew(mut world: DeferredWorld, context: HookContext) {
     outdate(&mut world, context.entity);
 }
 
-/// Takes an entity out of the index at the moment in which it loses its shape, its box, its entry or its life.
+/// Takes an entity out of the index at the moment in which it loses its shape, its box, its entry
+/// or its life.
 fn leave_index(mut world: DeferredWorld, context: HookContext) {
     leave(&mut world, context.entity);
 }
@@ -246,8 +259,17 @@ pub(crate) fn leave(world: &mut DeferredWorld, entity: Entity) {
 }
 
 /// Does something to an entity's entry, at once. What the index misses, it mends at the next tick.
-pub(crate) fn in_index(world: &mut DeferredWorld, entity: Entity, act: impl FnOnce(&mut CollisionIndex, ProxyId)) {
-    let Some(id) = world.get::<BroadPhaseProxy>(entity).and_then(BroadPhaseProxy::id) else { return };
+pub(crate) fn in_index(
+    world: &mut DeferredWorld,
+    entity: Entity,
+    act: impl FnOnce(&mut CollisionIndex, ProxyId),
+) {
+    let Some(id) = world
+        .get::<BroadPhaseProxy>(entity)
+        .and_then(BroadPhaseProxy::id)
+    else {
+        return;
+    };
     if let Some(mut index) = world.get_resource_mut::<CollisionIndex>()
         && index.is_entry_of(id, entity)
     {
@@ -257,12 +279,20 @@ pub(crate) fn in_index(world: &mut DeferredWorld, entity: Entity, act: impl FnOn
     }
 }
 
-/// Changes which pairs an entity makes, at once: for hooks of components that say so. Before its first tick, an entity is
-/// not in the index, which then looks at its components.
-pub(crate) fn change_filter(mut world: DeferredWorld, context: HookContext, change: impl FnOnce(&mut PairFilter)) {
-    in_index(&mut world, context.entity, |index, id| index.change_filter(id, change));
+/// Changes which pairs an entity makes, at once: for hooks of components that say so. Before its
+/// first tick, an entity is not in the index, which then looks at its components.
+pub(crate) fn change_filter(
+    mut world: DeferredWorld,
+    context: HookContext,
+    change: impl FnOnce(&mut PairFilter),
+) {
+    in_index(&mut world, context.entity, |index, id| {
+        index.change_filter(id, change)
+    });
 }
 
 pub(crate) fn register(app: &mut App) {
-    app.register_type::<CollisionShape>().register_type::<WorldAabb>().register_type::<BroadPhaseProxy>();
+    app.register_type::<CollisionShape>()
+        .register_type::<WorldAabb>()
+        .register_type::<BroadPhaseProxy>();
 }

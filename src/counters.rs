@@ -75,9 +75,16 @@ impl CollisionCounters {
 
 /// Counts from one tick to the next.
 pub(crate) fn register(app: &mut App) {
-    app.init_resource::<CollisionCounters>().register_type::<CollisionCounters>();
+    app.init_resource::<CollisionCounters>()
+        .register_type::<CollisionCounters>();
     add_to_tick(app, |app, schedule| {
         let begin = CollisionCounters::begin_tick.before(CollisionSystems::First);
-        app.add_systems(schedule, (begin, CollisionCounters::end_tick.after(CollisionSystems::Last)));
+        app.add_systems(
+            schedule,
+            (
+                begin,
+                CollisionCounters::end_tick.after(CollisionSystems::Last),
+            ),
+        );
     });
 }

@@ -1,4 +1,5 @@
-//! Counters and times per stage for Bevy's [`DiagnosticsStore`](bevy::diagnostic::DiagnosticsStore).
+//! Counters and times per stage for Bevy's
+//! [`DiagnosticsStore`](bevy::diagnostic::DiagnosticsStore).
 
 use std::time::{Duration, Instant};
 
@@ -13,9 +14,9 @@ use crate::{
     schedule::{CollisionSystems, add_to_tick, expect_ticks},
 };
 
-/// Measures what a tick takes, and hands it to Bevy's diagnostics, once per tick: the times of the stages as the
-/// resource [`StageTimes`] too. Not part of [`OctreePlugins`](crate::OctreePlugins): add it beside
-/// them, in any order.
+/// Measures what a tick takes, and hands it to Bevy's diagnostics, once per tick: the times of the
+/// stages as the resource [`StageTimes`] too. Not part of [`OctreePlugins`](crate::OctreePlugins):
+/// add it beside them, in any order.
 ///
 /// ```
 /// use bevy::{diagnostic::{DiagnosticsStore, LogDiagnosticsPlugin}, prelude::*};
@@ -29,9 +30,10 @@ use crate::{
 /// assert_eq!(store.get(&CollisionDiagnosticsPlugin::OBJECTS).and_then(|objects| objects.value()), Some(0.0));
 /// ```
 ///
-/// A diagnostic that is disabled is not measured. Any of [`NODES`](Self::NODES), [`LEAVES`](Self::LEAVES),
-/// [`DEPTH`](Self::DEPTH), [`FILL`](Self::FILL) and [`BYTES`](Self::BYTES) takes a walk over all nodes of the N-objects
-/// octree, one per tick for all of them; for other broad phases they cost next to nothing.
+/// A diagnostic that is disabled is not measured. Any of [`NODES`](Self::NODES),
+/// [`LEAVES`](Self::LEAVES), [`DEPTH`](Self::DEPTH), [`FILL`](Self::FILL) and
+/// [`BYTES`](Self::BYTES) takes a walk over all nodes of the N-objects octree, one per tick for all
+/// of them; for other broad phases they cost next to nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CollisionDiagnosticsPlugin;
 
@@ -52,8 +54,8 @@ impl CollisionDiagnosticsPlugin {
     pub const LEAVES: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/leaves");
     /// The largest generation of a node.
     pub const DEPTH: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/depth");
-    /// The mean number of entries per leaf: an object counts once for each leaf that lists it. 0 where there are no
-    /// leaves.
+    /// The mean number of entries per leaf: an object counts once for each leaf that lists it. 0
+    /// where there are no leaves.
     pub const FILL: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/fill");
     /// The memory that the broad phase takes, in bytes.
     pub const BYTES: DiagnosticPath = DiagnosticPath::const_new("bevy_octree/bytes");
@@ -72,19 +74,24 @@ impl CollisionDiagnosticsPlugin {
 
 impl Plugin for CollisionDiagnosticsPlugin {
     fn build(&self, app: &mut App) {
-        for path in [Self::OBJECTS, Self::MOVED, Self::CANDIDATES, Self::CONTACTS, Self::EVENTS].into_iter().chain([
-            Self::NODES,
-            Self::LEAVES,
-            Self::DEPTH,
-            Self::FILL,
-        ]) {
+        for path in [
+            Self::OBJECTS,
+            Self::MOVED,
+            Self::CANDIDATES,
+            Self::CONTACTS,
+            Self::EVENTS,
+        ]
+        .into_iter()
+        .chain([Self::NODES, Self::LEAVES, Self::DEPTH, Self::FILL])
+        {
             app.register_diagnostic(Diagnostic::new(path));
         }
         app.register_diagnostic(Diagnostic::new(Self::BYTES).with_suffix(" B"));
         for path in Self::STAGE_TIMES {
             app.register_diagnostic(Diagnostic::new(path).with_suffix(" ms"));
         }
-        app.init_resource::<StageTimes>().register_type::<StageTimes>();
+        app.init_resource::<StageTimes>()
+            .register_type::<StageTimes>();
         add_to_tick(app, |app, schedule| {
             app.add_systems(schedule, begin.in_set(CollisionSystems::First));
             let ends = STAGES.into_iter().skip(1).chain([CollisionSystems::Last]);
@@ -92,7 +99,12 @@ impl Plugin for CollisionDiagnosticsPlugin {
                 let end = move |mut times: ResMut<StageTimes>| times.end(stage);
                 app.add_systems(schedule, end.after(set).before(next));
             }
-            app.add_systems(schedule, measure.after(CollisionSystems::Last).before(CollisionCounters::end_tick));
+            app.add_systems(
+                schedule,
+                measure
+                    .after(CollisionSystems::Last)
+                    .before(CollisionCounters::end_tick),
+            );
         });
     }
 
@@ -112,8 +124,8 @@ pub const STAGES: [CollisionSystems; 7] = [
     CollisionSystems::Report,
 ];
 
-/// The times that the stages of the last tick took, wall-clock: whatever runs between the end of a stage and that of the
-/// one before it counts.
+/// The times that the stages of the last tick took, wall-clock: whatever runs between the end of a
+/// stage and that of the one before it counts.
 #[derive(Resource, Clone, Debug, Default, Reflect)]
 #[reflect(Resource, Debug, Default)]
 #[type_path = "bevy_octree"]
@@ -134,7 +146,9 @@ impl StageTimes {
     /// Returns the time of one stage; `None` for a set that is not one of the [`STAGES`].
     #[must_use]
     pub fn get(&self, stage: CollisionSystems) -> Option<Duration> {
-        self.iter().find(|(other, _)| *other == stage).map(|(_, time)| time)
+        self.iter()
+            .find(|(other, _)| *other == stage)
+            .map(|(_, time)| time)
     }
 
     /// Returns the time of all stages together.
@@ -145,7 +159,10 @@ impl StageTimes {
 
     fn end(&mut self, stage: usize) {
         let now = Instant::now();
-        self.times[stage] = self.last.replace(now).map_or(Duration::ZERO, |last| now - last);
+        self.times[stage] = self
+            .last
+            .replace(now)
+            .map_or(Duration::ZERO, |last| now - last);
     }
 }
 
@@ -160,7 +177,15 @@ fn measure(
     mut diagnostics: Diagnostics,
 ) {
     use CollisionDiagnosticsPlugin as Paths;
-    let TickCounters { objects, moved, candidates, contacts, started, ended, .. } = counters.tick;
+    let TickCounters {
+        objects,
+        moved,
+        candidates,
+        contacts,
+        started,
+        ended,
+        ..
+    } = counters.tick;
     let events = started + ended;
     for (path, count) in [
         (Paths::OBJECTS, objects),

@@ -8,7 +8,8 @@ use bevy::{
 
 use crate::{ancestors, motion::Velocity};
 
-/// What an entity hangs on: where its parent is in the world, how it is turned and stretched, and how fast it moves.
+/// What an entity hangs on: where its parent is in the world, how it is turned and stretched, and
+/// how fast it moves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
     to_world: DAffine3,
@@ -30,7 +31,9 @@ impl Ancestor {
     /// That of an app, as it is now.
     pub(crate) fn of(entity: Entity, world: &World) -> Option<Self> {
         let entity = world.get_entity(entity).ok()?;
-        let velocity = entity.get::<Velocity>().filter(|_| !entity.contains::<Disabled>());
+        let velocity = entity
+            .get::<Velocity>()
+            .filter(|_| !entity.contains::<Disabled>());
         Some(Self {
             transform: *entity.get()?,
             velocity: velocity.map_or(Vec3::ZERO, |velocity| velocity.0),
@@ -40,7 +43,8 @@ impl Ancestor {
 }
 
 impl Frame {
-    /// That of an entity with this parent. A parent without a [`Transform`] ends the walk, as it does for boxes.
+    /// That of an entity with this parent. A parent without a [`Transform`] ends the walk, as it
+    /// does for boxes.
     pub(crate) fn of(parent: Entity, mut look: impl FnMut(Entity) -> Option<Ancestor>) -> Self {
         let (mut to_world, mut drift, mut depth) = (DAffine3::IDENTITY, DVec3::ZERO, 0);
         let with_parent = |entity| {
@@ -50,16 +54,30 @@ impl Frame {
         };
         // What is its own ancestor has no box, and meets nothing.
         for ancestor in ancestors::up(parent, with_parent).map_while(Result::ok) {
-            let Transform { translation, rotation, scale } = ancestor.transform;
-            let linear = DMat3::from_quat(rotation.as_dquat()) * DMat3::from_diagonal(scale.as_dvec3());
+            let Transform {
+                translation,
+                rotation,
+                scale,
+            } = ancestor.transform;
+            let linear =
+                DMat3::from_quat(rotation.as_dquat()) * DMat3::from_diagonal(scale.as_dvec3());
             to_world = DAffine3::from_mat3_translation(linear, translation.as_dvec3()) * to_world;
             // What is not finite moves nothing.
-            let own = if ancestor.velocity.is_finite() { ancestor.velocity.as_dvec3() } else { DVec3::ZERO };
+            let own = if ancestor.velocity.is_finite() {
+                ancestor.velocity.as_dvec3()
+            } else {
+                DVec3::ZERO
+            };
             drift = linear * drift + own;
             depth += 1;
         }
         let to_own = Some(to_world.inverse()).filter(DAffine3::is_finite);
-        Self { to_world, to_own, drift, depth }
+        Self {
+            to_world,
+            to_own,
+            drift,
+            depth,
+        }
     }
 
     /// How many ancestors there are.
@@ -79,7 +97,10 @@ impl Frame {
 
     /// The same, going faster by so much.
     pub(crate) fn drifting(self, faster: Vec3) -> Self {
-        Self { drift: self.drift + faster.as_dvec3(), ..self }
+        Self {
+            drift: self.drift + faster.as_dvec3(),
+            ..self
+        }
     }
 
     /// The velocity in the world of what has a velocity in this space.
@@ -89,7 +110,11 @@ impl Frame {
 
     /// The velocity in this space of what has a velocity in the world.
     pub(crate) fn own_velocity(&self, in_world: Vec3) -> Option<Vec3> {
-        Some(self.to_own?.transform_vector3(in_world.as_dvec3() - self.drift).as_vec3())
+        Some(
+            self.to_own?
+                .transform_vector3(in_world.as_dvec3() - self.drift)
+                .as_vec3(),
+        )
     }
 
     /// The position in this space of what is at a position in the world.
@@ -109,7 +134,8 @@ mod tests {
 
     /// Turned, stretched, mirrored; with a child of its own, sheared.
     fn places() -> impl Strategy<Value = Transform> {
-        let scale = prop::array::uniform3(prop_oneof![0.25f32..4.0, -4f32..-0.25]).prop_map(Vec3::from);
+        let scale =
+            prop::array::uniform3(prop_oneof![0.25f32..4.0, -4f32..-0.25]).prop_map(Vec3::from);
         (vectors(10.0), vectors(2.0), scale).prop_map(|(translation, turn, scale)| Transform {
             translation,
             rotation: Quat::from_scaled_axis(turn),
@@ -120,7 +146,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-        /// What moves for a moment, together with all that it hangs on, moves as far in the world as the velocity says.
+        /// What moves for a moment, together with all that it hangs on, moves as far in the world
+        /// as the velocity says.
         #[test]
         fn a_velocity_in_the_world_is_what_moves_there(
             chain in prop::collection::vec((places(), vectors(5.0)), 1..4),
@@ -150,12 +177,26 @@ mod tests {
     #[test]
     fn what_goes_round_in_circles_or_is_flat_has_an_answer() {
         let mut world = World::new();
-        let round = Ancestor { transform: Transform::IDENTITY, velocity: Vec3::X, parent: None };
-        let parent = world.spawn(Transform::from_scale(Vec3::new(1.0, 0.0, 1.0))).id();
-        let look = |_| Some(Ancestor { parent: Some(parent), ..round });
+        let round = Ancestor {
+            transform: Transform::IDENTITY,
+            velocity: Vec3::X,
+            parent: None,
+        };
+        let parent = world
+            .spawn(Transform::from_scale(Vec3::new(1.0, 0.0, 1.0)))
+            .id();
+        let look = |_| {
+            Some(Ancestor {
+                parent: Some(parent),
+                ..round
+            })
+        };
         assert!(Frame::of(parent, look).depth() < 4);
         let flat = Frame::of(parent, |entity| Ancestor::of(entity, &world));
-        assert_eq!((flat.leads_back(), flat.own_velocity(Vec3::X)), (false, None));
+        assert_eq!(
+            (flat.leads_back(), flat.own_velocity(Vec3::X)),
+            (false, None)
+        );
         assert_eq!(flat.velocity_in_world(Vec3::ONE), Vec3::new(1.0, 0.0, 1.0));
     }
 }

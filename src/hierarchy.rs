@@ -1,7 +1,8 @@
 //! Where entities are in the world, by their own transforms and those of their ancestors.
 //!
-//! `GlobalTransform` is up to date only after transform propagation, and entities have to be where they are in the tick in
-//! which something moved. Poses are computed in 64 bits, so that a deep hierarchy does not bend what hangs on it.
+//! `GlobalTransform` is up to date only after transform propagation, and entities have to be where
+//! they are in the tick in which something moved. Poses are computed in 64 bits, so that a deep
+//! hierarchy does not bend what hangs on it.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -21,7 +22,8 @@ use crate::{
     components::{self, BroadPhaseProxy, CollisionShape, WorldAabb},
 };
 
-/// An ancestor of entities with a shape. It stays one when the last of them is gone: that costs a look at it when it moves.
+/// An ancestor of entities with a shape. It stays one when the last of them is gone: that costs a
+/// look at it when it moves.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct Carrier {
     /// Has it lost its transform?
@@ -35,25 +37,49 @@ pub(crate) struct Carrier {
 
 /// Where an entity is in the space of its parent.
 fn local(transform: &Transform) -> DAffine3 {
-    let Transform { translation, rotation, scale } = *transform;
-    let rotation = DQuat::from_xyzw(rotation.x.into(), rotation.y.into(), rotation.z.into(), rotation.w.into());
+    let Transform {
+        translation,
+        rotation,
+        scale,
+    } = *transform;
+    let rotation = DQuat::from_xyzw(
+        rotation.x.into(),
+        rotation.y.into(),
+        rotation.z.into(),
+        rotation.w.into(),
+    );
     let length = rotation.length();
-    DAffine3::from_scale_rotation_translation(scale.as_dvec3(), rotation / length, translation.as_dvec3())
+    DAffine3::from_scale_rotation_translation(
+        scale.as_dvec3(),
+        rotation / length,
+        translation.as_dvec3(),
+    )
 }
 
 /// What an ancestor, or the entity itself, has to do with where an entity is.
 pub(crate) type Link<'a> = (&'a Transform, Option<&'a ChildOf>);
 
-/// Where an entity is in the world; `None` if it is its own ancestor. A parent without a [`Transform`] ends the walk.
+/// Where an entity is in the world; `None` if it is its own ancestor. A parent without a
+/// [`Transform`] ends the walk.
 ///
-/// Walks up all ancestors. For the systems that [`see_disabled`] entities: a disabled parent is still where it is.
-pub(crate) fn pose_in_world(entity: Entity, links: &Query<Link, Allow<Disabled>>) -> Option<DAffine3> {
+/// Walks up all ancestors. For the systems that [`see_disabled`] entities: a disabled parent is
+/// still where it is.
+pub(crate) fn pose_in_world(
+    entity: Entity,
+    links: &Query<Link, Allow<Disabled>>,
+) -> Option<DAffine3> {
     let look = |entity| {
         let (transform, parent) = links.get(entity).ok()?;
         Some((local(transform), parent.map(ChildOf::parent)))
     };
-    let path = ancestors::up(entity, look).collect::<Result<Vec<_>, _>>().ok()?;
-    Some(path.into_iter().rev().fold(DAffine3::IDENTITY, |world, local| world * local))
+    let path = ancestors::up(entity, look)
+        .collect::<Result<Vec<_>, _>>()
+        .ok()?;
+    Some(
+        path.into_iter()
+            .rev()
+            .fold(DAffine3::IDENTITY, |world, local| world * local),
+    )
 }
 
 /// Makes the queries of a system see entities that are disabled too, by whatever component.
@@ -91,8 +117,8 @@ type Node = (
     Has<CollisionShape>,
 );
 
-/// Finds the entities with a shape and a parent that are elsewhere since the last time, with a look at what changed and what
-/// hangs on it.
+/// Finds the entities with a shape and a parent that are elsewhere since the last time, with a look
+/// at what changed and what hangs on it.
 pub(crate) struct Hierarchy {
     nodes: Unfiltered<Node, ()>,
     moved_carriers: Unfiltered<(Entity, Has<Transform>, &'static mut Carrier), Moved>,
@@ -130,8 +156,9 @@ impl FromWorld for Hierarchy {
 }
 
 impl Hierarchy {
-    /// Calls `found` with all entities with a shape and a parent that moved, were moved by an ancestor, or changed shape,
-    /// each once, and where they are: `None` if they, or an ancestor, are their own ancestor. Some may be disabled.
+    /// Calls `found` with all entities with a shape and a parent that moved, were moved by an
+    /// ancestor, or changed shape, each once, and where they are: `None` if they, or an ancestor,
+    /// are their own ancestor. Some may be disabled.
     pub(crate) fn for_each_moved(
         &mut self,
         world: &mut World,
@@ -142,7 +169,9 @@ impl Hierarchy {
         self.find_moved_carriers(world);
         self.has_visited = !self.moved.is_empty();
         while let Some(entity) = self.moved.pop() {
-            let Ok((_, parent, _, Some(carrier), _)) = self.nodes.0.get_mut(world, entity) else { continue };
+            let Ok((_, parent, _, Some(carrier), _)) = self.nodes.0.get_mut(world, entity) else {
+                continue;
+            };
             if carrier.visited == self.run {
                 continue;
             }
@@ -178,7 +207,9 @@ impl Hierarchy {
         parent: Option<DAffine3>,
         found: &mut impl FnMut(&mut World, Entity, Option<DAffine3>),
     ) {
-        let Ok((transform, child_of, children, carrier, has_shape)) = self.nodes.0.get_mut(world, entity) else {
+        let Ok((transform, child_of, children, carrier, has_shape)) =
+            self.nodes.0.get_mut(world, entity)
+        else {
             return;
         };
         let pose = transform.and_then(|transform| Some(parent? * local(transform)));
@@ -188,22 +219,39 @@ impl Hierarchy {
                 return;
             }
             (carrier.visited, carrier.known, carrier.pose) = (self.run, self.run, pose);
-            let origin = if transform.is_some() { pose } else { Some(DAffine3::IDENTITY) };
-            self.to_visit.extend(children.into_iter().flatten().map(|child| (*child, origin)));
+            let origin = if transform.is_some() {
+                pose
+            } else {
+                Some(DAffine3::IDENTITY)
+            };
+            self.to_visit
+                .extend(children.into_iter().flatten().map(|child| (*child, origin)));
         }
         if has_shape {
             found(world, entity, pose);
         }
     }
 
-    /// Those that moved by themselves without taking others with them, and those that changed otherwise.
-    fn find_altered(&mut self, world: &mut World, mut found: impl FnMut(&mut World, Entity, Option<DAffine3>)) {
+    /// Those that moved by themselves without taking others with them, and those that changed
+    /// otherwise.
+    fn find_altered(
+        &mut self,
+        world: &mut World,
+        mut found: impl FnMut(&mut World, Entity, Option<DAffine3>),
+    ) {
         let altered = self.altered.query(world);
         let mut changed = std::mem::take(&mut self.altered_children);
-        changed.extend(altered.iter().map(|(entity, own, parent)| (entity, own.copied(), parent.parent())));
-        let visited = |carrier: Option<&Carrier>| carrier.is_some_and(|carrier| carrier.visited == self.run);
+        changed.extend(
+            altered
+                .iter()
+                .map(|(entity, own, parent)| (entity, own.copied(), parent.parent())),
+        );
+        let visited =
+            |carrier: Option<&Carrier>| carrier.is_some_and(|carrier| carrier.visited == self.run);
         if self.has_visited {
-            changed.retain(|(entity, _, parent)| !visited(world.get(*entity)) && !visited(world.get(*parent)));
+            changed.retain(|(entity, _, parent)| {
+                !visited(world.get(*entity)) && !visited(world.get(*parent))
+            });
         }
         for (entity, own, parent) in changed.drain(..) {
             let pose = self.pose_of_parent(world, Some(parent));
@@ -215,7 +263,8 @@ impl Hierarchy {
     /// Where a parent is, each computed once.
     fn pose_of_parent(&mut self, world: &mut World, mut next: Option<Entity>) -> Option<DAffine3> {
         let mut pose = loop {
-            let Some((entity, node)) = next.and_then(|next| Some((next, self.nodes.0.get_mut(world, next).ok()?)))
+            let Some((entity, node)) =
+                next.and_then(|next| Some((next, self.nodes.0.get_mut(world, next).ok()?)))
             else {
                 break Some(DAffine3::IDENTITY);
             };

@@ -1,5 +1,5 @@
-//! Collision detection for Bevy without a physics engine: an octree that follows moving objects, exact tests, contact
-//! messages, and a bounce if you want one.
+//! Collision detection for Bevy without a physics engine: an octree that follows moving objects,
+//! exact tests, contact messages, and a bounce if you want one.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -37,8 +37,8 @@
 //! | [`CollidingEntities`](contacts::CollidingEntities) | lists the entities that it touches |
 //! | [`Cube`](scene::Cube) | shape, velocity and bounce in one: a moving cube |
 //!
-//! With the feature `rapier`, the plugin and the components of the module `rapier` work side by side with
-//! `bevy_rapier3d`.
+//! With the feature `rapier`, the plugin and the components of the module `rapier` work side by
+//! side with `bevy_rapier3d`.
 //!
 //! # What comes out
 //!
@@ -50,16 +50,18 @@
 //! | [`CollisionIndex`](collision_index::CollisionIndex) | the boxes, the broad phase, queries |
 //! | [`CollisionCounters`](counters::CollisionCounters) | what happened, in numbers; through Bevy's diagnostics by the [`CollisionDiagnosticsPlugin`](diagnostics::CollisionDiagnosticsPlugin) |
 //!
-//! With the feature `debug_draw`, the module `debug_draw` shows all of it by Bevy's gizmos; with `picking`, the module
-//! `picking` has pointers pick shapes.
+//! With the feature `debug_draw`, the module `debug_draw` shows all of it by Bevy's gizmos; with
+//! `picking`, the module `picking` has pointers pick shapes.
 //!
-//! [`SpatialQuery`](spatial_query::SpatialQuery) is the way to ask: rays, moving shapes, overlaps, what is near.
+//! [`SpatialQuery`](spatial_query::SpatialQuery) is the way to ask: rays, moving shapes, overlaps,
+//! what is near.
 //!
-//! [`OctreePlugins`] brings all of it, one of the [`plugins`] for each stage; [`CollisionSystems`] are the sets to order
-//! systems of one's own by. The parts also work without Bevy's ECS: [`octree`], [`broad_phase`] and [`narrow_phase`].
+//! [`OctreePlugins`] brings all of it, one of the [`plugins`] for each stage; [`CollisionSystems`]
+//! are the sets to order systems of one's own by. The parts also work without Bevy's ECS:
+//! [`octree`], [`broad_phase`] and [`narrow_phase`].
 //!
-//! The system is that of J. Edward Swan II, *Fast Collision Detection with an N-Objects Octree*, Ohio State University,
-//! ACCAD, 1994; "Swan 1994" or "the report" in the documentation.
+//! The system is that of J. Edward Swan II, *Fast Collision Detection with an N-Objects Octree*,
+//! Ohio State University, ACCAD, 1994; "Swan 1994" or "the report" in the documentation.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
@@ -100,7 +102,8 @@ pub mod worlds;
 pub use plugin::OctreePlugins;
 pub use schedule::CollisionSystems;
 
-/// The plugins that [`OctreePlugins`] consist of, to disable or replace: one for each stage of a tick, and what they share.
+/// The plugins that [`OctreePlugins`] consist of, to disable or replace: one for each stage of a
+/// tick, and what they share.
 pub mod plugins {
     #[cfg(feature = "asset")]
     pub use crate::scene::SceneAssetPlugin;
@@ -118,7 +121,8 @@ pub mod plugins {
     };
 }
 
-/// The prelude: what a game writes daily. Settings and types that are looked into now and then are in their modules.
+/// The prelude: what a game writes daily. Settings and types that are looked into now and then are
+/// in their modules.
 pub mod prelude {
     #[cfg(feature = "debug_draw")]
     pub use crate::debug_draw::{CollisionDebugPlugin, CollisionGizmos, DebugDraw};
@@ -131,19 +135,23 @@ pub mod prelude {
         collision_layers,
         components::CollisionShape,
         contacts::{
-            CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted,
-            Collisions, Contacts, EventScope,
+            CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled,
+            CollisionStarted, Collisions, Contacts, EventScope,
         },
         counters::CollisionCounters,
         filters::{
-            CollisionLayer, CollisionLayers, IgnoreCollisions, LayerMask, PairHook, PairHookPlugin, Sensor, StaticShape,
+            CollisionLayer, CollisionLayers, IgnoreCollisions, LayerMask, PairHook, PairHookPlugin,
+            Sensor, StaticShape,
         },
         motion::{MovedElsewhere, PositionTrack, Velocity},
         plugin::OctreePlugins,
         response::Bounce,
         schedule::CollisionSystems,
         settings::BroadPhaseSettings,
-        spatial_query::{PairHit, PointHit, RayHit, ShapeHit, SpatialQuery, SpatialQueryFilter, update_spatial_index},
+        spatial_query::{
+            PairHit, PointHit, RayHit, ShapeHit, SpatialQuery, SpatialQueryFilter,
+            update_spatial_index,
+        },
         swept::Swept,
         worlds::{CollisionWorld, InCollisionWorld},
     };

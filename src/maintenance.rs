@@ -31,7 +31,10 @@ impl Plugin for BroadPhasePlugin {
             let maintain = (watch_disabling.run_if(some_new_disabling), mend, maintain).chain();
             app.add_systems(
                 schedule,
-                (maintain.in_set(CollisionSystems::Maintenance), find_candidates.in_set(CollisionSystems::BroadPhase)),
+                (
+                    maintain.in_set(CollisionSystems::Maintenance),
+                    find_candidates.in_set(CollisionSystems::BroadPhase),
+                ),
             );
         });
     }
@@ -47,17 +50,27 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     world.run_system_cached(maintain)
 }
 
-/// Has an index that missed something, or is a new one, forget all that is not there, and learn of all that is.
+/// Has an index that missed something, or is a new one, forget all that is not there, and learn of
+/// all that is.
 fn mend(
     mut index: ResMut<CollisionIndex>,
     mut upkeep: ResMut<Upkeep>,
-    mut entities: Query<(Entity, &BroadPhaseProxy, &Archetype, FilterParts, &mut WorldAabb)>,
+    mut entities: Query<(
+        Entity,
+        &BroadPhaseProxy,
+        &Archetype,
+        FilterParts,
+        &mut WorldAabb,
+    )>,
 ) {
     if !upkeep.is_due(&index) {
         return;
     }
     index.remove_strays(|id, entity| {
-        let entry = entities.get(entity).ok().filter(|(_, _, archetype, ..)| !upkeep.disables(archetype));
+        let entry = entities
+            .get(entity)
+            .ok()
+            .filter(|(_, _, archetype, ..)| !upkeep.disables(archetype));
         entry.is_some_and(|(_, proxy, ..)| proxy.id() == Some(id))
     });
     for (entity, proxy, _, parts, mut aabb) in &mut entities {
@@ -69,8 +82,17 @@ fn mend(
     upkeep.done(&index);
 }
 
-type Boxed<'a> = (Entity, &'a WorldAabb, Ref<'a, CollisionShape>, &'a mut BroadPhaseProxy);
-type ChangedBoxes<'a> = (Boxed<'a>, FilterParts<'a>, Option<(&'a Swept, &'a SweptWay)>);
+type Boxed<'a> = (
+    Entity,
+    &'a WorldAabb,
+    Ref<'a, CollisionShape>,
+    &'a mut BroadPhaseProxy,
+);
+type ChangedBoxes<'a> = (
+    Boxed<'a>,
+    FilterParts<'a>,
+    Option<(&'a Swept, &'a SweptWay)>,
+);
 
 fn maintain(
     mut index: ResMut<CollisionIndex>,
@@ -87,7 +109,9 @@ fn maintain(
     let some_sheared = !sheared.is_empty();
     for ((entity, aabb, own, mut proxy), parts, swept) in &mut boxes {
         let shape = || shear::shape(&own, sheared.get(entity).ok());
-        let way = swept.map(|(_, way)| way).filter(|way| way.belongs_to(entity, proxy.id()));
+        let way = swept
+            .map(|(_, way)| way)
+            .filter(|way| way.belongs_to(entity, proxy.id()));
         let start = way.and_then(|way| way.to(proxy.pose())).copied();
         let id = if let Some(id) = proxy.id()
             && let Some(body) = index.follow(id, entity, &aabb.0)
@@ -99,12 +123,26 @@ fn maintain(
             }
             id
         } else {
-            let is_disabled = archetypes.get(entity).is_ok_and(|archetype| upkeep.disables(archetype));
+            let is_disabled = archetypes
+                .get(entity)
+                .is_ok_and(|archetype| upkeep.disables(archetype));
             let filter = (!is_disabled).then(|| filters::filter(parts));
             let (pose, reshaped) = (*proxy.pose(), own.last_changed());
-            let body = Body { entity, pose, shape: shape().clone(), reshaped };
+            let body = Body {
+                entity,
+                pose,
+                shape: shape().clone(),
+                reshaped,
+            };
             let extent = extent(aabb, &body, start.as_ref(), &tests);
-            let id = index.upsert(proxy.id(), Seen { body, extent, filter });
+            let id = index.upsert(
+                proxy.id(),
+                Seen {
+                    body,
+                    extent,
+                    filter,
+                },
+            );
             BroadPhaseProxy::note_id(&mut proxy, id);
             let Some(id) = id else { continue };
             id
@@ -117,7 +155,8 @@ fn maintain(
     counters.tick.moved = proxies.moved().len() as u64;
 }
 
-/// Where an entity is in this tick. What fills all the space there is is unbounded: where that is, is up to its shape.
+/// Where an entity is in this tick. What fills all the space there is is unbounded: where that is,
+/// is up to its shape.
 #[cold]
 fn extent(aabb: &WorldAabb, body: &Body, start: Option<&Transform>, tests: &NarrowPhase) -> Extent {
     if *aabb == WorldAabb::UNBOUNDED {
@@ -141,8 +180,13 @@ pub(crate) fn find_candidates(
 }
 
 /// The components that disable entities, and are not observed yet.
-fn new_disabling(filters: &DefaultQueryFilters, upkeep: &Upkeep) -> impl Iterator<Item = ComponentId> {
-    filters.disabling_ids().filter(move |id| !upkeep.watches(*id))
+fn new_disabling(
+    filters: &DefaultQueryFilters,
+    upkeep: &Upkeep,
+) -> impl Iterator<Item = ComponentId> {
+    filters
+        .disabling_ids()
+        .filter(move |id| !upkeep.watches(*id))
 }
 
 fn some_new_disabling(filters: Option<Res<DefaultQueryFilters>>, upkeep: Res<Upkeep>) -> bool {
@@ -151,7 +195,9 @@ fn some_new_disabling(filters: Option<Res<DefaultQueryFilters>>, upkeep: Res<Upk
 
 /// Has them observed. What they disable already, maintenance deals with.
 fn watch_disabling(world: &mut World) {
-    let (Some(filters), Some(upkeep)) = (world.get_resource(), world.get_resource()) else { return };
+    let (Some(filters), Some(upkeep)) = (world.get_resource(), world.get_resource()) else {
+        return;
+    };
     for id in new_disabling(filters, upkeep).collect::<Vec<_>>() {
         world.spawn(Observer::new(on_disabled).with_component(id));
         world.spawn(Observer::new(on_enabled).with_component(id));
@@ -164,8 +210,8 @@ fn on_disabled(event: On<Add>, mut world: DeferredWorld) {
     components::leave(&mut world, event.entity);
 }
 
-/// Has the box computed anew, which puts the entity back into the index. What comes back has not passed through what was
-/// between.
+/// Has the box computed anew, which puts the entity back into the index. What comes back has not
+/// passed through what was between.
 fn on_enabled(event: On<Remove>, mut world: DeferredWorld) {
     if let Some(mut way) = world.get_mut::<SweptWay>(event.entity) {
         way.forget();

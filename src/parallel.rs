@@ -1,8 +1,8 @@
-//! Work in parallel, in jobs whose number and borders do not depend on how many threads there are: results are the same
-//! at any number.
+//! Work in parallel, in jobs whose number and borders do not depend on how many threads there are:
+//! results are the same at any number.
 
-/// Returns `true` if there is somebody to help. That is, a `ComputeTaskPool` with at least one thread, and the feature
-/// `multi_threaded`.
+/// Returns `true` if there is somebody to help. That is, a `ComputeTaskPool` with at least one
+/// thread, and the feature `multi_threaded`.
 pub(crate) fn is_on() -> bool {
     #[cfg(feature = "multi_threaded")]
     let is_on = bevy::tasks::ComputeTaskPool::try_get().is_some_and(|pool| pool.thread_num() > 0);

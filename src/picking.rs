@@ -1,4 +1,5 @@
-//! What is under the pointer: a backend of `bevy_picking` that asks shapes instead of meshes. With the feature `picking`.
+//! What is under the pointer: a backend of `bevy_picking` that asks shapes instead of meshes. With
+//! the feature `picking`.
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -14,8 +15,9 @@
 //!     .run();
 //! ```
 //!
-//! Each entity with a [`CollisionShape`](crate::components::CollisionShape) can be picked, by the exact shape, where it was
-//! at the last tick. Which ones are, from the cheapest way to say so to the finest:
+//! Each entity with a [`CollisionShape`](crate::components::CollisionShape) can be picked, by the
+//! exact shape, where it was at the last tick. Which ones are, from the cheapest way to say so to
+//! the finest:
 //!
 //! | | |
 //! |---|---|
@@ -39,8 +41,9 @@ use crate::{
     worlds::InCollisionWorld,
 };
 
-/// Writes [`PointerHits`] for what the rays of pointers meet, in [`PickingSystems::Backend`]. Not part of
-/// [`OctreePlugins`](crate::OctreePlugins): add it after them. Bevy's picking plugins make the rays and read the hits.
+/// Writes [`PointerHits`] for what the rays of pointers meet, in [`PickingSystems::Backend`]. Not
+/// part of [`OctreePlugins`](crate::OctreePlugins): add it after them. Bevy's picking plugins make
+/// the rays and read the hits.
 ///
 /// See the [module's documentation](self) for an example.
 #[derive(Clone, Copy, Debug, Default)]
@@ -63,19 +66,26 @@ impl Plugin for CollisionPickingPlugin {
 #[reflect(Resource, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 pub struct CollisionPickingSettings {
-    /// Only entities with a [`CollisionPickable`], and only through cameras with one. By default, all.
+    /// Only entities with a [`CollisionPickable`], and only through cameras with one. By default,
+    /// all.
     pub require_markers: bool,
 }
 
 /// Marks cameras to pick through, and entities to be picked, where
-/// [`require_markers`](CollisionPickingSettings::require_markers) is set. Without that it has no meaning.
+/// [`require_markers`](CollisionPickingSettings::require_markers) is set. Without that it has no
+/// meaning.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 pub struct CollisionPickable;
 
 /// What a camera says about what can be picked through it.
-type Picking<'a> = (&'a Camera, Has<CollisionPickable>, Option<&'a CollisionLayers>, Option<&'a InCollisionWorld>);
+type Picking<'a> = (
+    &'a Camera,
+    Has<CollisionPickable>,
+    Option<&'a CollisionLayers>,
+    Option<&'a InCollisionWorld>,
+);
 
 fn pick(
     rays: Res<RayMap>,
@@ -87,36 +97,54 @@ fn pick(
     mut output: MessageWriter<PointerHits>,
 ) {
     for (&id, &ray) in rays.iter() {
-        let Ok((camera, marked, layers, world)) = cameras.get(id.camera) else { continue };
+        let Ok((camera, marked, layers, world)) = cameras.get(id.camera) else {
+            continue;
+        };
         if !camera.is_active || (settings.require_markers && !marked) {
             continue;
         }
         let is_seen = |entity| {
-            let Ok((pickable, marked)) = targets.get(entity) else { return false };
+            let Ok((pickable, marked)) = targets.get(entity) else {
+                return false;
+            };
             pickable.is_none_or(|pickable| pickable.should_block_lower || pickable.is_hoverable)
                 && (marked || !settings.require_markers)
         };
         let blocks = |hit: &RayHit| {
-            let pickable = targets.get(hit.entity).ok().and_then(|(pickable, _)| pickable);
+            let pickable = targets
+                .get(hit.entity)
+                .ok()
+                .and_then(|(pickable, _)| pickable);
             pickable.is_none_or(|pickable| pickable.should_block_lower)
         };
         let all = SpatialQueryFilter::DEFAULT;
         let all = world.map_or(all.in_any_world(), |world| all.in_world(world.0));
-        let filter = layers.map_or(all, |layers| all.on(layers.filters)).only(&is_seen);
-        let Some(first) = spatial.cast_ray(ray, f32::INFINITY, &filter) else { continue };
+        let filter = layers
+            .map_or(all, |layers| all.on(layers.filters))
+            .only(&is_seen);
+        let Some(first) = spatial.cast_ray(ray, f32::INFINITY, &filter) else {
+            continue;
+        };
         found.clear();
         if blocks(&first) {
             found.push(first);
         } else {
             // What is behind may be picked too, up to the first that blocks.
             spatial.ray_hits(ray, f32::INFINITY, &filter, &mut found);
-            let end = found.iter().position(blocks).map_or(found.len(), |blocking| blocking + 1);
+            let end = found
+                .iter()
+                .position(blocks)
+                .map_or(found.len(), |blocking| blocking + 1);
             found.truncate(end);
         }
         let picks = found.iter().map(|hit| {
             let data = HitData::new(id.camera, hit.distance, Some(hit.point), Some(hit.normal));
             (hit.entity, data)
         });
-        output.write(PointerHits::new(id.pointer, picks.collect(), camera.order as f32));
+        output.write(PointerHits::new(
+            id.pointer,
+            picks.collect(),
+            camera.order as f32,
+        ));
     }
 }

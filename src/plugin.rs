@@ -21,7 +21,8 @@ use crate::{
     swept::{self, SweptPlugin},
 };
 
-/// The plugins for everything: motion, octree maintenance, broad phase, narrow phase, bounce response and messages.
+/// The plugins for everything: motion, octree maintenance, broad phase, narrow phase, bounce
+/// response and messages.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -47,8 +48,9 @@ use crate::{
 /// | [`BouncePlugin`] | `Response` |
 /// | [`ReportPlugin`] | `Report` |
 ///
-/// One that is disabled leaves its resources in the app, for others to read. A stage of your own has its systems in the set
-/// of the one that it is in place of, in the schedule that [`CollisionSchedule`](crate::schedule::CollisionSchedule) names:
+/// One that is disabled leaves its resources in the app, for others to read. A stage of your own
+/// has its systems in the set of the one that it is in place of, in the schedule that
+/// [`CollisionSchedule`](crate::schedule::CollisionSchedule) names:
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -93,7 +95,9 @@ impl OctreePlugins {
     /// Makes the plugins, with their systems in `schedule`.
     #[must_use]
     pub fn new(schedule: impl ScheduleLabel) -> Self {
-        Self { schedule: schedule.intern() }
+        Self {
+            schedule: schedule.intern(),
+        }
     }
 }
 
@@ -123,8 +127,8 @@ impl PluginGroup for OctreePlugins {
     }
 }
 
-/// The plugin for what the others share: resources, types known to reflection, counters and the clock. It is in the app whichever of
-/// the others are not.
+/// The plugin for what the others share: resources, types known to reflection, counters and the
+/// clock. It is in the app whichever of the others are not.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CollisionCorePlugin;
 
@@ -139,7 +143,10 @@ impl Plugin for CollisionCorePlugin {
         contacts::register(app);
         response::register(app);
         add_to_tick(app, |app, schedule| {
-            app.add_systems(schedule, CollisionClock::advance.after(CollisionSystems::Last));
+            app.add_systems(
+                schedule,
+                CollisionClock::advance.after(CollisionSystems::Last),
+            );
         });
     }
 }

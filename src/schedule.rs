@@ -5,7 +5,8 @@ use bevy::{
     prelude::*,
 };
 
-/// The sets of systems, in the order in which they run. Systems of one's own go before or after any of them.
+/// The sets of systems, in the order in which they run. Systems of one's own go before or after any
+/// of them.
 ///
 /// | set | reads → writes |
 /// |---|---|
@@ -40,13 +41,14 @@ pub enum CollisionSystems {
     Last,
 }
 
-/// Systems that take pairs out of the [`CandidatePairs`](crate::collision_index::CandidatePairs): after
-/// [`BroadPhase`](CollisionSystems::BroadPhase), before [`NarrowPhase`](CollisionSystems::NarrowPhase).
+/// Systems that take pairs out of the [`CandidatePairs`](crate::collision_index::CandidatePairs):
+/// after [`BroadPhase`](CollisionSystems::BroadPhase), before
+/// [`NarrowPhase`](CollisionSystems::NarrowPhase).
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PairFilterSystems;
 
-/// Impacts on the way are answered here: in [`NarrowPhase`](CollisionSystems::NarrowPhase), once the exact tests have found
-/// them, before they become contacts.
+/// Impacts on the way are answered here: in [`NarrowPhase`](CollisionSystems::NarrowPhase), once
+/// the exact tests have found them, before they become contacts.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct ImpactSystems;
 
@@ -62,7 +64,8 @@ impl CollisionSchedule {
     }
 }
 
-/// The plugin that says in which schedule ticks run, and puts the sets of [`CollisionSystems`] in order there.
+/// The plugin that says in which schedule ticks run, and puts the sets of [`CollisionSystems`] in
+/// order there.
 ///
 /// All other plugins of the crate ask it; those that are added before it wait for it.
 #[derive(Clone, Debug)]
@@ -79,18 +82,36 @@ impl CollisionSchedulePlugin {
 impl Plugin for CollisionSchedulePlugin {
     fn build(&self, app: &mut App) {
         use CollisionSystems as Set;
-        app.insert_resource(CollisionSchedule(self.0)).configure_sets(
+        app.insert_resource(CollisionSchedule(self.0))
+            .configure_sets(
+                self.0,
+                (
+                    (
+                        Set::First,
+                        Set::Motion,
+                        Set::Bounds,
+                        Set::Maintenance,
+                        Set::BroadPhase,
+                    )
+                        .chain(),
+                    (Set::NarrowPhase, Set::Response, Set::Report, Set::Last).chain(),
+                )
+                    .chain()
+                    .before(TransformSystems::Propagate),
+            );
+        app.configure_sets(
             self.0,
-            (
-                (Set::First, Set::Motion, Set::Bounds, Set::Maintenance, Set::BroadPhase).chain(),
-                (Set::NarrowPhase, Set::Response, Set::Report, Set::Last).chain(),
-            )
-                .chain()
-                .before(TransformSystems::Propagate),
-        );
-        app.configure_sets(self.0, PairFilterSystems.after(Set::BroadPhase).before(Set::NarrowPhase))
-            .configure_sets(self.0, ImpactSystems.in_set(Set::NarrowPhase));
-        for add in app.world_mut().remove_resource::<Waiting>().unwrap_or_default().0 {
+            PairFilterSystems
+                .after(Set::BroadPhase)
+                .before(Set::NarrowPhase),
+        )
+        .configure_sets(self.0, ImpactSystems.in_set(Set::NarrowPhase));
+        for add in app
+            .world_mut()
+            .remove_resource::<Waiting>()
+            .unwrap_or_default()
+            .0
+        {
             add(app, self.0);
         }
     }
@@ -102,16 +123,24 @@ type Add = Box<dyn FnOnce(&mut App, InternedScheduleLabel) + Send + Sync>;
 #[derive(Resource, Default)]
 struct Waiting(Vec<Add>);
 
-/// Adds what plugins have for the schedule of the ticks: at once if it is known, else as soon as it is, so that plugins
-/// may come in any order.
-pub(crate) fn add_to_tick(app: &mut App, add: impl FnOnce(&mut App, InternedScheduleLabel) + Send + Sync + 'static) {
+/// Adds what plugins have for the schedule of the ticks: at once if it is known, else as soon as it
+/// is, so that plugins may come in any order.
+pub(crate) fn add_to_tick(
+    app: &mut App,
+    add: impl FnOnce(&mut App, InternedScheduleLabel) + Send + Sync + 'static,
+) {
     match app.world().get_resource::<CollisionSchedule>() {
         Some(&CollisionSchedule(schedule)) => add(app, schedule),
-        None => app.world_mut().get_resource_or_init::<Waiting>().0.push(Box::new(add)),
+        None => app
+            .world_mut()
+            .get_resource_or_init::<Waiting>()
+            .0
+            .push(Box::new(add)),
     }
 }
 
-/// For a plugin that is of no use by itself: says so in the log, if the [`CollisionSchedulePlugin`] never came.
+/// For a plugin that is of no use by itself: says so in the log, if the [`CollisionSchedulePlugin`]
+/// never came.
 pub(crate) fn expect_ticks(app: &App, plugin: &str) {
     if !app.world().contains_resource::<CollisionSchedule>() {
         tracing::warn!("there are no `OctreePlugins`, so the `{plugin}` does nothing");

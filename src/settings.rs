@@ -16,7 +16,8 @@ pub struct BroadPhaseSettings {
     /// How overlapping boxes are searched for.
     pub method: BroadPhaseMethod,
     /// Which kinds of pairs are sought at all, by which of the two is a
-    /// [`StaticShape`](crate::filters::StaticShape). Contacts of a kind that is no longer sought end.
+    /// [`StaticShape`](crate::filters::StaticShape). Contacts of a kind that is no longer sought
+    /// end.
     pub pair_kinds: PairKinds,
 }
 

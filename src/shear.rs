@@ -1,9 +1,10 @@
 //! Shapes that their ancestors shear.
 //!
-//! A parent with a scale that differs by axis shears what hangs on it and is turned against it: no [`Transform`] says where
-//! that is. But whatever a hierarchy does to a shape is, in this order, a turn, a scale along axes, another turn and a way.
-//! The first turn is built into the shape; the rest is a transform. That turn stays the same while a parent moves, turns and
-//! stretches, so that a shape is built anew only when it turns against what stretches it.
+//! A parent with a scale that differs by axis shears what hangs on it and is turned against it: no
+//! [`Transform`] says where that is. But whatever a hierarchy does to a shape is, in this order, a
+//! turn, a scale along axes, another turn and a way. The first turn is built into the shape; the
+//! rest is a transform. That turn stays the same while a parent moves, turns and stretches, so that
+//! a shape is built anew only when it turns against what stretches it.
 
 use bevy::{
     math::{DAffine3, DMat3, DQuat, DVec3},
@@ -12,7 +13,8 @@ use bevy::{
 
 use crate::narrow_phase::Shape;
 
-/// The largest cosine between two axes that counts as a right angle: what the exact tests allow for rounding.
+/// The largest cosine between two axes that counts as a right angle: what the exact tests allow for
+/// rounding.
 const RIGHT_ANGLE: f64 = 16.0 * f32::EPSILON as f64;
 /// The length of an axis that counts as none, as a share of the longest.
 const NO_LENGTH: f64 = 1e-12;
@@ -31,7 +33,11 @@ pub(crate) struct Sheared {
 
 impl Sheared {
     pub(crate) fn new(own: &Shape, turn: DMat3) -> Self {
-        Self { turn, own: own.clone(), turned: own.turned_back(&turn) }
+        Self {
+            turn,
+            own: own.clone(),
+            turned: own.turned_back(&turn),
+        }
     }
 
     /// Brings it up to date with the shape and the turn, if they are others than before.
@@ -60,28 +66,53 @@ pub(crate) struct Placement {
     pub(crate) is_sheared: bool,
 }
 
-/// Puts a shape in its place in the world, after the turn that is built into it already, if that will do.
-#[cfg_attr(not(feature = "rapier"), expect(unused_variables, reason = "Rapier's shapes alone are placed otherwise"))]
+/// Puts a shape in its place in the world, after the turn that is built into it already, if that
+/// will do.
+#[cfg_attr(
+    not(feature = "rapier"),
+    expect(
+        unused_variables,
+        reason = "Rapier's shapes alone are placed otherwise"
+    )
+)]
 pub(crate) fn put(shape: &Shape, world: &DAffine3, sheared: Option<&Sheared>) -> Placement {
     let linear = world.matrix3;
     if is_upright(&linear) {
         let transform = upright_transform(&linear, world.translation);
-        return Placement { transform, turn: DMat3::IDENTITY, is_sheared: false };
+        return Placement {
+            transform,
+            turn: DMat3::IDENTITY,
+            is_sheared: false,
+        };
     }
     #[cfg(feature = "rapier")]
     if matches!(shape, Shape::Rapier(_)) {
         // As Rapier itself has it.
         let transform = GlobalTransform::from(world.as_affine3a()).compute_transform();
-        return Placement { transform, turn: DMat3::IDENTITY, is_sheared: true };
+        return Placement {
+            transform,
+            turn: DMat3::IDENTITY,
+            is_sheared: true,
+        };
     }
-    let known = sheared.map(|sheared| sheared.turn).filter(|turn| is_upright(&(linear * *turn)));
+    let known = sheared
+        .map(|sheared| sheared.turn)
+        .filter(|turn| is_upright(&(linear * *turn)));
     let turn = known.unwrap_or_else(|| upright_turn(linear));
-    Placement { transform: upright_transform(&(linear * turn), world.translation), turn, is_sheared: true }
+    Placement {
+        transform: upright_transform(&(linear * turn), world.translation),
+        turn,
+        is_sheared: true,
+    }
 }
 
 /// Are the axes at right angles to each other? Those of what is not finite count as if they were.
 fn is_upright(linear: &DMat3) -> bool {
-    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = *linear;
+    let DMat3 {
+        x_axis: x,
+        y_axis: y,
+        z_axis: z,
+    } = *linear;
     let [x_squared, y_squared, z_squared] = [x, y, z].map(DVec3::length_squared);
     let leans = |both: f64, squared: f64| both * both > RIGHT_ANGLE * RIGHT_ANGLE * squared;
     !(leans(x.dot(y), x_squared * y_squared)
@@ -89,7 +120,8 @@ fn is_upright(linear: &DMat3) -> bool {
         || leans(z.dot(x), z_squared * x_squared))
 }
 
-/// The turn after which the axes of a map are at right angles: Jacobi rotations of two axes at a time.
+/// The turn after which the axes of a map are at right angles: Jacobi rotations of two axes at a
+/// time.
 fn upright_turn(mut linear: DMat3) -> DMat3 {
     let mut turn = DMat3::IDENTITY;
     for _ in 0..MOST_SWEEPS {
@@ -122,8 +154,9 @@ fn upright_turn(mut linear: DMat3) -> DMat3 {
 fn upright_transform(linear: &DMat3, translation: DVec3) -> Transform {
     let columns = [linear.x_axis, linear.y_axis, linear.z_axis];
     let mut scale = DVec3::from(columns.map(DVec3::length));
-    let mut axes: [Option<DVec3>; 3] =
-        std::array::from_fn(|i| (scale[i] > NO_LENGTH * scale.max_element()).then(|| columns[i] / scale[i]));
+    let mut axes: [Option<DVec3>; 3] = std::array::from_fn(|i| {
+        (scale[i] > NO_LENGTH * scale.max_element()).then(|| columns[i] / scale[i])
+    });
     // An axis without a length is where the others leave room for it.
     while let Some(missing) = axes.iter().position(Option::is_none) {
         let (after, last) = (axes[(missing + 1) % 3], axes[(missing + 2) % 3]);
@@ -158,25 +191,48 @@ mod tests {
     fn turned(parent: Transform, angle: f32) -> DAffine3 {
         let child = Transform::from_rotation(Quat::from_euler(EulerRot::XYZ, 0.5, 0.7, angle));
         let affine = |transform: Transform| {
-            let Transform { translation, rotation, scale } = transform;
+            let Transform {
+                translation,
+                rotation,
+                scale,
+            } = transform;
             let rotation = rotation.as_dquat().normalize();
-            DAffine3::from_scale_rotation_translation(scale.as_dvec3(), rotation, translation.as_dvec3())
+            DAffine3::from_scale_rotation_translation(
+                scale.as_dvec3(),
+                rotation,
+                translation.as_dvec3(),
+            )
         };
         affine(parent) * affine(child)
     }
 
     #[test]
     fn a_turn_and_a_transform_are_the_whole_of_it() {
-        for scale in
-            [Vec3::new(4.0, 1.0, 1.0), Vec3::new(-4.0, 0.1, 3.0), Vec3::new(1.0, 0.0, 2.0), Vec3::new(1e-9, 1e9, 1.0)]
-        {
+        for scale in [
+            Vec3::new(4.0, 1.0, 1.0),
+            Vec3::new(-4.0, 0.1, 3.0),
+            Vec3::new(1.0, 0.0, 2.0),
+            Vec3::new(1e-9, 1e9, 1.0),
+        ] {
             let world = shear(Transform::from_xyz(1.0, 2.0, 3.0).with_scale(scale));
             let shape = Shape::from_half_size(Vec3::ONE);
-            let Placement { transform, turn, is_sheared } = put(&shape, &world, None);
+            let Placement {
+                transform,
+                turn,
+                is_sheared,
+            } = put(&shape, &world, None);
             assert!(is_sheared);
             let again = transform.compute_affine().matrix3.as_dmat3() * turn.transpose();
-            let size = world.matrix3.to_cols_array().into_iter().fold(0.0, |size: f64, value| size.max(value.abs()));
-            assert!(again.abs_diff_eq(world.matrix3, 1e-6 * size), "{again} {}", world.matrix3);
+            let size = world
+                .matrix3
+                .to_cols_array()
+                .into_iter()
+                .fold(0.0, |size: f64, value| size.max(value.abs()));
+            assert!(
+                again.abs_diff_eq(world.matrix3, 1e-6 * size),
+                "{again} {}",
+                world.matrix3
+            );
             assert!((turn.determinant() - 1.0).abs() < 1e-12);
         }
     }
@@ -187,7 +243,11 @@ mod tests {
         for scale in upright {
             let parent = Transform::from_rotation(Quat::from_rotation_y(1.0)).with_scale(scale);
             let world = shear(parent);
-            let Placement { transform, turn, is_sheared } = put(&Shape::sphere(1.0), &world, None);
+            let Placement {
+                transform,
+                turn,
+                is_sheared,
+            } = put(&Shape::sphere(1.0), &world, None);
             assert!(!is_sheared && turn == DMat3::IDENTITY);
             assert!((transform.rotation.length() - 1.0).abs() < 1e-6);
             let again = transform.compute_affine().matrix3.as_dmat3();
@@ -209,9 +269,14 @@ mod tests {
         for step in 0..200 {
             let step = step as f32;
             let turned = Quat::from_euler(EulerRot::XYZ, step, 0.3 * step, 0.1 * step);
-            let parent = parent.with_rotation(turned).with_translation(Vec3::splat(step));
+            let parent = parent
+                .with_rotation(turned)
+                .with_translation(Vec3::splat(step));
             // Nor does it matter how far the parent is stretched.
-            assert!(follow(parent.with_scale(Vec3::new(4.0, 1.0 + step, 2.0)), 0.9));
+            assert!(follow(
+                parent.with_scale(Vec3::new(4.0, 1.0 + step, 2.0)),
+                0.9
+            ));
         }
         assert!(!follow(parent, 1.0));
         assert!(!follow(Transform::IDENTITY, 1.0));

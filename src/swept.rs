@@ -1,8 +1,8 @@
 //! Continuous detection: for what moves far in a tick, measured by how thick things are.
 //!
-//! Without it, entities are looked at where they are at the end of each tick, as in the report, whose scenes keep steps
-//! small against sizes (Swan 1994, section 1.2): what moves further can pass through another unnoticed. An entity with
-//! [`Swept`] is looked at all along its way.
+//! Without it, entities are looked at where they are at the end of each tick, as in the report,
+//! whose scenes keep steps small against sizes (Swan 1994, section 1.2): what moves further can
+//! pass through another unnoticed. An entity with [`Swept`] is looked at all along its way.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -23,26 +23,34 @@
 //! assert_eq!(app.world().resource::<Contacts>().len(), 1);
 //! ```
 //!
-//! The techniques are the second and the third that the report quotes from Cameron (1985): volumes swept by motion, and
-//! intersection in space and time, which for constant velocities is a matter of solving equations.
+//! The techniques are the second and the third that the report quotes from Cameron (1985): volumes
+//! swept by motion, and intersection in space and time, which for constant velocities is a matter
+//! of solving equations.
 //!
 //! # What is done
 //!
-//! The box of such an entity covers its whole way in a tick ([`NarrowPhase::swept_aabb`](crate::narrow_phase::NarrowPhase::swept_aabb)), so that no pair is
-//! missed; the exact test of a pair finds the [time of impact](crate::narrow_phase::NarrowPhase::time_of_impact), and its
-//! contact is that of this moment. Turns count too. Where the entity bounces, it does so at the time of impact, and moves
-//! on for the rest of the tick by its new velocity; what it meets on the way is found the same way, in the order of time,
-//! up to a [bound](Swept::sub_steps).
+//! The box of such an entity covers its whole way in a tick
+//! ([`NarrowPhase::swept_aabb`](crate::narrow_phase::NarrowPhase::swept_aabb)), so that no pair is
+//! missed; the exact test of a pair finds the [time of
+//! impact](crate::narrow_phase::NarrowPhase::time_of_impact), and its contact is that of this
+//! moment. Turns count too. Where the entity bounces, it does so at the time of impact, and moves
+//! on for the rest of the tick by its new velocity; what it meets on the way is found the same way,
+//! in the order of time, up to a [bound](Swept::sub_steps).
 //!
-//! It is done in the set [`NarrowPhase`](crate::CollisionSystems::NarrowPhase), for what is met later in a tick depends
-//! on how things bounce earlier in it; velocities and transforms change in [`Response`](crate::CollisionSystems::Response).
+//! It is done in the set [`NarrowPhase`](crate::CollisionSystems::NarrowPhase), for what is met
+//! later in a tick depends on how things bounce earlier in it; velocities and transforms change in
+//! [`Response`](crate::CollisionSystems::Response).
 //!
-//! Cost: a tick looks at every entity with [`Swept`]; for those that moved, boxes are larger and exact tests dearer. Nothing
-//! for all others. With 10 000 bullets among 2 000 walls, at half their size to a hundred times their size per tick, a tick
-//! takes 2.0 to 2.7 times as long as with bullets that are not swept.
+//! Cost: a tick looks at every entity with [`Swept`]; for those that moved, boxes are larger and
+//! exact tests dearer. Nothing for all others. With 10 000 bullets among 2 000 walls, at half their
+//! size to a hundred times their size per tick, a tick takes 2.0 to 2.7 times as long as with
+//! bullets that are not swept.
 
 use bevy::{
-    ecs::{entity_disabling::Disabled, lifecycle::HookContext, system::RegisteredSystemError, world::DeferredWorld},
+    ecs::{
+        entity_disabling::Disabled, lifecycle::HookContext, system::RegisteredSystemError,
+        world::DeferredWorld,
+    },
     math::primitives::HalfSpace,
     prelude::*,
 };
@@ -58,17 +66,20 @@ use crate::{
 
 pub use crate::way::SweptWay;
 
-/// An entity that is looked at all along its way, however fast it is: see the [module's documentation](self).
+/// An entity that is looked at all along its way, however fast it is: see the [module's
+/// documentation](self).
 ///
-/// Its way in a tick goes from where it was at the tick before to where it is now, in a straight line, turning by the
-/// shorter way, whoever moved it: see [`SweptWay`]. To put it elsewhere without passing through what is between, insert this
-/// component anew, with any value. An entity without it counts, for the whole tick, as where it is at the end of it; so of
-/// two that move fast, both need it.
+/// Its way in a tick goes from where it was at the tick before to where it is now, in a straight
+/// line, turning by the shorter way, whoever moved it: see [`SweptWay`]. To put it elsewhere
+/// without passing through what is between, insert this component anew, with any value. An entity
+/// without it counts, for the whole tick, as where it is at the end of it; so of two that move
+/// fast, both need it.
 ///
-/// Where it meets another and [bounces](crate::response::Bounce), it does so only if the two come nearer to each other, by
-/// their velocities, and as often as it meets something: what is said of ticks there, holds for impacts here. It moves on
-/// for the rest of the tick if it is moved by its [`Velocity`](crate::motion::Velocity); one with a parent does so in the
-/// world, wherever the parent goes. What hangs on it goes with it.
+/// Where it meets another and [bounces](crate::response::Bounce), it does so only if the two come
+/// nearer to each other, by their velocities, and as often as it meets something: what is said of
+/// ticks there, holds for impacts here. It moves on for the rest of the tick if it is moved by its
+/// [`Velocity`](crate::motion::Velocity); one with a parent does so in the world, wherever the
+/// parent goes. What hangs on it goes with it.
 #[doc(alias("ccd", "continuous collision detection", "tunneling", "bullet"))]
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
@@ -76,8 +87,9 @@ pub use crate::way::SweptWay;
 #[require(SweptWay)]
 #[component(on_insert = begin_anew, on_discard = shrink_box)]
 pub struct Swept {
-    /// How often the entity may bounce within a tick. At the impact after that, it stays where it is until the next tick, as a wall
-    /// at rest to all that it meets, and keeps its velocity. This bounds the search for impacts, too.
+    /// How often the entity may bounce within a tick. At the impact after that, it stays where it
+    /// is until the next tick, as a wall at rest to all that it meets, and keeps its velocity. This
+    /// bounds the search for impacts, too.
     pub sub_steps: u32,
 }
 
@@ -110,7 +122,8 @@ fn shrink_box(mut world: DeferredWorld, context: HookContext) {
     components::outdate(&mut world, context.entity);
 }
 
-/// The plugin for continuous detection: it says where the ways of entities with [`Swept`] begin and end.
+/// The plugin for continuous detection: it says where the ways of entities with [`Swept`] begin and
+/// end.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SweptPlugin;
 
@@ -118,16 +131,32 @@ impl Plugin for SweptPlugin {
     fn build(&self, app: &mut App) {
         add_to_tick(app, |app, schedule| {
             let begin_ways = hierarchy::see_disabled(app.world_mut(), begin_ways);
-            let begin = begin_ways.after(CollisionSystems::First).before(CollisionSystems::Motion);
-            let stretch = stretch_boxes.in_set(CollisionSystems::Bounds).after(bounds::update_children);
-            let end = end_ways.after(CollisionSystems::Response).before(CollisionSystems::Report);
-            app.add_systems(schedule, (begin, stretch, end).run_if(any_with_component::<Swept>));
+            let begin = begin_ways
+                .after(CollisionSystems::First)
+                .before(CollisionSystems::Motion);
+            let stretch = stretch_boxes
+                .in_set(CollisionSystems::Bounds)
+                .after(bounds::update_children);
+            let end = end_ways
+                .after(CollisionSystems::Response)
+                .before(CollisionSystems::Report);
+            app.add_systems(
+                schedule,
+                (begin, stretch, end).run_if(any_with_component::<Swept>),
+            );
         });
     }
 }
 
 type IsSwept = (With<Swept>, With<CollisionShape>);
-type Beginning<'a> = (Entity, &'a Transform, Has<ChildOf>, Shaped<'a>, &'a BroadPhaseProxy, &'a mut SweptWay);
+type Beginning<'a> = (
+    Entity,
+    &'a Transform,
+    Has<ChildOf>,
+    Shaped<'a>,
+    &'a BroadPhaseProxy,
+    &'a mut SweptWay,
+);
 
 /// The way of an entity that is new begins where it is before it first moves.
 fn begin_ways(mut swept: Query<Beginning, IsSwept>, links: Query<Link, Allow<Disabled>>) {
@@ -139,7 +168,11 @@ fn begin_ways(mut swept: Query<Beginning, IsSwept>, links: Query<Link, Allow<Dis
             let pose = hierarchy::pose_in_world(entity, &links)?;
             Some(shear::put(shape, &pose, sheared).transform)
         };
-        let pose = if has_parent { in_world() } else { Some(*transform) };
+        let pose = if has_parent {
+            in_world()
+        } else {
+            Some(*transform)
+        };
         way.bypass_change_detection().begin(entity, pose);
     }
 }
@@ -155,7 +188,13 @@ fn end_ways(mut swept: Query<(Entity, &BroadPhaseProxy, &mut SweptWay), IsSwept>
     }
 }
 
-type Stretched<'a> = (Entity, Shaped<'a>, &'a BroadPhaseProxy, &'a mut SweptWay, &'a mut WorldAabb);
+type Stretched<'a> = (
+    Entity,
+    Shaped<'a>,
+    &'a BroadPhaseProxy,
+    &'a mut SweptWay,
+    &'a mut WorldAabb,
+);
 
 /// Stretches boxes along the ways so far, at any moment.
 pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
@@ -166,7 +205,9 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
 fn stretch_boxes(mut swept: Query<Stretched, With<Swept>>, tests: Res<NarrowPhase>) {
     for (entity, (own, sheared), proxy, mut way, mut aabb) in &mut swept {
         let shape = shear::shape(own, sheared);
-        let start = way.to(proxy.pose()).filter(|_| way.belongs_to(entity, proxy.id()));
+        let start = way
+            .to(proxy.pose())
+            .filter(|_| way.belongs_to(entity, proxy.id()));
         let moving = start.map(|start| Moving::new(shape, start, proxy.pose()));
         if let Some(moving) = &moving {
             // What has no box has had its warning.
@@ -181,9 +222,11 @@ fn stretch_boxes(mut swept: Query<Stretched, With<Swept>>, tests: Res<NarrowPhas
     }
 }
 
-/// The half-space that an unbounded shape is in all along its way, if there is one: see [`NarrowPhase::side`].
+/// The half-space that an unbounded shape is in all along its way, if there is one: see
+/// [`NarrowPhase::side`].
 pub(crate) fn side(tests: &NarrowPhase, moving: &Moving) -> Option<HalfSpace> {
-    let [start, end] = [0.0, 1.0].map(|time| tests.side(Placed::new(moving.shape(), &moving.at(time))));
+    let [start, end] =
+        [0.0, 1.0].map(|time| tests.side(Placed::new(moving.shape(), &moving.at(time))));
     let (start, end) = (start?, end?);
     // As it turns, it comes by everywhere.
     (start.normal() == end.normal()).then(|| if start.d() > end.d() { start } else { end })

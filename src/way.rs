@@ -4,11 +4,12 @@ use bevy::prelude::*;
 
 use crate::broad_phase::ProxyId;
 
-/// Where the way of an entity with [`Swept`](crate::swept::Swept) begins. Comes with it; a cloned entity gets one of its own.
+/// Where the way of an entity with [`Swept`](crate::swept::Swept) begins. Comes with it; a cloned
+/// entity gets one of its own.
 ///
 /// It holds for the entity that it was written for, for as long as that stays in the
-/// [`CollisionIndex`](crate::collision_index::CollisionIndex): a copy on another entity, or one from before the entity was out
-/// of the index, says nothing, and its way begins anew.
+/// [`CollisionIndex`](crate::collision_index::CollisionIndex): a copy on another entity, or one
+/// from before the entity was out of the index, says nothing, and its way begins anew.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -17,7 +18,8 @@ pub struct SweptWay {
     /// Whose way it is.
     #[reflect(ignore, default = "nobody")]
     entity: Entity,
-    /// The handle that it has while it is in the index; `None` in its first tick, in which it gets one.
+    /// The handle that it has while it is in the index; `None` in its first tick, in which it gets
+    /// one.
     #[reflect(ignore)]
     id: Option<ProxyId>,
     /// Where its way in this tick begins.
@@ -37,7 +39,13 @@ const fn nobody() -> Entity {
 
 impl Default for SweptWay {
     fn default() -> Self {
-        Self { entity: nobody(), id: None, start: None, last: None, stretched: false }
+        Self {
+            entity: nobody(),
+            id: None,
+            start: None,
+            last: None,
+            stretched: false,
+        }
     }
 }
 
@@ -61,7 +69,9 @@ impl SweptWay {
     /// Where it begins, if it leads anywhere.
     #[inline]
     pub(crate) fn to(&self, pose: &Transform) -> Option<&Transform> {
-        let elsewhere = |start: &&Transform| start.translation != pose.translation || start.rotation != pose.rotation;
+        let elsewhere = |start: &&Transform| {
+            start.translation != pose.translation || start.rotation != pose.rotation
+        };
         self.start.as_ref().filter(elsewhere)
     }
 
@@ -71,7 +81,13 @@ impl SweptWay {
 
     /// Has it begin here, in the tick in which the entity is new. What is not finite is nowhere.
     pub(crate) fn begin(&mut self, entity: Entity, pose: Option<Transform>) {
-        *self = Self { entity, id: None, start: pose.filter(Transform::is_finite), last: None, ..*self };
+        *self = Self {
+            entity,
+            id: None,
+            start: pose.filter(Transform::is_finite),
+            last: None,
+            ..*self
+        };
     }
 
     /// Has the next one begin here, where this one ended.

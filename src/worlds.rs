@@ -1,6 +1,7 @@
 //! Independent worlds: many matches, levels or simulations in one app, whose entities never meet.
 //!
-//! A world is an entity, and entities say which one they are in. Those that say nothing are in the default world.
+//! A world is an entity, and entities say which one they are in. Those that say nothing are in the
+//! default world.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -25,15 +26,17 @@
 //! ```
 //!
 //! Queries see one world at a time: the default one, or that of
-//! [`SpatialQueryFilter::in_world`](crate::spatial_query::SpatialQueryFilter::in_world); or all of them, by
-//! [`in_any_world`](crate::spatial_query::SpatialQueryFilter::in_any_world).
+//! [`SpatialQueryFilter::in_world`](crate::spatial_query::SpatialQueryFilter::in_world); or all of
+//! them, by [`in_any_world`](crate::spatial_query::SpatialQueryFilter::in_any_world).
 //!
 //! # Cost
 //!
-//! All worlds share one index. Worlds that overlap in space cost each other tests of boxes in the broad phase, and no
-//! more: a pair of two worlds is gone before anything else sees it. Worlds that are apart cost each other none.
+//! All worlds share one index. Worlds that overlap in space cost each other tests of boxes in the
+//! broad phase, and no more: a pair of two worlds is gone before anything else sees it. Worlds that
+//! are apart cost each other none.
 //!
-//! A whole tick of ten worlds of 2 000 moving cubes each, one contact to every two cubes or fewer, on one thread:
+//! A whole tick of ten worlds of 2 000 moving cubes each, one contact to every two cubes or fewer,
+//! on one thread:
 //!
 //! | all ten in the same place | cubes move up to 1/40 of their side | up to half of it |
 //! |---|---|---|
@@ -50,8 +53,8 @@ use bevy::{
 
 use crate::{broad_phase::PairFilter, components::change_filter};
 
-/// The world that an entity is in. Insert another to move it; remove it, and the entity is in the default world. Contacts
-/// follow at the next tick.
+/// The world that an entity is in. Insert another to move it; remove it, and the entity is in the
+/// default world. Contacts follow at the next tick.
 ///
 /// It is about this entity alone: its children say for themselves which world they are in.
 #[derive(Component, FromTemplate, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
@@ -68,10 +71,11 @@ impl FromWorld for InCollisionWorld {
     }
 }
 
-/// The entities that are in this world. It comes by itself to an entity that is named in an [`InCollisionWorld`], and goes
-/// with the last of them.
+/// The entities that are in this world. It comes by itself to an entity that is named in an
+/// [`InCollisionWorld`], and goes with the last of them.
 ///
-/// When it is despawned, so are they; when only this component is removed, they are in the default world.
+/// When it is despawned, so are they; when only this component is removed, they are in the default
+/// world.
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -86,21 +90,27 @@ impl CollisionWorld {
     }
 }
 
-/// The number of a world in the broad phase. A despawned world takes its entities with it, so that no two worlds of one
-/// number have entities at a time; and no entity has the number of the default world.
+/// The number of a world in the broad phase. A despawned world takes its entities with it, so that
+/// no two worlds of one number have entities at a time; and no entity has the number of the default
+/// world.
 pub(crate) const fn number(world: Entity) -> u32 {
     world.index_u32()
 }
 
 fn enter(world: DeferredWorld, context: HookContext) {
-    let Some(&InCollisionWorld(entered)) = world.get(context.entity) else { return };
+    let Some(&InCollisionWorld(entered)) = world.get(context.entity) else {
+        return;
+    };
     change_filter(world, context, |filter| filter.world = number(entered));
 }
 
 fn leave(world: DeferredWorld, context: HookContext) {
-    change_filter(world, context, |filter| filter.world = PairFilter::DEFAULT_WORLD);
+    change_filter(world, context, |filter| {
+        filter.world = PairFilter::DEFAULT_WORLD
+    });
 }
 
 pub(crate) fn register(app: &mut App) {
-    app.register_type::<InCollisionWorld>().register_type::<CollisionWorld>();
+    app.register_type::<InCollisionWorld>()
+        .register_type::<CollisionWorld>();
 }

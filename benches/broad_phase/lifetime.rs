@@ -11,7 +11,9 @@ pub fn bench(criterion: &mut Criterion) {
     let scene = StressScene::Brownian;
     let simulation = setup::simulation(scene, OBJECTS);
     let mut group = setup::group(criterion, "spawn_and_despawn", scene);
-    group.sample_size(10).throughput(Throughput::Elements(OBJECTS as u64));
+    group
+        .sample_size(10)
+        .throughput(Throughput::Elements(OBJECTS as u64));
     for method in setup::methods() {
         group.bench_function(BenchmarkId::new(method.to_string(), OBJECTS), |bencher| {
             bencher.iter_batched(

@@ -1,7 +1,8 @@
 //! Benchmarks of the broad phase through its public API, on the library's own stress scenes.
 //!
-//! `cargo bench -p study` measures, `cargo bench -p study -- --test` runs everything once; an argument such as
-//! `pairs/brownian` picks benchmarks by name. Names are `what/scene/method/objects`.
+//! `cargo bench -p study` measures, `cargo bench -p study -- --test` runs everything once; an
+//! argument such as `pairs/brownian` picks benchmarks by name. Names are
+//! `what/scene/method/objects`.
 
 mod build;
 mod insert;

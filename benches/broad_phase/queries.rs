@@ -42,7 +42,11 @@ fn bench_query(criterion: &mut Criterion, name: &str, query: impl Fn(&SpatialInd
         let arguments = places(index);
         group.throughput(Throughput::Elements(QUERIES as u64));
         group.bench_function(id, |bencher| {
-            bencher.iter(|| arguments.iter().for_each(|(place, direction)| query(index, *place, *direction)));
+            bencher.iter(|| {
+                arguments
+                    .iter()
+                    .for_each(|(place, direction)| query(index, *place, *direction))
+            });
         });
     });
 }
@@ -50,8 +54,12 @@ fn bench_query(criterion: &mut Criterion, name: &str, query: impl Fn(&SpatialInd
 /// Random places within the bounds of all objects, and random directions.
 fn places(index: &SpatialIndex) -> Vec<(Vec3, Dir3)> {
     let boxes = index.proxies().boxes();
-    let min = boxes.iter().fold(Vec3A::INFINITY, |min, aabb| min.min(aabb.min));
-    let max = boxes.iter().fold(Vec3A::NEG_INFINITY, |max, aabb| max.max(aabb.max));
+    let min = boxes
+        .iter()
+        .fold(Vec3A::INFINITY, |min, aabb| min.min(aabb.min));
+    let max = boxes
+        .iter()
+        .fold(Vec3A::NEG_INFINITY, |max, aabb| max.max(aabb.max));
     let mut rng = Rng::with_seed(7);
     let mut vector = || Vec3::from_array(std::array::from_fn(|_| rng.f32()));
     let argument = |_| {

@@ -10,12 +10,15 @@ use bevy_octree::{
     broad_phase::{BroadPhaseMethod, ObjectOctreeSettings, ProxyId, SpatialIndex},
     scene::stress::{StressScene, StressSimulation},
 };
-use criterion::{BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput, measurement::WallTime};
+use criterion::{
+    BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput, measurement::WallTime,
+};
 
 /// How many objects there are.
 pub const SIZES: [usize; 3] = [1_000, 8_000, 64_000];
 
-/// The scenes of what is measured tick by tick: slow and fast motion, rest, and few objects unlike all others.
+/// The scenes of what is measured tick by tick: slow and fast motion, rest, and few objects unlike
+/// all others.
 pub const SCENES: [StressScene; 6] = [
     StressScene::Brownian,
     StressScene::Gravity,
@@ -31,7 +34,11 @@ const FEW: usize = 1_000;
 const SEED: u64 = 1;
 
 /// The group of benchmarks of one thing on one scene.
-pub fn group<'a>(criterion: &'a mut Criterion, what: &str, scene: StressScene) -> BenchmarkGroup<'a, WallTime> {
+pub fn group<'a>(
+    criterion: &'a mut Criterion,
+    what: &str,
+    scene: StressScene,
+) -> BenchmarkGroup<'a, WallTime> {
     let mut group = criterion.benchmark_group(format!("{what}/{scene}"));
     group.sampling_mode(SamplingMode::Flat);
     group
@@ -46,14 +53,22 @@ pub fn each_method(
         group.throughput(Throughput::Elements(objects as u64));
         let exhaustive = (objects <= FEW).then_some(BroadPhaseMethod::Exhaustive);
         for method in methods().into_iter().chain(exhaustive) {
-            bench(group, BenchmarkId::new(method.to_string(), objects), &method, objects);
+            bench(
+                group,
+                BenchmarkId::new(method.to_string(), objects),
+                &method,
+                objects,
+            );
         }
     }
 }
 
 /// The methods for many objects.
 pub fn methods() -> [BroadPhaseMethod; 2] {
-    [BroadPhaseMethod::LinearOctree, BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::default())]
+    [
+        BroadPhaseMethod::LinearOctree,
+        BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::default()),
+    ]
 }
 
 /// The scene at its start.
@@ -63,7 +78,10 @@ pub fn simulation(scene: StressScene, objects: usize) -> StressSimulation {
 
 /// Adds an object for each box.
 pub fn insert(index: &mut SpatialIndex, boxes: &[Aabb3d]) -> Vec<ProxyId> {
-    boxes.iter().map(|aabb| index.insert(*aabb).expect("boxes of scenes are finite")).collect()
+    boxes
+        .iter()
+        .map(|aabb| index.insert(*aabb).expect("boxes of scenes are finite"))
+        .collect()
 }
 
 /// An index that follows a scene.
@@ -89,7 +107,11 @@ impl Follower {
         let mut index = SpatialIndex::new(method);
         let ids = insert(&mut index, simulation.boxes());
         index.find_pairs();
-        let mut follower = Self { simulation, index, ids };
+        let mut follower = Self {
+            simulation,
+            index,
+            ids,
+        };
         for _ in 0..4 {
             follower.tick();
         }
@@ -105,11 +127,16 @@ impl Follower {
         self.simulation.step();
         let start = Instant::now();
         for (id, aabb) in self.ids.iter().zip(self.simulation.boxes()) {
-            self.index.set(*id, aabb).expect("boxes of scenes are finite");
+            self.index
+                .set(*id, aabb)
+                .expect("boxes of scenes are finite");
         }
         self.index.update();
         let maintained = Instant::now();
         black_box(self.index.find_pairs().len());
-        Tick { maintain: maintained - start, pairs: maintained.elapsed() }
+        Tick {
+            maintain: maintained - start,
+            pairs: maintained.elapsed(),
+        }
     }
 }

@@ -11,7 +11,8 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// The time between two changes of what is shown.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// A bar on standard error if that is a terminal. It appears once a second has passed, and goes with its owner.
+/// A bar on standard error if that is a terminal. It appears once a second has passed, and goes
+/// with its owner.
 pub struct Progress {
     pieces: u64,
     begun: u64,
@@ -26,7 +27,13 @@ impl Progress {
     pub fn new(pieces: u64) -> Self {
         let started = Instant::now();
         let due = stderr().is_terminal().then(|| started + PATIENCE);
-        Self { pieces, begun: 0, started, due, is_shown: false }
+        Self {
+            pieces,
+            begun: 0,
+            started,
+            due,
+            is_shown: false,
+        }
     }
 
     /// The next piece of work begins, and the one before it has ended.
@@ -39,10 +46,17 @@ impl Progress {
         }
         let elapsed = (now - self.started).as_secs_f64();
         let share = done as f64 / self.pieces.max(1) as f64;
-        let left = if done == 0 { String::new() } else { format!(" (about {:.0} s left)", elapsed / share - elapsed) };
+        let left = if done == 0 {
+            String::new()
+        } else {
+            format!(" (about {:.0} s left)", elapsed / share - elapsed)
+        };
         let bar = "█".repeat((share * 30.0) as usize);
         // The terminal does not wrap the line: what has no room at its end is left out.
-        show(format_args!("\x1b[?7l{bar:░<30} {done}/{}  {elapsed:.0} s{left}  {what}\x1b[?7h", self.pieces));
+        show(format_args!(
+            "\x1b[?7l{bar:░<30} {done}/{}  {elapsed:.0} s{left}  {what}\x1b[?7h",
+            self.pieces
+        ));
         self.due = Some(now + PAUSE);
         self.is_shown = true;
     }

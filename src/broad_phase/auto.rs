@@ -11,8 +11,8 @@ use super::{
 /// With more objects than this, a sorted index is worth its upkeep.
 const MANY: usize = 64;
 
-/// With fewer than this, it no longer is. Apart from [`MANY`], so that objects that come and go do not change the
-/// method at each tick.
+/// With fewer than this, it no longer is. Apart from [`MANY`], so that objects that come and go do
+/// not change the method at each tick.
 const FEW: usize = 48;
 
 /// [`Exhaustive`] search for a handful of objects, a [`LinearOctree`] beyond.
@@ -41,7 +41,10 @@ impl BroadPhase for Auto {
         match &mut self.linear {
             Some(_) if proxies.len() < FEW => self.linear = None,
             Some(linear) => linear.maintain(proxies),
-            None if proxies.len() > MANY => self.linear.insert(LinearOctree::default()).maintain(proxies),
+            None if proxies.len() > MANY => self
+                .linear
+                .insert(LinearOctree::default())
+                .maintain(proxies),
             None => {}
         }
     }
@@ -91,7 +94,12 @@ mod tests {
                 for _ in 0..step.min(ids.len().abs_diff(count)) {
                     if ids.len() < count {
                         let at = Vec3::X * (ids.len() as f32 * 0.75);
-                        ids.push(checked.index.insert(Aabb3d::new(at, Vec3::splat(0.5))).unwrap());
+                        ids.push(
+                            checked
+                                .index
+                                .insert(Aabb3d::new(at, Vec3::splat(0.5)))
+                                .unwrap(),
+                        );
                     } else {
                         checked.index.remove(ids.pop().unwrap());
                     }
@@ -100,6 +108,9 @@ mod tests {
             }
             names.push(checked.index.engine().name());
         }
-        assert_eq!(names, ["exhaustive", "linear", "linear", "exhaustive", "linear"]);
+        assert_eq!(
+            names,
+            ["exhaustive", "linear", "linear", "exhaustive", "linear"]
+        );
     }
 }

@@ -19,7 +19,10 @@ pub struct Block {
 
 impl Block {
     /// Eight boxes that overlap nothing.
-    pub(super) const EMPTY: Self = Self { min: [[f32::INFINITY; WIDTH]; 3], max: [[f32::NEG_INFINITY; WIDTH]; 3] };
+    pub(super) const EMPTY: Self = Self {
+        min: [[f32::INFINITY; WIDTH]; 3],
+        max: [[f32::NEG_INFINITY; WIDTH]; 3],
+    };
 
     #[inline(always)]
     pub(super) fn set(&mut self, lane: usize, aabb: &Aabb3d) {
@@ -32,8 +35,12 @@ impl Block {
 
     #[inline(always)]
     pub(super) fn get(&self, lane: usize) -> Aabb3d {
-        let corner = |side: &[[f32; WIDTH]; 3]| Vec3A::new(side[0][lane], side[1][lane], side[2][lane]);
-        Aabb3d { min: corner(&self.min), max: corner(&self.max) }
+        let corner =
+            |side: &[[f32; WIDTH]; 3]| Vec3A::new(side[0][lane], side[1][lane], side[2][lane]);
+        Aabb3d {
+            min: corner(&self.min),
+            max: corner(&self.max),
+        }
     }
 
     /// Returns `true` if a box is within the one in a lane.
@@ -67,16 +74,21 @@ impl Block {
         }
     }
 
-    /// The sum of each box's sides, of which each may be too large a number; nothing for one that is empty.
+    /// The sum of each box's sides, of which each may be too large a number; nothing for one that
+    /// is empty.
     #[inline(always)]
     pub(super) fn side_sums(&self) -> [f32; WIDTH] {
         let side = |axis: usize, lane: usize| self.max[axis][lane] - self.min[axis][lane];
-        std::array::from_fn(|lane| (side(0, lane) + side(1, lane) + side(2, lane)).clamp(0.0, f32::MAX))
+        std::array::from_fn(|lane| {
+            (side(0, lane) + side(1, lane) + side(2, lane)).clamp(0.0, f32::MAX)
+        })
     }
 
     /// How many of the eight are not empty.
     pub(super) fn count(&self) -> u32 {
-        (0..WIDTH).map(|lane| u32::from(self.min[0][lane] <= self.max[0][lane])).sum()
+        (0..WIDTH)
+            .map(|lane| u32::from(self.min[0][lane] <= self.max[0][lane]))
+            .sum()
     }
 
     /// The lower or the upper sides of all eight along an axis.
@@ -89,7 +101,9 @@ impl Block {
     /// Which of the eight overlap an interval along an axis, touching included: a bit for each.
     #[inline(always)]
     pub(super) fn overlaps_along<S: Simd>(&self, simd: S, axis: usize, low: f32, high: f32) -> u32 {
-        let below = self.side(simd, false, axis).simd_le(f32x8::splat(simd, high));
+        let below = self
+            .side(simd, false, axis)
+            .simd_le(f32x8::splat(simd, high));
         let above = self.side(simd, true, axis).simd_ge(f32x8::splat(simd, low));
         (below & above).to_bitmask() as u32
     }
@@ -97,8 +111,12 @@ impl Block {
     /// Which of the eight a box overlaps, touching included: a bit for each.
     #[inline(always)]
     pub(super) fn overlaps<S: Simd>(&self, simd: S, min: [f32; 3], max: [f32; 3]) -> u32 {
-        let below = |axis: usize| f32x8::from_slice(simd, &self.min[axis]).simd_le(f32x8::splat(simd, max[axis]));
-        let above = |axis: usize| f32x8::from_slice(simd, &self.max[axis]).simd_ge(f32x8::splat(simd, min[axis]));
+        let below = |axis: usize| {
+            f32x8::from_slice(simd, &self.min[axis]).simd_le(f32x8::splat(simd, max[axis]))
+        };
+        let above = |axis: usize| {
+            f32x8::from_slice(simd, &self.max[axis]).simd_ge(f32x8::splat(simd, min[axis]))
+        };
         let x = below(0) & above(0);
         let y = below(1) & above(1);
         let z = below(2) & above(2);

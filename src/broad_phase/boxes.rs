@@ -8,9 +8,9 @@ use thiserror::Error;
 
 /// The handle of one object's box in a [`SpatialIndex`](super::SpatialIndex).
 ///
-/// Handles are dense, from 0 up. A handle stays the same until its object is removed; after that it is not handed
-/// out again before two more updates have passed, so that whoever compares one tick with the next never takes one
-/// object for another.
+/// Handles are dense, from 0 up. A handle stays the same until its object is removed; after that it
+/// is not handed out again before two more updates have passed, so that whoever compares one tick
+/// with the next never takes one object for another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
 #[type_path = "bevy_octree"]
 pub struct ProxyId(u32);
@@ -88,7 +88,13 @@ pub fn overlap(a: &Aabb3d, b: &Aabb3d) -> bool {
 }
 
 /// The cell of a broad phase that does not divide space.
-pub const EVERYWHERE: Aabb3d = Aabb3d { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
+pub const EVERYWHERE: Aabb3d = Aabb3d {
+    min: Vec3A::NEG_INFINITY,
+    max: Vec3A::INFINITY,
+};
 
 /// A box that overlaps nothing.
-pub(super) const NOWHERE: Aabb3d = Aabb3d { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+pub(super) const NOWHERE: Aabb3d = Aabb3d {
+    min: Vec3A::INFINITY,
+    max: Vec3A::NEG_INFINITY,
+};

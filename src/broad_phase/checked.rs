@@ -4,8 +4,8 @@ use bevy::math::{Vec3, bounding::Aabb3d, primitives::HalfSpace};
 use proptest::prelude::*;
 
 use super::{
-    BroadPhase, LinearOctree, ObjectOctree, Pair, PairFilter, PairKinds, Proxies, ProxyId, SpatialIndex, check_box,
-    overlap,
+    BroadPhase, LinearOctree, ObjectOctree, Pair, PairFilter, PairKinds, Proxies, ProxyId,
+    SpatialIndex, check_box, overlap,
 };
 
 /// An index that is compared with brute force after every tick.
@@ -15,7 +15,9 @@ pub(super) struct Checked {
 
 impl Checked {
     pub(super) fn new(engine: Box<dyn BroadPhase>) -> Self {
-        Self { index: SpatialIndex::with_engine(engine) }
+        Self {
+            index: SpatialIndex::with_engine(engine),
+        }
     }
 
     pub(super) fn step(&mut self) {
@@ -37,7 +39,13 @@ impl Checked {
         let stats = self.index.stats();
         let mut leaves = Vec::new();
         self.index.for_each_leaf(|leaf| leaves.push(leaf));
-        assert_eq!(leaves.iter().map(|leaf| leaf.objects as usize).sum::<usize>(), stats.entries);
+        assert_eq!(
+            leaves
+                .iter()
+                .map(|leaf| leaf.objects as usize)
+                .sum::<usize>(),
+            stats.entries
+        );
         assert!(leaves.len() <= stats.leaves);
         for leaf in &leaves {
             assert_eq!(check_box(&leaf.bounds), Ok(()));
@@ -57,14 +65,23 @@ fn brute_force(proxies: &Proxies) -> Vec<Pair> {
         }
     }
     for unbounded in proxies.unbounded() {
-        let side = proxies.unbounded.iter().find(|other| other.id == unbounded).and_then(|unbounded| unbounded.side);
+        let side = proxies
+            .unbounded
+            .iter()
+            .find(|other| other.id == unbounded)
+            .and_then(|unbounded| unbounded.side);
         // Heights are in units that floats add without rounding.
         let reaches = |aabb: &Aabb3d| {
             let above = |side: HalfSpace, y: f32| side.normal().y * y + side.d() >= 0.0;
             side.is_none_or(|side| above(side, aabb.min.y) || above(side, aabb.max.y))
         };
-        let meets = |(id, aabb): &&(ProxyId, &Aabb3d)| reaches(aabb) && proxies.admits(unbounded, *id);
-        pairs.extend(all.iter().filter(meets).map(|(id, _)| Pair::new(unbounded, *id)));
+        let meets =
+            |(id, aabb): &&(ProxyId, &Aabb3d)| reaches(aabb) && proxies.admits(unbounded, *id);
+        pairs.extend(
+            all.iter()
+                .filter(meets)
+                .map(|(id, _)| Pair::new(unbounded, *id)),
+        );
     }
     pairs.sort_unstable();
     pairs
@@ -77,22 +94,52 @@ fn make_a_pair(proxies: &Proxies, a: ProxyId, b: ProxyId) -> bool {
         (true, true) => kinds.static_static,
         _ => kinds.moving_static,
     };
-    is_sought && a.world == b.world && a.memberships & b.filters > 0 && b.memberships & a.filters > 0
+    is_sought
+        && a.world == b.world
+        && a.memberships & b.filters > 0
+        && b.memberships & a.filters > 0
 }
 
-/// One step of a random history. Places are in units of a 64th, so that borders are met exactly, and often.
+/// One step of a random history. Places are in units of a 64th, so that borders are met exactly,
+/// and often.
 #[derive(Clone, Debug)]
 pub(super) enum Step {
-    Insert { at: [i16; 3], size: u16 },
-    Shift { which: usize, by: [i8; 3] },
-    Teleport { which: usize, to: [i16; 3] },
-    Resize { which: usize, size: u16 },
-    Touch { which: usize },
-    Filter { which: usize, bits: u8 },
-    Kinds { bits: u8 },
-    Remove { which: usize },
-    Unbounded { which: usize, side: Option<(bool, i16)> },
-    RemoveUnbounded { which: usize },
+    Insert {
+        at: [i16; 3],
+        size: u16,
+    },
+    Shift {
+        which: usize,
+        by: [i8; 3],
+    },
+    Teleport {
+        which: usize,
+        to: [i16; 3],
+    },
+    Resize {
+        which: usize,
+        size: u16,
+    },
+    Touch {
+        which: usize,
+    },
+    Filter {
+        which: usize,
+        bits: u8,
+    },
+    Kinds {
+        bits: u8,
+    },
+    Remove {
+        which: usize,
+    },
+    Unbounded {
+        which: usize,
+        side: Option<(bool, i16)>,
+    },
+    RemoveUnbounded {
+        which: usize,
+    },
     Tick,
 }
 
@@ -126,26 +173,40 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
     for step in steps {
         let count = objects.len().max(1);
         let any = |which: &usize, objects: &[(ProxyId, Vec3, f32)]| {
-            let ids: Vec<_> = objects.iter().map(|(id, ..)| *id).chain(unbounded.iter().copied()).collect();
+            let ids: Vec<_> = objects
+                .iter()
+                .map(|(id, ..)| *id)
+                .chain(unbounded.iter().copied())
+                .collect();
             ids.get(which % ids.len().max(1)).copied()
         };
         let mut change = |which: &usize, f: &mut dyn FnMut(&mut Vec3, &mut f32)| {
             if let Some((id, center, half)) = objects.get_mut(which % count) {
                 f(center, half);
-                checked.index.set(*id, &Aabb3d::new(*center, Vec3::splat(*half))).unwrap();
+                checked
+                    .index
+                    .set(*id, &Aabb3d::new(*center, Vec3::splat(*half)))
+                    .unwrap();
             }
         };
         match step {
             Step::Insert { at, size } => {
                 let (center, half) = (place(*at), f32::from(*size) * UNIT);
-                let id = checked.index.insert(Aabb3d::new(center, Vec3::splat(half))).unwrap();
+                let id = checked
+                    .index
+                    .insert(Aabb3d::new(center, Vec3::splat(half)))
+                    .unwrap();
                 objects.push((id, center, half));
             }
             Step::Shift { which, by } => {
-                change(which, &mut |center, _| *center += Vec3::from(by.map(f32::from)) * UNIT);
+                change(which, &mut |center, _| {
+                    *center += Vec3::from(by.map(f32::from)) * UNIT
+                });
             }
             Step::Teleport { which, to } => change(which, &mut |center, _| *center = place(*to)),
-            Step::Resize { which, size } => change(which, &mut |_, half| *half = f32::from(*size) * UNIT),
+            Step::Resize { which, size } => {
+                change(which, &mut |_, half| *half = f32::from(*size) * UNIT)
+            }
             Step::Touch { which } => {
                 if let Some(id) = any(which, &objects) {
                     checked.index.touch(id);
@@ -154,14 +215,28 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
             Step::Filter { which, bits } => {
                 if let Some(id) = any(which, &objects) {
                     let [memberships, filters] = [bits & 3, bits >> 2 & 3].map(u32::from);
-                    let world = if bits >> 5 == 0 { 7 } else { PairFilter::DEFAULT_WORLD };
-                    let filter = PairFilter { memberships, filters, is_static: bits >> 4 & 1 == 1, world };
+                    let world = if bits >> 5 == 0 {
+                        7
+                    } else {
+                        PairFilter::DEFAULT_WORLD
+                    };
+                    let filter = PairFilter {
+                        memberships,
+                        filters,
+                        is_static: bits >> 4 & 1 == 1,
+                        world,
+                    };
                     checked.index.set_filter(id, filter).unwrap();
                 }
             }
             Step::Kinds { bits } => {
-                let [moving_moving, moving_static, static_static] = [0, 1, 2].map(|bit| bits >> bit & 1 == 1);
-                checked.index.set_pair_kinds(PairKinds { moving_moving, moving_static, static_static });
+                let [moving_moving, moving_static, static_static] =
+                    [0, 1, 2].map(|bit| bits >> bit & 1 == 1);
+                checked.index.set_pair_kinds(PairKinds {
+                    moving_moving,
+                    moving_static,
+                    static_static,
+                });
             }
             Step::Remove { which } => {
                 if !objects.is_empty() {
@@ -182,7 +257,11 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
             }
             Step::RemoveUnbounded { which } => {
                 if !unbounded.is_empty() {
-                    assert!(checked.index.remove(unbounded.swap_remove(which % unbounded.len())));
+                    assert!(
+                        checked
+                            .index
+                            .remove(unbounded.swap_remove(which % unbounded.len()))
+                    );
                 }
             }
             Step::Tick => checked.step(),

@@ -13,8 +13,9 @@ use super::{
 
 /// Exhaustive search (Swan 1994, section 1.4): every moved box against every other.
 ///
-/// Time per tick is O(m·n) for m moved objects among n, with a small constant; there is nothing to maintain. It is
-/// the reference that the other implementations are checked against, and the fastest for a handful of objects.
+/// Time per tick is O(m·n) for m moved objects among n, with a small constant; there is nothing to
+/// maintain. It is the reference that the other implementations are checked against, and the
+/// fastest for a handful of objects.
 #[derive(Clone, Debug)]
 pub struct Exhaustive {
     /// The vector instructions that this machine has.
@@ -24,7 +25,10 @@ pub struct Exhaustive {
 
 impl Default for Exhaustive {
     fn default() -> Self {
-        Self { level: Level::new(), group: Group::default() }
+        Self {
+            level: Level::new(),
+            group: Group::default(),
+        }
     }
 }
 
@@ -39,7 +43,11 @@ impl BroadPhase for Exhaustive {
         if proxies.moved().is_empty() {
             return 0;
         }
-        self.group.gather(proxies.iter().map(|(id, _)| id), Vec3A::NEG_INFINITY, proxies);
+        self.group.gather(
+            proxies.iter().map(|(id, _)| id),
+            Vec3A::NEG_INFINITY,
+            proxies,
+        );
         dispatch!(self.level, simd => self.group.overlaps(simd, pairs))
     }
 
@@ -56,6 +64,9 @@ impl BroadPhase for Exhaustive {
     }
 
     fn stats(&self) -> BroadPhaseStats {
-        BroadPhaseStats { bytes: self.group.memory_bytes(), ..BroadPhaseStats::default() }
+        BroadPhaseStats {
+            bytes: self.group.memory_bytes(),
+            ..BroadPhaseStats::default()
+        }
     }
 }

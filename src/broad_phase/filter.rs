@@ -2,7 +2,8 @@
 
 use bevy::prelude::Reflect;
 
-/// What an object is, and what it may meet. Overlapping boxes of which one does not admit the other make no pair.
+/// What an object is, and what it may meet. Overlapping boxes of which one does not admit the other
+/// make no pair.
 ///
 /// ```
 /// use bevy::math::{Vec3, bounding::Aabb3d};
@@ -27,7 +28,8 @@ pub struct PairFilter {
     pub memberships: u32,
     /// The layers that it may meet.
     pub filters: u32,
-    /// Which of the [`PairKinds`] the object's pairs are. By default, static objects do not meet each other.
+    /// Which of the [`PairKinds`] the object's pairs are. By default, static objects do not meet
+    /// each other.
     pub is_static: bool,
     /// The number of the world that the object is in. Objects of different worlds do not meet.
     pub world: u32,
@@ -36,7 +38,12 @@ pub struct PairFilter {
 impl Default for PairFilter {
     /// On the first layer of the default world, and admits everything.
     fn default() -> Self {
-        Self { memberships: 1, filters: u32::MAX, is_static: false, world: Self::DEFAULT_WORLD }
+        Self {
+            memberships: 1,
+            filters: u32::MAX,
+            is_static: false,
+            world: Self::DEFAULT_WORLD,
+        }
     }
 }
 
@@ -44,12 +51,14 @@ impl PairFilter {
     /// The world of all objects that were given no other.
     pub const DEFAULT_WORLD: u32 = u32::MAX;
 
-    /// Returns `true` if two objects admit each other. They must be in the same world, and each on a layer that the
-    /// other may meet.
+    /// Returns `true` if two objects admit each other. They must be in the same world, and each on
+    /// a layer that the other may meet.
     #[inline]
     #[must_use]
     pub const fn admits(&self, other: &Self) -> bool {
-        self.world == other.world && self.memberships & other.filters != 0 && other.memberships & self.filters != 0
+        self.world == other.world
+            && self.memberships & other.filters != 0
+            && other.memberships & self.filters != 0
     }
 }
 
@@ -82,7 +91,11 @@ pub struct PairKinds {
 
 impl Default for PairKinds {
     fn default() -> Self {
-        Self { moving_moving: true, moving_static: true, static_static: false }
+        Self {
+            moving_moving: true,
+            moving_static: true,
+            static_static: false,
+        }
     }
 }
 

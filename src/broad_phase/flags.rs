@@ -10,8 +10,8 @@
 /// | [`MOVED`](Self::MOVED) | an update that finds [`PENDING`](Self::PENDING) | the first that does not |
 /// | [`REFILTERED`](Self::REFILTERED) | a change of the filter, of an object with a box | the next update |
 ///
-/// Whatever is pending is in a list of pending changes, and what has moved in one of current ones, or among the few
-/// unbounded objects: so no update looks at anything else.
+/// Whatever is pending is in a list of pending changes, and what has moved in one of current ones,
+/// or among the few unbounded objects: so no update looks at anything else.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Flags(u8);
 

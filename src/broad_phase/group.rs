@@ -12,7 +12,8 @@ use super::{
     proxy::Proxies,
 };
 
-/// So many objects that moved in one leaf are a crowd, which is put in order before its boxes are compared.
+/// So many objects that moved in one leaf are a crowd, which is put in order before its boxes are
+/// compared.
 const CROWD: usize = 512;
 
 /// All three axes.
@@ -44,7 +45,12 @@ struct Filters {
 
 impl Filters {
     /// Eight objects that admit nothing.
-    const NONE: Self = Self { memberships: [0; WIDTH], filters: [0; WIDTH], worlds: [0; WIDTH], statics: 0 };
+    const NONE: Self = Self {
+        memberships: [0; WIDTH],
+        filters: [0; WIDTH],
+        worlds: [0; WIDTH],
+        statics: 0,
+    };
 
     fn set(&mut self, lane: usize, filter: PairFilter) {
         self.memberships[lane] = filter.memberships;
@@ -65,13 +71,22 @@ impl Filters {
     /// Which of the eight make a pair with an object, if their boxes overlap: a bit for each.
     #[inline(always)]
     fn admit<S: Simd>(&self, simd: S, own: &PairFilter, kinds: PairKinds) -> u32 {
-        let shared = |own: u32, lanes: &[u32; WIDTH]| u32x8::splat(simd, own) & u32x8::from_slice(simd, lanes);
+        let shared = |own: u32, lanes: &[u32; WIDTH]| {
+            u32x8::splat(simd, own) & u32x8::from_slice(simd, lanes)
+        };
         let nothing = u32x8::splat(simd, 0);
         let refused = shared(own.filters, &self.memberships).simd_eq(nothing)
             | shared(own.memberships, &self.filters).simd_eq(nothing);
-        let same_world = u32x8::from_slice(simd, &self.worlds).simd_eq(u32x8::splat(simd, own.world));
+        let same_world =
+            u32x8::from_slice(simd, &self.worlds).simd_eq(u32x8::splat(simd, own.world));
         let [moving, fixed] = [false, true].map(|is_static| {
-            let sought = kinds.include(own, &PairFilter { is_static, ..PairFilter::default() });
+            let sought = kinds.include(
+                own,
+                &PairFilter {
+                    is_static,
+                    ..PairFilter::default()
+                },
+            );
             u32::from(sought).wrapping_neg()
         });
         let of_kind = (moving & !self.statics) | (fixed & self.statics);
@@ -80,10 +95,15 @@ impl Filters {
 }
 
 impl Group {
-    /// Makes this the group of some objects, each of them in the index and given once. They are those whose boxes
-    /// overlap a cell of space; `low` is its lower corner.
+    /// Makes this the group of some objects, each of them in the index and given once. They are
+    /// those whose boxes overlap a cell of space; `low` is its lower corner.
     #[inline]
-    pub(super) fn gather(&mut self, objects: impl Iterator<Item = ProxyId>, low: Vec3A, proxies: &Proxies) {
+    pub(super) fn gather(
+        &mut self,
+        objects: impl Iterator<Item = ProxyId>,
+        low: Vec3A,
+        proxies: &Proxies,
+    ) {
         self.ids.clear();
         self.blocks.clear();
         self.begins.clear();
@@ -94,7 +114,8 @@ impl Group {
         if !proxies.all_moved() {
             self.moved = 0;
             for index in 0..self.ids.len() {
-                // Without a branch, which would be mispredicted often: to swap two that rest does no harm.
+                // Without a branch, which would be mispredicted often: to swap two that rest does
+                // no harm.
                 let moved = proxies.is_moved(self.ids[index]);
                 self.ids.swap(self.moved, index);
                 self.moved += usize::from(moved);
@@ -129,12 +150,13 @@ impl Group {
         self.moved >= CROWD
     }
 
-    /// Appends each pair of overlapping boxes of which at least one moved, which admit each other, and whose overlap has
-    /// its lower corner in the group's cell: of the cells that two boxes share, that is one. Returns the number of pairs
-    /// compared.
+    /// Appends each pair of overlapping boxes of which at least one moved, which admit each other,
+    /// and whose overlap has its lower corner in the group's cell: of the cells that two boxes
+    /// share, that is one. Returns the number of pairs compared.
     ///
-    /// The corner is the larger of the two lower corners, axis by axis. It is below the upper borders of every cell
-    /// that both boxes overlap, and above the lower borders if one of the boxes begins there.
+    /// The corner is the larger of the two lower corners, axis by axis. It is below the upper
+    /// borders of every cell that both boxes overlap, and above the lower borders if one of the
+    /// boxes begins there.
     #[inline(always)]
     pub(super) fn overlaps<S: Simd>(&self, simd: S, pairs: &mut Vec<Pair>) -> u64 {
         let mut compared = 0;
@@ -165,17 +187,36 @@ impl Group {
         compared
     }
 
-    /// As [`overlaps`](Self::overlaps), for a crowd: in O(n log n) and the pairs, whatever the boxes look like. Pairs that
-    /// are told apart by the bounds of many boxes do not count as compared.
-    pub(super) fn overlaps_in_crowd(&mut self, level: Level, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {
-        let Self { ids, blocks, begins, moved, crowd, .. } = self;
+    /// As [`overlaps`](Self::overlaps), for a crowd: in O(n log n) and the pairs, whatever the
+    /// boxes look like. Pairs that are told apart by the bounds of many boxes do not count as
+    /// compared.
+    pub(super) fn overlaps_in_crowd(
+        &mut self,
+        level: Level,
+        proxies: &Proxies,
+        pairs: &mut Vec<Pair>,
+    ) -> u64 {
+        let Self {
+            ids,
+            blocks,
+            begins,
+            moved,
+            crowd,
+            ..
+        } = self;
         let boxes = (0..ids.len()).map(|index| blocks[index / WIDTH].get(index % WIDTH));
         let is_filtered = proxies.are_filtered();
         let keep = |a: usize, b: usize| {
-            a.min(b) < *moved && begins[a] | begins[b] == ALL_AXES && (!is_filtered || proxies.admits(ids[a], ids[b]))
+            a.min(b) < *moved
+                && begins[a] | begins[b] == ALL_AXES
+                && (!is_filtered || proxies.admits(ids[a], ids[b]))
         };
         let before = pairs.len();
-        pairs.extend(crowd.overlaps(level, boxes, keep).map(|[a, b]| Pair::new(ids[a], ids[b])));
+        pairs.extend(
+            crowd
+                .overlaps(level, boxes, keep)
+                .map(|[a, b]| Pair::new(ids[a], ids[b])),
+        );
         (pairs.len() - before) as u64
     }
 

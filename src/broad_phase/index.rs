@@ -49,13 +49,14 @@ impl SpatialIndex {
         }
     }
 
-    /// Searches by another method from now on. All objects stay, and take part in the next update as if they had
-    /// just been inserted.
+    /// Searches by another method from now on. All objects stay, and take part in the next update
+    /// as if they had just been inserted.
     pub fn set_method(&mut self, method: &BroadPhaseMethod) {
         self.set_engine(method.engine());
     }
 
-    /// As [`set_method`](Self::set_method), with an implementation of one's own, which must be empty.
+    /// As [`set_method`](Self::set_method), with an implementation of one's own, which must be
+    /// empty.
     pub fn set_engine(&mut self, engine: Box<dyn BroadPhase>) {
         self.engine = engine;
         self.proxies.touch_all();
@@ -67,8 +68,8 @@ impl SpatialIndex {
         &*self.engine
     }
 
-    /// Returns the broad phase at work, if it is of this type: to look into an [`ObjectOctree`](super::ObjectOctree),
-    /// say.
+    /// Returns the broad phase at work, if it is of this type: to look into an
+    /// [`ObjectOctree`](super::ObjectOctree), say.
     #[must_use]
     pub fn engine_as<E: BroadPhase>(&self) -> Option<&E> {
         let engine: &dyn Any = &*self.engine;
@@ -89,20 +90,24 @@ impl SpatialIndex {
         self.proxies.insert(aabb)
     }
 
-    /// Gives an object its box of this tick. Setting the box that it already has is no change. O(1).
+    /// Gives an object its box of this tick. Setting the box that it already has is no change.
+    /// O(1).
     ///
     /// # Errors
-    /// A box that is not finite or inverted, and an unknown handle, are refused, and nothing changes.
+    /// A box that is not finite or inverted, and an unknown handle, are refused, and nothing
+    /// changes.
     #[inline]
     pub fn set(&mut self, id: ProxyId, aabb: &Aabb3d) -> Result<(), BoxError> {
         self.proxies.set(id, aabb)
     }
 
-    /// Adds an unbounded object, one without an end and so without a box: a ground plane, with the half-space that it fills; or `None` for
-    /// one that may be anywhere. It makes a pair with every box that has a part in the half-space, and with no other
-    /// unbounded object; queries find it at a distance of 0, wherever they look, and leave the rest to the caller.
+    /// Adds an unbounded object, one without an end and so without a box: a ground plane, with the
+    /// half-space that it fills; or `None` for one that may be anywhere. It makes a pair with every
+    /// box that has a part in the half-space, and with no other unbounded object; queries find it
+    /// at a distance of 0, wherever they look, and leave the rest to the caller.
     ///
-    /// Meant for a handful: each costs its look at every object that moves, and at all when it moves itself.
+    /// Meant for a handful: each costs its look at every object that moves, and at all when it
+    /// moves itself.
     ///
     /// # Errors
     /// [`BoxError::Full`].
@@ -118,7 +123,8 @@ impl SpatialIndex {
         self.proxies.set_unbounded(id, side)
     }
 
-    /// Counts an object as moved though its box stays: it may have turned inside it. False if there is none.
+    /// Counts an object as moved though its box stays: it may have turned inside it. False if there
+    /// is none.
     pub fn touch(&mut self, id: ProxyId) -> bool {
         self.proxies.touch(id)
     }
@@ -128,14 +134,15 @@ impl SpatialIndex {
         self.proxies.touch_all();
     }
 
-    /// Has what moved in the last update count as moved in the next one too: for whoever searched for pairs and did not
-    /// look at them.
+    /// Has what moved in the last update count as moved in the next one too: for whoever searched
+    /// for pairs and did not look at them.
     pub(crate) fn touch_moved(&mut self) {
         self.proxies.touch_moved();
     }
 
-    /// Says what an object is, and what it may meet; by default, everything. Overlapping boxes of objects that do not
-    /// admit each other make no pair. O(1); the object counts as moved if this is a change.
+    /// Says what an object is, and what it may meet; by default, everything. Overlapping boxes of
+    /// objects that do not admit each other make no pair. O(1); the object counts as moved if this
+    /// is a change.
     ///
     /// # Errors
     /// An unknown handle is refused, and nothing changes.
@@ -143,8 +150,8 @@ impl SpatialIndex {
         self.proxies.set_filter(id, filter)
     }
 
-    /// Says which kinds of pairs are sought. Nothing happens if they are those already; otherwise all objects count as
-    /// moved, and O(n).
+    /// Says which kinds of pairs are sought. Nothing happens if they are those already; otherwise
+    /// all objects count as moved, and O(n).
     pub fn set_pair_kinds(&mut self, kinds: PairKinds) {
         self.proxies.set_pair_kinds(kinds);
     }
@@ -154,8 +161,8 @@ impl SpatialIndex {
         self.proxies.remove(id)
     }
 
-    /// One maintenance step: brings the broad phase up to date with every change since the last. Costs nothing for
-    /// objects that did not change.
+    /// One maintenance step: brings the broad phase up to date with every change since the last.
+    /// Costs nothing for objects that did not change.
     pub fn update(&mut self) {
         self.stale |= !self.searched;
         self.searched = false;
@@ -163,15 +170,16 @@ impl SpatialIndex {
         self.engine.maintain(&self.proxies);
     }
 
-    /// Returns every pair of boxes that overlapped at the last [`update`](Self::update), touching included, each once.
-    /// Searched for at the first call after an update; further calls cost nothing. If boxes changed since, an update
-    /// comes first.
+    /// Returns every pair of boxes that overlapped at the last [`update`](Self::update), touching
+    /// included, each once. Searched for at the first call after an update; further calls cost
+    /// nothing. If boxes changed since, an update comes first.
     pub fn find_pairs(&mut self) -> &PairSet {
         if self.proxies.has_pending() {
             self.update();
         }
         if self.stale {
-            // What moved in an update that nobody searched after is not known any more: all pairs are sought anew.
+            // What moved in an update that nobody searched after is not known any more: all pairs
+            // are sought anew.
             self.pairs.clear();
             self.proxies.touch_all();
             self.update();
@@ -226,9 +234,9 @@ impl SpatialIndex {
 }
 
 impl Proxies {
-    /// Appends every pair of an unbounded object and a box that may meet, of which at least one moved, and which admit each
-    /// other; each once. Returns the number of pairs compared. For each unbounded object, linear in those that moved, or
-    /// in all if it moved itself.
+    /// Appends every pair of an unbounded object and a box that may meet, of which at least one
+    /// moved, and which admit each other; each once. Returns the number of pairs compared. For each
+    /// unbounded object, linear in those that moved, or in all if it moved itself.
     fn find_unbounded_pairs(&self, pairs: &mut Vec<Pair>) -> u64 {
         let mut compared = 0;
         for unbounded in &self.unbounded {

@@ -7,7 +7,8 @@ use super::block::Block;
 
 /// How far away boxes are, in the sense of a query, and whether they are of interest at all.
 ///
-/// A box inside another is never nearer than that one, to the last bit: bounds of many boxes are tested like boxes.
+/// A box inside another is never nearer than that one, to the last bit: bounds of many boxes are
+/// tested like boxes.
 ///
 /// There are two kinds of numbers, for single boxes and for blocks:
 ///
@@ -16,14 +17,14 @@ use super::block::Block;
 /// | *distance*, with a *limit* | a box, an object | in a straight line | along the way | 0, within 0 |
 /// | *nearness*, with a [`Bound`] | a box in a block, a block | the distance, squared | the distance | 0, within 0 |
 ///
-/// Nearness is quick to compute for eight boxes at once, and puts boxes in the same order; [`bound`](Self::bound) leads
-/// from a limit to the bound that goes with it.
+/// Nearness is quick to compute for eight boxes at once, and puts boxes in the same order;
+/// [`bound`](Self::bound) leads from a limit to the bound that goes with it.
 pub trait Measure {
     /// Are near boxes to be visited first? If not, all distances are 0.
     const ORDERED: bool;
 
-    /// Does [`test_block`](Self::test_block) give the very verdicts of [`test_box`](Self::test_box), and is nearness
-    /// distance?
+    /// Does [`test_block`](Self::test_block) give the very verdicts of
+    /// [`test_box`](Self::test_box), and is nearness distance?
     const EXACT: bool;
 
     /// Returns the bound that leaves out no box within a distance, whatever rounding does.
@@ -32,23 +33,25 @@ pub trait Measure {
         Bound(limit)
     }
 
-    /// Returns which of eight boxes are within the bound, a bit for each, and how near they are. None of that is NaN.
+    /// Returns which of eight boxes are within the bound, a bit for each, and how near they are.
+    /// None of that is NaN.
     fn test_block<S: Simd>(&self, simd: S, block: &Block, bound: Bound) -> (u32, f32x8<S>);
 
     /// Returns the distance of a box, if it is no farther than `limit`.
     fn test_box(&self, aabb: &Aabb3d, limit: f32) -> Option<f32>;
 
-    /// Returns a point of a box that is within `limit`, by which the box is known among the cells that list it. The
-    /// cell in which it lies passes [`test_cell`](Self::test_cell).
+    /// Returns a point of a box that is within `limit`, by which the box is known among the cells
+    /// that list it. The cell in which it lies passes [`test_cell`](Self::test_cell).
     fn anchor(&self, aabb: &Aabb3d, distance: f32) -> Vec3A;
 
-    /// Returns `true` if the anchor of a box that is no farther than `limit` may lie in this cell. Its corners may be
-    /// infinite.
+    /// Returns `true` if the anchor of a box that is no farther than `limit` may lie in this cell.
+    /// Its corners may be infinite.
     fn test_cell(&self, cell: &Aabb3d, limit: f32) -> bool {
         self.test_box(cell, limit).is_some()
     }
 
-    /// Returns the point from which to look: see [`Visitor::viewpoint`](crate::broad_phase::Visitor::viewpoint).
+    /// Returns the point from which to look: see
+    /// [`Visitor::viewpoint`](crate::broad_phase::Visitor::viewpoint).
     fn viewpoint(&self) -> Vec3A {
         Vec3A::NEG_INFINITY
     }

@@ -15,8 +15,8 @@ use super::{
 
 /// The way in which overlapping boxes are searched for.
 ///
-/// It has one name in text, which [`FromStr`] reads in either case, `Display` prints, and the broad phase itself
-/// [tells](BroadPhase::name):
+/// It has one name in text, which [`FromStr`] reads in either case, `Display` prints, and the broad
+/// phase itself [tells](BroadPhase::name):
 ///
 /// | name | method |
 /// |---|---|
@@ -36,8 +36,8 @@ use super::{
 #[derive(Clone, Debug, Default, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
 pub enum BroadPhaseMethod {
-    /// Exhaustive search for a handful of objects, the pointerless octree beyond: see [`Auto`]. The name that the broad
-    /// phase tells is that of the method at work.
+    /// Exhaustive search for a handful of objects, the pointerless octree beyond: see [`Auto`]. The
+    /// name that the broad phase tells is that of the method at work.
     #[default]
     Auto,
     /// The pointerless octree: see [`LinearOctree`].
@@ -62,8 +62,9 @@ impl BroadPhaseMethod {
         }
     }
 
-    /// Creates a new, empty broad phase of this kind. Settings out of range are taken as the nearest that is in range,
-    /// with a warning in the log; [`check`](Self::check) first for an error instead.
+    /// Creates a new, empty broad phase of this kind. Settings out of range are taken as the
+    /// nearest that is in range, with a warning in the log; [`check`](Self::check) first for an
+    /// error instead.
     #[must_use]
     pub fn engine(&self) -> Box<dyn BroadPhase> {
         match self {
@@ -133,7 +134,12 @@ mod tests {
     #[test]
     fn names_go_in_and_out() {
         let octree = BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::default());
-        for method in [BroadPhaseMethod::Auto, BroadPhaseMethod::LinearOctree, octree, BroadPhaseMethod::Exhaustive] {
+        for method in [
+            BroadPhaseMethod::Auto,
+            BroadPhaseMethod::LinearOctree,
+            octree,
+            BroadPhaseMethod::Exhaustive,
+        ] {
             assert_eq!(method.to_string().to_uppercase().parse(), Ok(method));
         }
         let error = "quadtree".parse::<BroadPhaseMethod>().unwrap_err();

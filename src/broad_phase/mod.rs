@@ -1,9 +1,10 @@
 //! The broad phase: from boxes to pairs of overlapping boxes.
 //!
-//! A [`SpatialIndex`] holds the boxes of all objects behind stable handles ([`ProxyId`]) and a [`BroadPhase`], the
-//! way in which it looks for overlaps. Boxes go in one by one; an [`update`](SpatialIndex::update) brings the broad
-//! phase up to date with all that changed since the last one; [`find_pairs`](SpatialIndex::find_pairs) gives every
-//! pair of overlapping boxes, each once.
+//! A [`SpatialIndex`] holds the boxes of all objects behind stable handles ([`ProxyId`]) and a
+//! [`BroadPhase`], the way in which it looks for overlaps. Boxes go in one by one; an
+//! [`update`](SpatialIndex::update) brings the broad phase up to date with all that changed since
+//! the last one; [`find_pairs`](SpatialIndex::find_pairs) gives every pair of overlapping boxes,
+//! each once.
 //!
 //! ```
 //! use bevy::math::{Vec3, bounding::Aabb3d};
@@ -25,25 +26,26 @@
 //!
 //! # Three ways to look
 //!
-//! The report compares an octree with exhaustive search, and mentions pointerless octrees; here each is an
-//! implementation of [`BroadPhase`], chosen by a [`BroadPhaseMethod`] and exchanged at any time
-//! ([`SpatialIndex::set_method`]):
+//! The report compares an octree with exhaustive search, and mentions pointerless octrees; here
+//! each is an implementation of [`BroadPhase`], chosen by a [`BroadPhaseMethod`] and exchanged at
+//! any time ([`SpatialIndex::set_method`]):
 //!
 //! - [`Auto`], the default: exhaustive search for a handful of objects, the linear octree beyond.
 //! - [`LinearOctree`]: the pointerless octree, by far the fastest for more than a handful.
-//! - [`ObjectOctree`]: the report's N-objects octree, maintained as objects move; for its canonical shape, which tells
-//!   where in space objects crowd, and for studies of the report.
+//! - [`ObjectOctree`]: the report's N-objects octree, maintained as objects move; for its canonical
+//!   shape, which tells where in space objects crowd, and for studies of the report.
 //! - [`Exhaustive`]: every box against every other; the reference.
 //!
 //! All of them give the same pairs: exactly those whose boxes overlap, touching included.
 //!
-//! Unbounded objects, such as a ground plane, have no box: the index keeps them apart from the broad phase
-//! ([`SpatialIndex::insert_unbounded`]).
+//! Unbounded objects, such as a ground plane, have no box: the index keeps them apart from the
+//! broad phase ([`SpatialIndex::insert_unbounded`]).
 //!
 //! # A way of your own
 //!
-//! Implement [`BroadPhase`] for a type, and give it to [`SpatialIndex::with_engine`]. The trait has one verb for each
-//! step of a tick; the boxes, the handles, the list of what changed and the pairs of resting objects are kept for you.
+//! Implement [`BroadPhase`] for a type, and give it to [`SpatialIndex::with_engine`]. The trait has
+//! one verb for each step of a tick; the boxes, the handles, the list of what changed and the pairs
+//! of resting objects are kept for you.
 //!
 //! ```
 //! use bevy_octree::broad_phase::*;

@@ -23,7 +23,11 @@ impl Pair {
     #[must_use]
     pub fn new(a: ProxyId, b: ProxyId) -> Self {
         debug_assert_ne!(a, b, "an object makes no pair with itself");
-        if a < b { Self { a, b } } else { Self { a: b, b: a } }
+        if a < b {
+            Self { a, b }
+        } else {
+            Self { a: b, b: a }
+        }
     }
 
     /// Returns a number that orders pairs as the pairs themselves are ordered.
@@ -36,9 +40,10 @@ impl Pair {
 
 /// All pairs of overlapping boxes, each once.
 ///
-/// They come in two lists. A pair is *moving* if one of its objects was inserted, moved or touched in the last tick,
-/// and *resting* otherwise. Only moving pairs can have changed their exact verdict, so that whoever keeps the
-/// verdicts of the last tick need look at no others; and a broad phase need search only for them.
+/// They come in two lists. A pair is *moving* if one of its objects was inserted, moved or touched
+/// in the last tick, and *resting* otherwise. Only moving pairs can have changed their exact
+/// verdict, so that whoever keeps the verdicts of the last tick need look at no others; and a broad
+/// phase need search only for them.
 #[derive(Clone, Debug, Default)]
 pub struct PairSet {
     moving: Vec<Pair>,
@@ -46,7 +51,8 @@ pub struct PairSet {
 }
 
 impl PairSet {
-    /// Returns the pairs with an object that moved, in an order that depends on nothing but the history of the boxes.
+    /// Returns the pairs with an object that moved, in an order that depends on nothing but the
+    /// history of the boxes.
     #[inline]
     #[must_use]
     pub fn moving(&self) -> &[Pair] {
@@ -96,9 +102,9 @@ impl PairSet {
         self.moving.retain(|pair| proxies.admits(pair.a, pair.b));
     }
 
-    /// Sorts last tick's pairs into those that rest now and those that a broad phase finds again, if they are still
-    /// pairs; returns the list to push the latter to. Takes time only for pairs, and none where those that moved go
-    /// on moving, and those that rest go on resting.
+    /// Sorts last tick's pairs into those that rest now and those that a broad phase finds again,
+    /// if they are still pairs; returns the list to push the latter to. Takes time only for pairs,
+    /// and none where those that moved go on moving, and those that rest go on resting.
     pub(super) fn begin(&mut self, proxies: &Proxies) -> &mut Vec<Pair> {
         let rests = |pair: &Pair| proxies.is_resting(pair.a) && proxies.is_resting(pair.b);
         if proxies.all_moved() {
@@ -108,7 +114,8 @@ impl PairSet {
                 self.resting.retain(rests);
             }
             if proxies.some_slept() {
-                self.resting.extend(self.moving.iter().copied().filter(rests));
+                self.resting
+                    .extend(self.moving.iter().copied().filter(rests));
             }
         }
         self.moving.clear();

@@ -11,7 +11,8 @@ use super::{
 
 /// The boxes of all objects, and which of them changed.
 ///
-/// Unbounded objects have a handle too, but no box: they are in none of the lists, and no concern of a broad phase.
+/// Unbounded objects have a handle too, but no box: they are in none of the lists, and no concern
+/// of a broad phase.
 ///
 /// An implementation of [`BroadPhase`](super::BroadPhase) reads this and never writes it.
 #[derive(Clone, Debug, Default)]
@@ -88,7 +89,8 @@ impl Proxies {
         self.alive == 0
     }
 
-    /// One more than the largest index in use: the length of arrays that run parallel to the proxies.
+    /// One more than the largest index in use: the length of arrays that run parallel to the
+    /// proxies.
     #[inline]
     #[must_use]
     pub const fn capacity(&self) -> usize {
@@ -99,23 +101,32 @@ impl Proxies {
     #[inline]
     #[must_use]
     pub fn contains(&self, id: ProxyId) -> bool {
-        self.flags.get(id.index()).is_some_and(|flags| flags.has(Flags::ALIVE))
+        self.flags
+            .get(id.index())
+            .is_some_and(|flags| flags.has(Flags::ALIVE))
     }
 
     /// Returns the box of an object, or `None` if there is no such object, or it is unbounded.
     #[inline]
     #[must_use]
     pub fn get(&self, id: ProxyId) -> Option<&Aabb3d> {
-        let has_box = self.flags.get(id.index()).is_some_and(|flags| flags.has_box());
+        let has_box = self
+            .flags
+            .get(id.index())
+            .is_some_and(|flags| flags.has_box());
         has_box.then(|| &self.boxes[id.index()])
     }
 
     /// Returns the unbounded objects.
     pub fn unbounded(&self) -> impl Iterator<Item = ProxyId> {
-        self.unbounded.iter().map(|unbounded| unbounded.id).filter(|id| self.contains(*id))
+        self.unbounded
+            .iter()
+            .map(|unbounded| unbounded.id)
+            .filter(|id| self.contains(*id))
     }
 
-    /// Returns all boxes by index, those of removed objects included: for the inner loops of a broad phase.
+    /// Returns all boxes by index, those of removed objects included: for the inner loops of a
+    /// broad phase.
     #[inline]
     #[must_use]
     pub fn boxes(&self) -> &[Aabb3d] {
@@ -136,8 +147,8 @@ impl Proxies {
         self.kinds
     }
 
-    /// Returns `true` if two objects make a pair, should their boxes overlap. They admit each other, and are of a kind
-    /// that is sought.
+    /// Returns `true` if two objects make a pair, should their boxes overlap. They admit each
+    /// other, and are of a kind that is sought.
     #[inline]
     #[must_use]
     pub fn admits(&self, a: ProxyId, b: ProxyId) -> bool {
@@ -145,16 +156,16 @@ impl Proxies {
         a.admits(&b) & self.kinds.include(&a, &b)
     }
 
-    /// Returns the objects whose filter changed between the last two updates; some may be gone, or listed more than
-    /// once. All objects, if the [kinds of pairs](Self::pair_kinds) changed.
+    /// Returns the objects whose filter changed between the last two updates; some may be gone, or
+    /// listed more than once. All objects, if the [kinds of pairs](Self::pair_kinds) changed.
     #[inline]
     #[must_use]
     pub fn changed_filters(&self) -> &[ProxyId] {
         &self.refiltered.current
     }
 
-    /// Returns `true` if pairs must be asked whether they [admit](Self::admits) each other. Not as long as no filter
-    /// was set, for then all objects are alike.
+    /// Returns `true` if pairs must be asked whether they [admit](Self::admits) each other. Not as
+    /// long as no filter was set, for then all objects are alike.
     #[inline]
     #[must_use]
     pub const fn are_filtered(&self) -> bool {
@@ -165,18 +176,23 @@ impl Proxies {
     #[inline]
     #[must_use]
     pub fn is_moved(&self, id: ProxyId) -> bool {
-        self.flags.get(id.index()).is_some_and(|flags| flags.is_moved())
+        self.flags
+            .get(id.index())
+            .is_some_and(|flags| flags.is_moved())
     }
 
     /// Returns `true` if the object has a part in the pairs of this tick without having moved.
     #[inline]
     #[must_use]
     pub fn is_resting(&self, id: ProxyId) -> bool {
-        self.flags.get(id.index()).is_some_and(|flags| flags.is_resting())
+        self.flags
+            .get(id.index())
+            .is_some_and(|flags| flags.is_resting())
     }
 
-    /// Returns the objects that were inserted, moved, touched or removed between the last two updates, each once, in
-    /// the order of their first change. Those for which [`contains`](Self::contains) is false were removed.
+    /// Returns the objects that were inserted, moved, touched or removed between the last two
+    /// updates, each once, in the order of their first change. Those for which
+    /// [`contains`](Self::contains) is false were removed.
     #[inline]
     #[must_use]
     pub fn moved(&self) -> &[ProxyId] {
@@ -202,15 +218,16 @@ impl Proxies {
         self.population_changed
     }
 
-    /// Returns `true` if an object moved between the last two updates that had not moved between the two before.
-    /// Objects that came or went count.
+    /// Returns `true` if an object moved between the last two updates that had not moved between
+    /// the two before. Objects that came or went count.
     #[inline]
     #[must_use]
     pub const fn some_woke(&self) -> bool {
         self.some_woke
     }
 
-    /// Returns `true` if an object rested between the last two updates that had moved between the two before.
+    /// Returns `true` if an object rested between the last two updates that had moved between the
+    /// two before.
     #[inline]
     #[must_use]
     pub const fn some_slept(&self) -> bool {
@@ -237,13 +254,17 @@ impl Proxies {
     /// Returns the memory taken, in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
-        let changes = [&self.moved, &self.refiltered].into_iter().flat_map(|list| [&list.pending, &list.current]);
+        let changes = [&self.moved, &self.refiltered]
+            .into_iter()
+            .flat_map(|list| [&list.pending, &list.current]);
         let lists = changes.chain([&self.handles.dying, &self.handles.dead, &self.handles.free]);
         self.boxes.capacity() * size_of::<Aabb3d>()
             + self.flags.capacity() * size_of::<Flags>()
             + self.filters.capacity() * size_of::<PairFilter>()
             + self.unbounded.capacity() * size_of::<Unbounded>()
-            + lists.map(|list| list.capacity() * size_of::<ProxyId>()).sum::<usize>()
+            + lists
+                .map(|list| list.capacity() * size_of::<ProxyId>())
+                .sum::<usize>()
     }
 
     pub(super) fn insert(&mut self, aabb: Aabb3d) -> Result<ProxyId, BoxError> {
@@ -254,7 +275,10 @@ impl Proxies {
         Ok(id)
     }
 
-    pub(super) fn insert_unbounded(&mut self, side: Option<HalfSpace>) -> Result<ProxyId, BoxError> {
+    pub(super) fn insert_unbounded(
+        &mut self,
+        side: Option<HalfSpace>,
+    ) -> Result<ProxyId, BoxError> {
         let id = self.allocate(EVERYWHERE, Flags::ALIVE.with(Flags::UNBOUNDED))?;
         self.unbounded.push(Unbounded { id, side });
         Ok(id)
@@ -268,7 +292,10 @@ impl Proxies {
                 id
             }
             None => {
-                let index = u32::try_from(self.boxes.len()).ok().filter(|i| *i != u32::MAX).ok_or(BoxError::Full)?;
+                let index = u32::try_from(self.boxes.len())
+                    .ok()
+                    .filter(|i| *i != u32::MAX)
+                    .ok_or(BoxError::Full)?;
                 self.boxes.push(aabb);
                 self.flags.push(Flags::default());
                 ProxyId::new(index)
@@ -284,7 +311,10 @@ impl Proxies {
 
     #[inline]
     pub(super) fn set(&mut self, id: ProxyId, aabb: &Aabb3d) -> Result<(), BoxError> {
-        let (Some(flags), Some(old)) = (self.flags.get_mut(id.index()), self.boxes.get_mut(id.index())) else {
+        let (Some(flags), Some(old)) = (
+            self.flags.get_mut(id.index()),
+            self.boxes.get_mut(id.index()),
+        ) else {
             return Err(self.refusal(id, aabb));
         };
         // Most common first: the same box again, which is known to be a good one.
@@ -311,8 +341,15 @@ impl Proxies {
     }
 
     /// Says where an unbounded object is.
-    pub(super) fn set_unbounded(&mut self, id: ProxyId, side: Option<HalfSpace>) -> Result<(), BoxError> {
-        let found = self.unbounded.iter_mut().find(|unbounded| unbounded.id == id);
+    pub(super) fn set_unbounded(
+        &mut self,
+        id: ProxyId,
+        side: Option<HalfSpace>,
+    ) -> Result<(), BoxError> {
+        let found = self
+            .unbounded
+            .iter_mut()
+            .find(|unbounded| unbounded.id == id);
         let Some(unbounded) = found.filter(|_| self.flags[id.index()].has(Flags::ALIVE)) else {
             return Err(BoxError::UnknownProxy(id));
         };
@@ -407,7 +444,8 @@ impl Proxies {
         self.handles.advance();
     }
 
-    /// Sees who moved until now, and rests from now on. Returns `true` if somebody does. Without a branch.
+    /// Sees who moved until now, and rests from now on. Returns `true` if somebody does. Without a
+    /// branch.
     fn end_moves(&mut self) -> bool {
         let mut some_slept = false;
         for id in &self.moved.current {
@@ -420,7 +458,8 @@ impl Proxies {
         some_slept
     }
 
-    /// Sees who moves from now on, and counts them. Returns `true` if somebody did not before. Without a branch.
+    /// Sees who moves from now on, and counts them. Returns `true` if somebody did not before.
+    /// Without a branch.
     fn begin_moves(&mut self) -> bool {
         let (mut some_woke, mut alive_moved) = (false, 0);
         for id in &self.moved.current {
@@ -445,7 +484,11 @@ impl Proxies {
             self.some_woke |= !is_alive || (moves && !moved_before);
             self.some_slept |= moved_before && !moves;
             let stays = flags.among(Flags::ALIVE.with(Flags::UNBOUNDED));
-            *flags = if moves { stays.with(Flags::MOVED) } else { stays };
+            *flags = if moves {
+                stays.with(Flags::MOVED)
+            } else {
+                stays
+            };
             is_alive
         });
     }

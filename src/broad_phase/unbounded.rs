@@ -1,4 +1,5 @@
-//! Unbounded objects, such as the ground below a plane: kept apart from the broad phase, whose cells are for boxes.
+//! Unbounded objects, such as the ground below a plane: kept apart from the broad phase, whose
+//! cells are for boxes.
 
 use bevy::math::{Vec3A, bounding::Aabb3d, primitives::HalfSpace};
 

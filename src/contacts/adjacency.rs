@@ -3,7 +3,8 @@
 use super::pair::ContactPair;
 use crate::broad_phase::ProxyId;
 
-/// For each object, the indices of its contacts in a list of all: one array, cut into a range for each object.
+/// For each object, the indices of its contacts in a list of all: one array, cut into a range for
+/// each object.
 #[derive(Clone, Debug)]
 pub(super) struct Adjacency {
     /// By handle, where its range begins; and at the end, where the last one ends.
@@ -15,8 +16,13 @@ impl Adjacency {
     /// By counting: O(contacts + objects). The contacts of an object come in the order of the list.
     pub(super) fn new(contacts: &[ContactPair]) -> Self {
         let both = |contact: &ContactPair| [contact.pair.a.index(), contact.pair.b.index()];
-        let handles = contacts.iter().flat_map(both).max().map_or(0, |last| last + 1);
-        // Two slots later than their own, counts become starts, and starts become ends while the ranges fill.
+        let handles = contacts
+            .iter()
+            .flat_map(both)
+            .max()
+            .map_or(0, |last| last + 1);
+        // Two slots later than their own, counts become starts, and starts become ends while the
+        // ranges fill.
         let mut starts = vec![0; handles + 2];
         for handle in contacts.iter().flat_map(both) {
             starts[handle + 2] += 1;
@@ -32,7 +38,10 @@ impl Adjacency {
                 *next += 1;
             }
         }
-        debug_assert!(starts.is_sorted() && starts[handles] as usize == slots.len(), "ranges lie side by side");
+        debug_assert!(
+            starts.is_sorted() && starts[handles] as usize == slots.len(),
+            "ranges lie side by side"
+        );
         Self { starts, slots }
     }
 
@@ -63,13 +72,20 @@ mod tests {
             pairs.sort_unstable();
             pairs.dedup();
             let none = Entity::PLACEHOLDER;
-            let contact =
-                |pair: &Pair| ContactPair { pair: *pair, a: none, b: none, layers: Default::default(), time: 1.0 };
+            let contact = |pair: &Pair| ContactPair {
+                pair: *pair,
+                a: none,
+                b: none,
+                layers: Default::default(),
+                time: 1.0,
+            };
             let contacts: Vec<_> = pairs.iter().map(contact).collect();
             let adjacency = Adjacency::new(&contacts);
             for id in (0..objects + 3).map(ProxyId::new) {
                 let expected: Vec<_> = (0..pairs.len() as u32)
-                    .filter(|index| [pairs[*index as usize].a, pairs[*index as usize].b].contains(&id))
+                    .filter(|index| {
+                        [pairs[*index as usize].a, pairs[*index as usize].b].contains(&id)
+                    })
                     .collect();
                 assert_eq!(adjacency.of(id), expected);
             }

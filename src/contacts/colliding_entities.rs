@@ -8,14 +8,16 @@ use bevy::{
 use super::list::Contacts;
 use crate::components::BroadPhaseProxy;
 
-/// The entities that this entity is in contact with. Add it to entities that are to have it; it is kept up to date in
-/// the set [`Report`](crate::CollisionSystems::Report), together with the messages.
+/// The entities that this entity is in contact with. Add it to entities that are to have it; it is
+/// kept up to date in the set [`Report`](crate::CollisionSystems::Report), together with the
+/// messages.
 ///
-/// It counts as [changed](bevy::ecs::query::Changed) only in ticks in which the set changed. Entities that are gone
-/// leave it in the tick in which their contact ends. In an entity without a shape it is empty. What others write to it
-/// is undone at the next tick.
+/// It counts as [changed](bevy::ecs::query::Changed) only in ticks in which the set changed.
+/// Entities that are gone leave it in the tick in which their contact ends. In an entity without a
+/// shape it is empty. What others write to it is undone at the next tick.
 ///
-/// Where entities are copied into another world, as from a scene, those in the set are mapped to their copies.
+/// Where entities are copied into another world, as from a scene, those in the set are mapped to
+/// their copies.
 ///
 /// The order in which it iterates is not that of the contacts: for that see
 /// [`Collisions::colliding_with`](super::Collisions::colliding_with).
@@ -25,7 +27,11 @@ use crate::components::BroadPhaseProxy;
 #[component(clone_behavior = Ignore)]
 pub struct CollidingEntities(#[entities] pub EntityHashSet);
 
-type Lists<'a> = (Entity, &'a mut CollidingEntities, Option<&'a BroadPhaseProxy>);
+type Lists<'a> = (
+    Entity,
+    &'a mut CollidingEntities,
+    Option<&'a BroadPhaseProxy>,
+);
 
 pub(super) fn is_in_use(lists: Query<(), (With<CollidingEntities>, Allow<Disabled>)>) -> bool {
     !lists.is_empty()
@@ -35,8 +41,12 @@ pub(super) fn is_in_use(lists: Query<(), (With<CollidingEntities>, Allow<Disable
 pub(super) fn follow_contacts(contacts: Res<Contacts>, mut lists: Query<Lists, Allow<Disabled>>) {
     for (entity, mut list, proxy) in &mut lists {
         let others = || {
-            let own = proxy.and_then(BroadPhaseProxy::id).map(|id| contacts.of_handle(entity, id));
-            own.into_iter().flatten().map(|contact| contact.other(entity))
+            let own = proxy
+                .and_then(BroadPhaseProxy::id)
+                .map(|id| contacts.of_handle(entity, id));
+            own.into_iter()
+                .flatten()
+                .map(|contact| contact.other(entity))
         };
         // No two contacts of an entity are with the same other.
         if others().count() != list.len() || !others().all(|other| list.contains(&other)) {
@@ -62,6 +72,9 @@ mod tests {
         let [a, b, copy_of_a] = [(); 3].map(|()| world.spawn_empty().id());
         let mut list = CollidingEntities(EntityHashSet::from_iter([a, b]));
         CollidingEntities::map_entities(&mut list, &mut EntityHashMap::from_iter([(a, copy_of_a)]));
-        assert_eq!(list, CollidingEntities(EntityHashSet::from_iter([copy_of_a, b])));
+        assert_eq!(
+            list,
+            CollidingEntities(EntityHashSet::from_iter([copy_of_a, b]))
+        );
     }
 }

@@ -11,8 +11,8 @@ use crate::{
     components::BroadPhaseProxy,
 };
 
-/// Reads contacts by entity: after [`NarrowPhase`](crate::CollisionSystems::NarrowPhase) those of this tick, before it
-/// those of the last. Entities that are gone since then have none.
+/// Reads contacts by entity: after [`NarrowPhase`](crate::CollisionSystems::NarrowPhase) those of
+/// this tick, before it those of the last. Entities that are gone since then have none.
 ///
 /// Everything comes in the order of the [`Contacts`].
 ///
@@ -41,18 +41,23 @@ impl Collisions<'_, '_> {
         self.contacts.iter()
     }
 
-    /// Returns the contacts of an entity, as seen from it. O(1) for each, O(log n) for those with geometry; and O(contacts +
-    /// objects), once, for the first call of this or [`colliding_with`](Self::colliding_with) in a tick.
+    /// Returns the contacts of an entity, as seen from it. O(1) for each, O(log n) for those with
+    /// geometry; and O(contacts + objects), once, for the first call of this or
+    /// [`colliding_with`](Self::colliding_with) in a tick.
     pub fn of(&self, entity: Entity) -> impl Iterator<Item = Collision> {
-        self.pairs_of(entity).map(move |contact| self.contacts.collision(contact).seen_from(entity))
+        self.pairs_of(entity)
+            .map(move |contact| self.contacts.collision(contact).seen_from(entity))
     }
 
-    /// Returns the entities that an entity is in contact with. Costs as [`of`](Self::of), without geometry.
+    /// Returns the entities that an entity is in contact with. Costs as [`of`](Self::of), without
+    /// geometry.
     pub fn colliding_with(&self, entity: Entity) -> impl Iterator<Item = Entity> {
-        self.pairs_of(entity).map(move |contact| contact.other(entity))
+        self.pairs_of(entity)
+            .map(move |contact| contact.other(entity))
     }
 
-    /// Returns the contact of two entities, as seen from the first, if they are in contact. O(log n).
+    /// Returns the contact of two entities, as seen from the first, if they are in contact. O(log
+    /// n).
     #[must_use]
     pub fn between(&self, a: Entity, b: Entity) -> Option<Collision> {
         Some(self.contacts.collision(self.find(a, b)?).seen_from(a))
@@ -87,6 +92,9 @@ impl Collisions<'_, '_> {
     }
 
     fn pairs_of(&self, entity: Entity) -> impl Iterator<Item = &ContactPair> {
-        self.id(entity).map(|id| self.contacts.of_handle(entity, id)).into_iter().flatten()
+        self.id(entity)
+            .map(|id| self.contacts.of_handle(entity, id))
+            .into_iter()
+            .flatten()
     }
 }

@@ -7,13 +7,15 @@ use crate::{filters::CollisionLayers, narrow_phase::Contact};
 
 /// Two entities have come into contact: a message, and an event for observers.
 ///
-/// As a **message** it is written once for each contact, in the set [`Report`](crate::CollisionSystems::Report), in the
-/// order of [time](Self::time): what a [swept](crate::swept::Swept) entity meets on its way comes in the order in which it
-/// meets it, and before all that is met at the end of the tick. At the same time, the order is that of the
+/// As a **message** it is written once for each contact, in the set
+/// [`Report`](crate::CollisionSystems::Report), in the order of [time](Self::time): what a
+/// [swept](crate::swept::Swept) entity meets on its way comes in the order in which it meets it,
+/// and before all that is met at the end of the tick. At the same time, the order is that of the
 /// [`Contacts`](super::Contacts).
 ///
-/// As an **event** it is triggered right after, in the same order, for each of the two entities that has opted in by
-/// [`CollisionEventsEnabled`](super::CollisionEventsEnabled), with that entity first:
+/// As an **event** it is triggered right after, in the same order, for each of the two entities
+/// that has opted in by [`CollisionEventsEnabled`](super::CollisionEventsEnabled), with that entity
+/// first:
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -36,20 +38,23 @@ pub struct CollisionStarted {
     pub a: Entity,
     /// The other one.
     pub b: Entity,
-    /// Where they meet, with the normal from `a` to `b`. `Some` in every event; in a message, if somebody
-    /// [asked](super::CollisionEventSettings::geometry).
+    /// Where they meet, with the normal from `a` to `b`. `Some` in every event; in a message, if
+    /// somebody [asked](super::CollisionEventSettings::geometry).
     pub contact: Option<Contact>,
-    /// The layers of `a`, and those of `b`: the default ones, where no [`CollisionLayers`] were given.
+    /// The layers of `a`, and those of `b`: the default ones, where no [`CollisionLayers`] were
+    /// given.
     pub layers: [CollisionLayers; 2],
-    /// The share of the tick after which they met: 1, its end, unless one of them is [swept](crate::swept::Swept).
+    /// The share of the tick after which they met: 1, its end, unless one of them is
+    /// [swept](crate::swept::Swept).
     pub time: f32,
 }
 
-/// Two entities are no longer in contact, or one of them is gone: either may no longer exist. A message, and an event
-/// for observers, as [`CollisionStarted`], but in the order of the [`Contacts`](super::Contacts). Events of what ends come
-/// before those of what starts.
+/// Two entities are no longer in contact, or one of them is gone: either may no longer exist. A
+/// message, and an event for observers, as [`CollisionStarted`], but in the order of the
+/// [`Contacts`](super::Contacts). Events of what ends come before those of what starts.
 ///
-/// Every contact that started ends exactly once, and whoever was told of the start is told of the end.
+/// Every contact that started ends exactly once, and whoever was told of the start is told of the
+/// end.
 #[doc(alias = "collision exit")]
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Event, Message, Clone, Debug, PartialEq)]
@@ -61,26 +66,55 @@ pub struct CollisionEnded {
     pub a: Entity,
     /// The other one.
     pub b: Entity,
-    /// Where they met when they were last found in contact, with the normal from `a` to `b`. `Some` in every event; in
-    /// a message, if somebody had [asked](super::CollisionEventSettings::geometry) by then.
+    /// Where they met when they were last found in contact, with the normal from `a` to `b`. `Some`
+    /// in every event; in a message, if somebody had
+    /// [asked](super::CollisionEventSettings::geometry) by then.
     pub contact: Option<Contact>,
-    /// The layers of `a`, and those of `b`, when they were last found in contact: also of an entity that is gone, or
-    /// has other layers now.
+    /// The layers of `a`, and those of `b`, when they were last found in contact: also of an entity
+    /// that is gone, or has other layers now.
     pub layers: [CollisionLayers; 2],
 }
 
 impl From<Collision> for CollisionStarted {
-    fn from(Collision { a, b, contact, layers, time }: Collision) -> Self {
-        Self { a, b, contact, layers, time }
+    fn from(
+        Collision {
+            a,
+            b,
+            contact,
+            layers,
+            time,
+        }: Collision,
+    ) -> Self {
+        Self {
+            a,
+            b,
+            contact,
+            layers,
+            time,
+        }
     }
 }
 
 impl From<Collision> for CollisionEnded {
-    fn from(Collision { a, b, contact, layers, .. }: Collision) -> Self {
-        Self { a, b, contact, layers }
+    fn from(
+        Collision {
+            a,
+            b,
+            contact,
+            layers,
+            ..
+        }: Collision,
+    ) -> Self {
+        Self {
+            a,
+            b,
+            contact,
+            layers,
+        }
     }
 }
 
 pub(super) fn register(app: &mut App) {
-    app.register_type::<CollisionStarted>().register_type::<CollisionEnded>();
+    app.register_type::<CollisionStarted>()
+        .register_type::<CollisionEnded>();
 }

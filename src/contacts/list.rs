@@ -18,11 +18,11 @@ use crate::{
 
 /// All pairs of entities in contact, in the order of their handles in the [`CollisionIndex`].
 ///
-/// After [`NarrowPhase`](crate::CollisionSystems::NarrowPhase), those of this tick; before it, those of the last. A contact is
-/// a [`Collision`], as seen from one of the two.
+/// After [`NarrowPhase`](crate::CollisionSystems::NarrowPhase), those of this tick; before it,
+/// those of the last. A contact is a [`Collision`], as seen from one of the two.
 ///
-/// For systems there is the parameter [`Collisions`](super::Collisions), which answers without the look at all contacts that
-/// the first question about an entity costs here.
+/// For systems there is the parameter [`Collisions`](super::Collisions), which answers without the
+/// look at all contacts that the first question about an entity costs here.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -43,14 +43,16 @@ use crate::{
 #[type_path = "bevy_octree"]
 pub struct Contacts {
     pairs: Vec<ContactPair>,
-    /// Those of the last report, for comparison; and those of the last tick, if they were not reported.
+    /// Those of the last report, for comparison; and those of the last tick, if they were not
+    /// reported.
     before: Vec<ContactPair>,
     unreported: Vec<ContactPair>,
     /// Is there anything to report that was not?
     has_news: bool,
     /// The search for pairs that `pairs` are the verdicts on, by its number in the index.
     search: u64,
-    /// Those of which more is known, in the order of `pairs`; of the last report; and of the last tick, unreported.
+    /// Those of which more is known, in the order of `pairs`; of the last report; and of the last
+    /// tick, unreported.
     #[reflect(ignore)]
     watched: Vec<WatchedContact>,
     #[reflect(ignore)]
@@ -80,7 +82,8 @@ impl Contacts {
         })
     }
 
-    /// Returns the contact of two entities, as seen from the first, if they are in contact. O(log n).
+    /// Returns the contact of two entities, as seen from the first, if they are in contact. O(log
+    /// n).
     #[must_use]
     pub fn between(&self, a: Entity, b: Entity) -> Option<Collision> {
         let contact = self.find(self.pair(a, b)?, [a, b])?;
@@ -90,19 +93,23 @@ impl Contacts {
     /// Returns the contacts of an entity, as seen from it, in the order of all. O(log n) for each.
     pub fn of(&self, entity: Entity) -> impl Iterator<Item = Collision> {
         let id = self.handles().get(&entity);
-        let contacts = id.map(|id| self.of_handle(entity, *id)).into_iter().flatten();
+        let contacts = id
+            .map(|id| self.of_handle(entity, *id))
+            .into_iter()
+            .flatten();
         contacts.map(move |contact| self.collision(contact).seen_from(entity))
     }
 
     /// Returns `true` if two entities are in contact. O(log n).
     #[must_use]
     pub fn contains(&self, a: Entity, b: Entity) -> bool {
-        self.pair(a, b).is_some_and(|pair| self.find(pair, [a, b]).is_some())
+        self.pair(a, b)
+            .is_some_and(|pair| self.find(pair, [a, b]).is_some())
     }
 
     /// Returns the share of the tick after which two entities came into contact of which one is
-    /// [swept](crate::swept::Swept): 0 to 1; that of the first time, if there were several. `None` for others: they are looked
-    /// at where they are at the end of a tick. O(log n).
+    /// [swept](crate::swept::Swept): 0 to 1; that of the first time, if there were several. `None`
+    /// for others: they are looked at where they are at the end of a tick. O(log n).
     #[must_use]
     pub fn time_of_impact(&self, a: Entity, b: Entity) -> Option<f32> {
         time_of_impact(&self.impacts, self.pair(a, b)?)
@@ -130,7 +137,8 @@ impl Contacts {
     /// The handles of all that have contacts.
     fn handles(&self) -> &EntityHashMap<ProxyId> {
         self.handles.get_or_init(|| {
-            let both = |contact: &ContactPair| [(contact.a, contact.pair.a), (contact.b, contact.pair.b)];
+            let both =
+                |contact: &ContactPair| [(contact.a, contact.pair.a), (contact.b, contact.pair.b)];
             self.pairs.iter().flat_map(both).collect()
         })
     }
@@ -147,17 +155,29 @@ impl Contacts {
         time_of_impact(&self.impacts, pair).is_some()
     }
 
-    /// The contact of a pair, if it is that of these entities: their handles may have been those of others.
+    /// The contact of a pair, if it is that of these entities: their handles may have been those of
+    /// others.
     pub(super) fn find(&self, pair: Pair, entities: [Entity; 2]) -> Option<&ContactPair> {
-        let index = self.pairs.binary_search_by_key(&pair, |contact| contact.pair).ok()?;
-        Some(&self.pairs[index]).filter(|contact| entities.iter().all(|entity| contact.is_of(*entity)))
+        let index = self
+            .pairs
+            .binary_search_by_key(&pair, |contact| contact.pair)
+            .ok()?;
+        Some(&self.pairs[index])
+            .filter(|contact| entities.iter().all(|entity| contact.is_of(*entity)))
     }
 
-    /// The contacts of an entity, in the order of their pairs. O(1) for each, and O(contacts + objects) for the first call
-    /// in a tick.
-    pub(super) fn of_handle(&self, entity: Entity, id: ProxyId) -> impl Iterator<Item = &ContactPair> {
+    /// The contacts of an entity, in the order of their pairs. O(1) for each, and O(contacts +
+    /// objects) for the first call in a tick.
+    pub(super) fn of_handle(
+        &self,
+        entity: Entity,
+        id: ProxyId,
+    ) -> impl Iterator<Item = &ContactPair> {
         let adjacency = self.by_object.get_or_init(|| Adjacency::new(&self.pairs));
-        let all = adjacency.of(id).iter().map(|index| &self.pairs[*index as usize]);
+        let all = adjacency
+            .of(id)
+            .iter()
+            .map(|index| &self.pairs[*index as usize]);
         // The handle may have been another's.
         all.filter(move |contact| contact.is_of(entity))
     }
@@ -171,14 +191,15 @@ impl Contacts {
 
 /// # From tick to tick
 impl Contacts {
-    /// Are the contacts the verdicts on some other search than the last one of this index? If so, none of them can be kept:
-    /// what moved since is not known.
+    /// Are the contacts the verdicts on some other search than the last one of this index? If so,
+    /// none of them can be kept: what moved since is not known.
     pub(super) const fn are_out_of_step(&self, index: &CollisionIndex) -> bool {
         self.search != index.search()
     }
 
-    /// Brings the contacts up to date with the verdicts of a tick, which are all new; of last tick's contacts, those between
-    /// two at rest stay. What is to be known of them and is not, `geometry` computes.
+    /// Brings the contacts up to date with the verdicts of a tick, which are all new; of last
+    /// tick's contacts, those between two at rest stay. What is to be known of them and is not,
+    /// `geometry` computes.
     pub(super) fn merge(
         &mut self,
         search: u64,
@@ -202,9 +223,20 @@ impl Contacts {
         let found = |pair: Pair| {
             let [a, b] = index.entities(pair);
             let layers = [pair.a, pair.b].map(|id| proxies.filter(id).into());
-            ContactPair { pair, a, b, layers, time: time_of_impact(impacts, pair).unwrap_or(1.0) }
+            ContactPair {
+                pair,
+                a,
+                b,
+                layers,
+                time: time_of_impact(impacts, pair).unwrap_or(1.0),
+            }
         };
-        let last = turn(&mut self.pairs, &mut self.before, &mut self.unreported, self.has_news);
+        let last = turn(
+            &mut self.pairs,
+            &mut self.before,
+            &mut self.unreported,
+            self.has_news,
+        );
         let contacts = &mut self.pairs;
         // Nearly always, what was at rest still is.
         if index.is_as_searched() && !verdicts.displaces() {
@@ -212,16 +244,22 @@ impl Contacts {
             merge(contacts, kept, verdicts.found(), found);
         } else {
             let rested = |contact: &ContactPair| index.rested(contact.pair, [contact.a, contact.b]);
-            let stays = |contact: &&ContactPair| rested(contact) && !verdicts.is_displaced(contact.pair);
+            let stays =
+                |contact: &&ContactPair| rested(contact) && !verdicts.is_displaced(contact.pair);
             merge(contacts, last.iter().filter(stays), verdicts.found(), found);
         }
     }
 
-    /// Brings what is known of contacts up to date with all contacts. The geometry of a contact that was kept is kept too,
-    /// or has to be computed, if it was not asked for before.
+    /// Brings what is known of contacts up to date with all contacts. The geometry of a contact
+    /// that was kept is kept too, or has to be computed, if it was not asked for before.
     ///
-    /// Of a pair that was found both on the way and at the end of the tick, the geometry is that of the way.
-    fn merge_watched(&mut self, verdicts: &Verdicts, mut geometry: impl FnMut(Pair) -> Option<Contact>) {
+    /// Of a pair that was found both on the way and at the end of the tick, the geometry is that of
+    /// the way.
+    fn merge_watched(
+        &mut self,
+        verdicts: &Verdicts,
+        mut geometry: impl FnMut(Pair) -> Option<Contact>,
+    ) {
         let (watched, before) = (&mut self.watched, &mut self.watched_before);
         let last = turn(watched, before, &mut self.watched_unreported, self.has_news);
         let watch = &verdicts.watch;
@@ -231,10 +269,16 @@ impl Contacts {
         let mut found = verdicts.geometry().iter().peekable();
         let mut impacts = self.impacts.iter().peekable();
         let mut last = last.iter().peekable();
-        for contact in self.pairs.iter().filter(|contact| watch.wants(contact.pair)) {
+        for contact in self
+            .pairs
+            .iter()
+            .filter(|contact| watch.wants(contact.pair))
+        {
             let pair = contact.pair;
-            let on_the_way = seek(&mut impacts, pair, |impact| impact.pair).map(|impact| impact.met.contact);
-            let at_the_end = seek(&mut found, pair, |(found, _)| *found).map(|(_, geometry)| *geometry);
+            let on_the_way =
+                seek(&mut impacts, pair, |impact| impact.pair).map(|impact| impact.met.contact);
+            let at_the_end =
+                seek(&mut found, pair, |(found, _)| *found).map(|(_, geometry)| *geometry);
             let kept = seek(&mut last, pair, WatchedContact::pair)
                 .filter(|kept| kept.contact.key() == contact.key())
                 .map(|kept| kept.geometry);
@@ -268,7 +312,8 @@ impl Contacts {
     }
 }
 
-/// All contacts of a tick: those that are kept, and those that were found; all in the order of pairs.
+/// All contacts of a tick: those that are kept, and those that were found; all in the order of
+/// pairs.
 fn merge<'a>(
     contacts: &mut Vec<ContactPair>,
     kept: impl Iterator<Item = &'a ContactPair>,
@@ -285,12 +330,20 @@ fn merge<'a>(
         found.next_if_eq(&kept.pair);
     }
     contacts.extend(found.map(contact));
-    debug_assert!(contacts.is_sorted_by(|a, b| a.pair < b.pair), "each pair is one contact");
+    debug_assert!(
+        contacts.is_sorted_by(|a, b| a.pair < b.pair),
+        "each pair is one contact"
+    );
 }
 
-/// Makes room in `now` for what is known in a new tick, and returns what was known in the last one: that is what the next
-/// report compares with, unless one is still due, whose `before` then stays.
-fn turn<'a, T>(now: &mut Vec<T>, before: &'a mut Vec<T>, unreported: &'a mut Vec<T>, has_news: bool) -> &'a [T] {
+/// Makes room in `now` for what is known in a new tick, and returns what was known in the last one:
+/// that is what the next report compares with, unless one is still due, whose `before` then stays.
+fn turn<'a, T>(
+    now: &mut Vec<T>,
+    before: &'a mut Vec<T>,
+    unreported: &'a mut Vec<T>,
+    has_news: bool,
+) -> &'a [T] {
     let last = if has_news { unreported } else { before };
     std::mem::swap(now, last);
     now.clear();
@@ -302,6 +355,8 @@ fn rest(pair: Pair, proxies: &Proxies) -> bool {
 }
 
 fn time_of_impact(impacts: &[SweptContact], pair: Pair) -> Option<f32> {
-    let index = impacts.binary_search_by_key(&pair, |impact| impact.pair).ok()?;
+    let index = impacts
+        .binary_search_by_key(&pair, |impact| impact.pair)
+        .ok()?;
     Some(impacts[index].met.time)
 }

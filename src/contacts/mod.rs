@@ -1,4 +1,5 @@
-//! Contacts: the exact verdict on every candidate pair, how it changes from tick to tick, and who is told.
+//! Contacts: the exact verdict on every candidate pair, how it changes from tick to tick, and who
+//! is told.
 //!
 //! ```text
 //! CandidatePairs --test_candidates--> Verdicts --merge_verdicts--> Contacts --Report--> messages, events, CollidingEntities
@@ -33,8 +34,14 @@ pub(crate) use verdicts::Verdicts;
 
 /// What others read though nothing is tested or told.
 pub(crate) fn register(app: &mut App) {
-    app.init_resource::<Contacts>().init_resource::<Verdicts>().register_type::<Contacts>();
-    for register in [settings::register, events::register, colliding_entities::register] {
+    app.init_resource::<Contacts>()
+        .init_resource::<Verdicts>()
+        .register_type::<Contacts>();
+    for register in [
+        settings::register,
+        events::register,
+        colliding_entities::register,
+    ] {
         register(app);
     }
 }

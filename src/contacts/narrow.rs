@@ -28,8 +28,14 @@ impl Plugin for NarrowPhasePlugin {
             app.add_systems(
                 schedule,
                 (
-                    search_all.in_set(CollisionSystems::BroadPhase).before(find_candidates).run_if(is_out_of_step),
-                    (test_candidates.before(ImpactSystems), merge_verdicts.after(ImpactSystems))
+                    search_all
+                        .in_set(CollisionSystems::BroadPhase)
+                        .before(find_candidates)
+                        .run_if(is_out_of_step),
+                    (
+                        test_candidates.before(ImpactSystems),
+                        merge_verdicts.after(ImpactSystems),
+                    )
                         .in_set(CollisionSystems::NarrowPhase),
                 ),
             );
@@ -37,9 +43,12 @@ impl Plugin for NarrowPhasePlugin {
     }
 }
 
-/// Did the exact tests miss a search, since they did not run, or are the contacts those of another time?
+/// Did the exact tests miss a search, since they did not run, or are the contacts those of another
+/// time?
 fn is_out_of_step(contacts: Option<Res<Contacts>>, index: Option<Res<CollisionIndex>>) -> bool {
-    contacts.zip(index).is_some_and(|(contacts, index)| contacts.are_out_of_step(&index))
+    contacts
+        .zip(index)
+        .is_some_and(|(contacts, index)| contacts.are_out_of_step(&index))
 }
 
 /// Has all pairs looked at again.
@@ -47,7 +56,8 @@ fn search_all(mut index: ResMut<CollisionIndex>) {
     index.search_all();
 }
 
-/// A pair as contacts have it. Those who write candidates may have it the wrong way round, or one entity twice.
+/// A pair as contacts have it. Those who write candidates may have it the wrong way round, or one
+/// entity twice.
 fn in_order(pair: Pair) -> Option<Pair> {
     (pair.a != pair.b).then(|| Pair::new(pair.a, pair.b))
 }
@@ -66,11 +76,18 @@ fn test_candidates(
         return;
     }
     let verdicts = &mut *verdicts;
-    verdicts.watch.refresh(&event_settings, enabled.iter().filter_map(BroadPhaseProxy::id));
+    verdicts.watch.refresh(
+        &event_settings,
+        enabled.iter().filter_map(BroadPhaseProxy::id),
+    );
     let may_repeat = !index.has_listed(&candidates);
     verdicts.begin(index.search(), may_repeat);
     if verdicts.watch.is_idle() && !index.has_swept() {
-        let mut touch = |pair: &Pair| index.placed(*pair).is_some_and(|[a, b]| tests.intersects(a, b, &mut workspace));
+        let mut touch = |pair: &Pair| {
+            index
+                .placed(*pair)
+                .is_some_and(|[a, b]| tests.intersects(a, b, &mut workspace))
+        };
         let touching = candidates.iter().copied().filter(|pair| touch(pair));
         if may_repeat {
             verdicts.extend(touching.filter_map(in_order));
@@ -90,7 +107,9 @@ fn test_candidates(
                 Some(Candidate::AtTheEnd([a, b])) if verdicts.watch.wants(pair) => {
                     tests.contact(a, b, &mut workspace).map(Some)
                 }
-                Some(Candidate::AtTheEnd([a, b])) => tests.intersects(a, b, &mut workspace).then_some(None),
+                Some(Candidate::AtTheEnd([a, b])) => {
+                    tests.intersects(a, b, &mut workspace).then_some(None)
+                }
             };
             if let Some(geometry) = contact {
                 verdicts.touch(pair, geometry);
@@ -108,8 +127,14 @@ fn test_candidates(
 /// Tells of the first pair of shapes about which nothing can be said.
 #[cfg(feature = "rapier")]
 fn warn_of_unknown(index: &CollisionIndex, candidates: &CandidatePairs) {
-    let is_unknown = |pair: &&Pair| index.placed(**pair).is_some_and(|[a, b]| !crate::narrow_phase::is_known(a, b));
-    let Some(pair) = candidates.iter().find(is_unknown) else { return };
+    let is_unknown = |pair: &&Pair| {
+        index
+            .placed(**pair)
+            .is_some_and(|[a, b]| !crate::narrow_phase::is_known(a, b))
+    };
+    let Some(pair) = candidates.iter().find(is_unknown) else {
+        return;
+    };
     if let (Some(a), Some(b)) = (index.body(pair.a), index.body(pair.b)) {
         tracing::warn!(
             "{} and {} count as apart, as do all others of their kinds: nothing is known of how {:?} and {:?} meet",
@@ -128,7 +153,11 @@ fn merge_verdicts(
     mut counters: ResMut<CollisionCounters>,
     mut workspace: Local<Workspace>,
 ) {
-    let geometry = |pair| index.placed(pair).and_then(|[a, b]| tests.contact(a, b, &mut workspace));
+    let geometry = |pair| {
+        index
+            .placed(pair)
+            .and_then(|[a, b]| tests.contact(a, b, &mut workspace))
+    };
     if let Some(search) = verdicts.take_search() {
         contacts.merge(search, &mut verdicts, &index, geometry);
     }

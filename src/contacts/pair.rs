@@ -25,20 +25,27 @@ pub(crate) struct ContactPair {
     pub(crate) b: Entity,
     /// The layers of `a`, and those of `b`.
     pub(crate) layers: [CollisionLayers; 2],
-    /// The share of the tick after which they met: 1, its end, unless one of them is [swept](crate::swept::Swept).
+    /// The share of the tick after which they met: 1, its end, unless one of them is
+    /// [swept](crate::swept::Swept).
     pub(crate) time: f32,
 }
 
 impl ContactPair {
-    /// What tells a contact from others, and orders them. A handle alone does not: it may be another entity's by the next
-    /// tick, if the index was brought up to date between the two.
+    /// What tells a contact from others, and orders them. A handle alone does not: it may be
+    /// another entity's by the next tick, if the index was brought up to date between the two.
     pub(super) const fn key(&self) -> (Pair, Entity, Entity) {
         (self.pair, self.a, self.b)
     }
 
     /// The two, as seen from `a`.
     pub(super) fn collision(&self, contact: Option<Contact>) -> Collision {
-        Collision { a: self.a, b: self.b, contact, layers: self.layers, time: self.time }
+        Collision {
+            a: self.a,
+            b: self.b,
+            contact,
+            layers: self.layers,
+            time: self.time,
+        }
     }
 
     /// Is this entity one of the two?
@@ -74,7 +81,8 @@ pub struct Collision {
     pub contact: Option<Contact>,
     /// The layers of `a`, and those of `b`, as the broad phase saw them last.
     pub layers: [CollisionLayers; 2],
-    /// The share of the tick after which they met: 1, its end, unless one of them is [swept](crate::swept::Swept).
+    /// The share of the tick after which they met: 1, its end, unless one of them is
+    /// [swept](crate::swept::Swept).
     pub time: f32,
 }
 
@@ -83,17 +91,27 @@ impl Collision {
     #[must_use]
     pub fn reversed(self) -> Self {
         let [a, b] = self.layers;
-        Self { a: self.b, b: self.a, contact: self.contact.map(Contact::reversed), layers: [b, a], ..self }
+        Self {
+            a: self.b,
+            b: self.a,
+            contact: self.contact.map(Contact::reversed),
+            layers: [b, a],
+            ..self
+        }
     }
 
     /// As seen from this one of the two.
     pub(super) fn seen_from(self, entity: Entity) -> Self {
-        if self.a == entity { self } else { self.reversed() }
+        if self.a == entity {
+            self
+        } else {
+            self.reversed()
+        }
     }
 }
 
-/// Of a list in the order of pairs, what is about this one, if anything is. For pairs asked about in the same order, not all
-/// of those in the list.
+/// Of a list in the order of pairs, what is about this one, if anything is. For pairs asked about
+/// in the same order, not all of those in the list.
 pub(super) fn seek<'a, T: 'a>(
     list: &mut Peekable<impl Iterator<Item = &'a T>>,
     pair: Pair,
@@ -103,7 +121,8 @@ pub(super) fn seek<'a, T: 'a>(
     list.next_if(|other| key(other) == pair)
 }
 
-/// Two lists in the order of a key, side by side: what each has of a key, for all keys that one of them has.
+/// Two lists in the order of a key, side by side: what each has of a key, for all keys that one of
+/// them has.
 #[inline]
 pub(super) fn compare<'a, T, K: Ord>(
     mut before: &'a [T],
@@ -117,8 +136,16 @@ pub(super) fn compare<'a, T, K: Ord>(
             (None, Some(_)) => Ordering::Greater,
             (None, None) => return None,
         };
-        let old = if order.is_le() { before.split_off_first() } else { None };
-        let new = if order.is_ge() { now.split_off_first() } else { None };
+        let old = if order.is_le() {
+            before.split_off_first()
+        } else {
+            None
+        };
+        let new = if order.is_ge() {
+            now.split_off_first()
+        } else {
+            None
+        };
         Some((old, new))
     })
 }

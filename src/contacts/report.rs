@@ -17,18 +17,27 @@ use crate::{
     schedule::{CollisionSystems, add_to_tick},
 };
 
-/// The plugin for messages and events about contacts that started and ended, and for [`CollidingEntities`](super::CollidingEntities).
+/// The plugin for messages and events about contacts that started and ended, and for
+/// [`CollidingEntities`](super::CollidingEntities).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReportPlugin;
 
 impl Plugin for ReportPlugin {
     fn build(&self, app: &mut App) {
-        app.add_message::<CollisionStarted>().add_message::<CollisionEnded>();
+        app.add_message::<CollisionStarted>()
+            .add_message::<CollisionEnded>();
         add_to_tick(app, |app, schedule| {
-            // Observers come last, so that they find everything else up to date, and see no change but their own.
-            let report = (write_messages, follow_contacts.run_if(is_in_use), trigger_events.run_if(anything_watched));
+            // Observers come last, so that they find everything else up to date, and see no change
+            // but their own.
+            let report = (
+                write_messages,
+                follow_contacts.run_if(is_in_use),
+                trigger_events.run_if(anything_watched),
+            );
             // Each change is told once, though the exact tests or this may be skipped in a tick.
-            let report = report.chain().run_if(|contacts: Res<Contacts>| contacts.has_news());
+            let report = report
+                .chain()
+                .run_if(|contacts: Res<Contacts>| contacts.has_news());
             app.add_systems(schedule, report.in_set(CollisionSystems::Report));
         });
     }
@@ -52,7 +61,10 @@ fn write_messages(
         // Counters are about contacts, whoever is told.
         counters.ended += u64::from(new.is_none());
         counters.started += u64::from(old.is_none());
-        match (old.filter(|old| told_before.includes(old)), new.filter(|new| told.includes(new))) {
+        match (
+            old.filter(|old| told_before.includes(old)),
+            new.filter(|new| told.includes(new)),
+        ) {
             (Some(old), None) => _ = ended.write(seen_with(old, watched_before).into()),
             (None, Some(new)) => in_time.push(seen_with(new, watched).into()),
             _ => {}
@@ -85,9 +97,8 @@ impl<'a> Told<'a> {
     fn includes(&mut self, contact: &ContactPair) -> bool {
         match self {
             Self::All => true,
-            Self::Some(watched) => {
-                seek(watched, contact.pair, WatchedContact::pair).is_some_and(|watched| watched.enabled)
-            }
+            Self::Some(watched) => seek(watched, contact.pair, WatchedContact::pair)
+                .is_some_and(|watched| watched.enabled),
         }
     }
 }
@@ -101,14 +112,20 @@ fn anything_watched(contacts: Res<Contacts>) -> bool {
     !(contacts.before().1.is_empty() && contacts.now().1.is_empty())
 }
 
-/// Triggers events: first those of all contacts that ended, in the order of the contacts, then those of all that started,
-/// in the order of time; and for each contact first that of `a`.
+/// Triggers events: first those of all contacts that ended, in the order of the contacts, then
+/// those of all that started, in the order of time; and for each contact first that of `a`.
 ///
-/// All are decided before the first is triggered: an observer that despawns an entity, or opts it out, changes what is
-/// told in the next tick, and nothing in this one.
-fn trigger_events(world: &mut World, mut ended: Local<Vec<CollisionEnded>>, mut started: Local<Vec<CollisionStarted>>) {
+/// All are decided before the first is triggered: an observer that despawns an entity, or opts it
+/// out, changes what is told in the next tick, and nothing in this one.
+fn trigger_events(
+    world: &mut World,
+    mut ended: Local<Vec<CollisionEnded>>,
+    mut started: Local<Vec<CollisionStarted>>,
+) {
     let contacts = world.resource::<Contacts>();
-    for (old, new) in compare(contacts.before().1, contacts.now().1, |watched| watched.contact.key()) {
+    for (old, new) in compare(contacts.before().1, contacts.now().1, |watched| {
+        watched.contact.key()
+    }) {
         for side in [0, 1] {
             let observed = |watched: &&WatchedContact| watched.observed[side];
             match (old.filter(observed), new.filter(observed)) {

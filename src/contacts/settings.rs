@@ -2,16 +2,18 @@
 
 use bevy::prelude::*;
 
-/// Opts an entity in to collision events: its observers are told of the contacts that it starts and ends, and where
-/// they are is computed.
+/// Opts an entity in to collision events: its observers are told of the contacts that it starts and
+/// ends, and where they are is computed.
 ///
 /// It may come and go at any time, and is looked at in the set
-/// [`NarrowPhase`](crate::CollisionSystems::NarrowPhase). What an entity is told of are its contacts *while it has
-/// opted in*: one that opts in during a contact is told at the next tick that it started, and one that opts out is
-/// told at the next tick that it ended. So for every start there is one end, whatever happens.
+/// [`NarrowPhase`](crate::CollisionSystems::NarrowPhase). What an entity is told of are its
+/// contacts *while it has opted in*: one that opts in during a contact is told at the next tick
+/// that it started, and one that opts out is told at the next tick that it ended. So for every
+/// start there is one end, whatever happens.
 ///
-/// Who else is told, is up to the [`CollisionEventSettings`]. Costs by the contact: where all of 20 000 moving cubes opt in
-/// and 782 contacts start and end in each tick, a tick takes 1.12 times the instructions.
+/// Who else is told, is up to the [`CollisionEventSettings`]. Costs by the contact: where all of 20
+/// 000 moving cubes opt in and 782 contacts start and end in each tick, a tick takes 1.12 times the
+/// instructions.
 #[doc(alias = "ActiveEvents")]
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
@@ -28,27 +30,31 @@ pub enum EventScope {
     Enabled,
 }
 
-/// Who is told about contacts, and how much. May be changed at any time: contacts that come into a scope start for it,
-/// and contacts that leave it end, at the next tick.
+/// Who is told about contacts, and how much. May be changed at any time: contacts that come into a
+/// scope start for it, and contacts that leave it end, at the next tick.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 pub struct CollisionEventSettings {
-    /// The contacts that messages are written for: by default, all. [`EventScope::Enabled`] are those of which one
-    /// entity or both have opted in.
+    /// The contacts that messages are written for: by default, all. [`EventScope::Enabled`] are
+    /// those of which one entity or both have opted in.
     pub messages: EventScope,
-    /// The entities that events are triggered for: by default, those that have opted in. Observers are
-    /// looked for once for each event, and there may be none: [`EventScope::All`] is not free.
+    /// The entities that events are triggered for: by default, those that have opted in. Observers
+    /// are looked for once for each event, and there may be none: [`EventScope::All`] is not free.
     pub observers: EventScope,
-    /// The contacts of which the geometry is computed, in every tick in which one of the two entities moves: by
-    /// default, those of which one entity or both have opted in. It is computed for every contact that an event is
-    /// triggered for in any case.
+    /// The contacts of which the geometry is computed, in every tick in which one of the two
+    /// entities moves: by default, those of which one entity or both have opted in. It is computed
+    /// for every contact that an event is triggered for in any case.
     pub geometry: EventScope,
 }
 
 impl Default for CollisionEventSettings {
     fn default() -> Self {
-        Self { messages: EventScope::All, observers: EventScope::Enabled, geometry: EventScope::Enabled }
+        Self {
+            messages: EventScope::All,
+            observers: EventScope::Enabled,
+            geometry: EventScope::Enabled,
+        }
     }
 }
 

@@ -8,11 +8,13 @@ use crate::{
     narrow_phase::Contact,
 };
 
-/// The verdicts of a tick, on their way from the exact tests, which write them, by the response to impacts, which may replace
-/// some, to the list of contacts, which [merges](super::Contacts::merge) them. Nobody else looks at them.
+/// The verdicts of a tick, on their way from the exact tests, which write them, by the response to
+/// impacts, which may replace some, to the list of contacts, which [merges](super::Contacts::merge)
+/// them. Nobody else looks at them.
 #[derive(Resource, Debug, Default)]
 pub(crate) struct Verdicts {
-    /// The search for pairs that they are about, by its number in the index; `None` once they are merged.
+    /// The search for pairs that they are about, by its number in the index; `None` once they are
+    /// merged.
     search: Option<u64>,
     /// Those in contact at the end of the tick, in any order.
     found: Vec<Pair>,
@@ -20,9 +22,11 @@ pub(crate) struct Verdicts {
     may_repeat: bool,
     /// Where they meet, of those that somebody asked about.
     geometry: Vec<(Pair, Contact)>,
-    /// When and how the pairs met of which one is swept: the first time of each, in the order of pairs.
+    /// When and how the pairs met of which one is swept: the first time of each, in the order of
+    /// pairs.
     impacts: Vec<SweptContact>,
-    /// Who is elsewhere at the end of the tick than where it was looked at, in the order of handles.
+    /// Who is elsewhere at the end of the tick than where it was looked at, in the order of
+    /// handles.
     displaced: Vec<ProxyId>,
     /// Who has asked about contacts.
     pub(super) watch: Watch,
@@ -30,7 +34,8 @@ pub(crate) struct Verdicts {
 
 /// # Testing
 impl Verdicts {
-    /// Begins anew, with a search that has not been looked at. A pair may come up twice, if the candidates were changed.
+    /// Begins anew, with a search that has not been looked at. A pair may come up twice, if the
+    /// candidates were changed.
     pub(super) fn begin(&mut self, search: u64, may_repeat: bool) {
         (self.search, self.may_repeat) = (Some(search), may_repeat);
         self.found.clear();
@@ -47,7 +52,8 @@ impl Verdicts {
     /// These two are in contact.
     pub(super) fn touch(&mut self, pair: Pair, geometry: Option<Contact>) {
         self.found.push(pair);
-        self.geometry.extend(geometry.map(|geometry| (pair, geometry)));
+        self.geometry
+            .extend(geometry.map(|geometry| (pair, geometry)));
     }
 
     /// These two met on the way.
@@ -57,7 +63,8 @@ impl Verdicts {
 
     /// The first of each pair, in the order of pairs.
     pub(super) fn sort_impacts(&mut self) {
-        self.impacts.sort_by(|a, b| a.pair.cmp(&b.pair).then(a.met.time.total_cmp(&b.met.time)));
+        self.impacts
+            .sort_by(|a, b| a.pair.cmp(&b.pair).then(a.met.time.total_cmp(&b.met.time)));
         self.impacts.dedup_by_key(|impact| impact.pair);
     }
 }
@@ -66,11 +73,16 @@ impl Verdicts {
 impl Verdicts {
     /// Those that met on the way, as long as that is not merged.
     pub(crate) fn impacts(&self) -> &[SweptContact] {
-        if self.search.is_some() { &self.impacts } else { &[] }
+        if self.search.is_some() {
+            &self.impacts
+        } else {
+            &[]
+        }
     }
 
-    /// Replaces those that met on the way by others, in any order, a pair maybe several times. Whoever is `displaced` is
-    /// elsewhere at the end of the tick than where it was looked at, and in contact with what it is found to touch there.
+    /// Replaces those that met on the way by others, in any order, a pair maybe several times.
+    /// Whoever is `displaced` is elsewhere at the end of the tick than where it was looked at, and
+    /// in contact with what it is found to touch there.
     pub(crate) fn replace_impacts(
         &mut self,
         impacts: impl Iterator<Item = SweptContact>,
@@ -87,7 +99,8 @@ impl Verdicts {
         }
         let displaced = &self.displaced;
         self.found.retain(|pair| !is_one_of(displaced, *pair));
-        self.geometry.retain(|(pair, _)| !is_one_of(displaced, *pair));
+        self.geometry
+            .retain(|(pair, _)| !is_one_of(displaced, *pair));
         for (pair, geometry) in found {
             self.found.push(pair);
             self.geometry.push((pair, geometry));
@@ -102,14 +115,19 @@ impl Verdicts {
         self.search.take()
     }
 
-    /// Puts all in the order of pairs, those in contact once each, those that met on the way among them.
+    /// Puts all in the order of pairs, those in contact once each, those that met on the way among
+    /// them.
     pub(super) fn sort(&mut self) {
-        self.found.extend(self.impacts.iter().map(|impact| impact.pair));
+        self.found
+            .extend(self.impacts.iter().map(|impact| impact.pair));
         self.found.sort_unstable();
         if self.may_repeat || !self.impacts.is_empty() {
             self.found.dedup();
         }
-        debug_assert!(self.found.is_sorted_by(|a, b| a < b), "each pair is found once");
+        debug_assert!(
+            self.found.is_sorted_by(|a, b| a < b),
+            "each pair is found once"
+        );
         self.geometry.sort_unstable_by_key(|(pair, _)| *pair);
     }
 
@@ -140,5 +158,7 @@ impl Verdicts {
 }
 
 fn is_one_of(displaced: &[ProxyId], pair: Pair) -> bool {
-    [pair.a, pair.b].iter().any(|id| displaced.binary_search(id).is_ok())
+    [pair.a, pair.b]
+        .iter()
+        .any(|id| displaced.binary_search(id).is_ok())
 }

@@ -28,13 +28,20 @@ impl WatchedContact {
     /// From one of its two sides.
     pub(super) fn seen_from(&self, side: usize) -> Collision {
         let collision = self.contact.collision(Some(self.geometry));
-        if side == 0 { collision } else { collision.reversed() }
+        if side == 0 {
+            collision
+        } else {
+            collision.reversed()
+        }
     }
 }
 
 /// What is known of a pair. O(log n).
 pub(super) fn find(watched: &[WatchedContact], pair: Pair) -> Option<&WatchedContact> {
-    watched.binary_search_by_key(&pair, WatchedContact::pair).ok().map(|index| &watched[index])
+    watched
+        .binary_search_by_key(&pair, WatchedContact::pair)
+        .ok()
+        .map(|index| &watched[index])
 }
 
 /// Who has asked about contacts in this tick.
@@ -48,7 +55,11 @@ pub(super) struct Watch {
 
 impl Watch {
     /// Asks the settings, and the objects that carry the marker. O(marked objects).
-    pub(super) fn refresh(&mut self, settings: &CollisionEventSettings, enabled: impl Iterator<Item = ProxyId>) {
+    pub(super) fn refresh(
+        &mut self,
+        settings: &CollisionEventSettings,
+        enabled: impl Iterator<Item = ProxyId>,
+    ) {
         self.all_observed = settings.observers == EventScope::All;
         self.all = self.all_observed || settings.geometry == EventScope::All;
         self.enabled.clear();
@@ -74,8 +85,17 @@ impl Watch {
     /// The contact, with all that is to be known of it.
     pub(super) fn watched(&self, contact: ContactPair, geometry: Contact) -> WatchedContact {
         let enabled = self.enabled(contact.pair);
-        let observed = if self.all_observed { [true; 2] } else { enabled };
-        WatchedContact { contact, geometry, observed, enabled: enabled.contains(&true) }
+        let observed = if self.all_observed {
+            [true; 2]
+        } else {
+            enabled
+        };
+        WatchedContact {
+            contact,
+            geometry,
+            observed,
+            enabled: enabled.contains(&true),
+        }
     }
 
     #[inline]

@@ -8,8 +8,8 @@ use crate::{
     components::{BroadPhaseProxy, WorldAabb},
 };
 
-/// Says how the box of one entity is drawn, and its way if it is [swept](crate::swept::Swept), whatever the
-/// [`CollisionGizmos`] say about others.
+/// Says how the box of one entity is drawn, and its way if it is [swept](crate::swept::Swept),
+/// whatever the [`CollisionGizmos`] say about others.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -41,19 +41,29 @@ pub(super) fn draw_boxes(
     all: Query<Boxes<Option<&DebugDraw>>>,
     marked: Query<Boxes<&DebugDraw>>,
 ) {
-    let CollisionGizmos { moving, resting, .. } = *gizmos.config_ext;
+    let CollisionGizmos {
+        moving, resting, ..
+    } = *gizmos.config_ext;
     let proxies = index.index().proxies();
     let mut draw = |aabb: &WorldAabb, proxy: &BroadPhaseProxy, own: Option<&DebugDraw>| {
         let Some(id) = proxy.id() else { return };
-        let others = if proxies.is_resting(id) { resting } else { moving };
-        if let Some(color) = DebugDraw::color(own, others).filter(|_| *aabb != WorldAabb::UNBOUNDED) {
+        let others = if proxies.is_resting(id) {
+            resting
+        } else {
+            moving
+        };
+        if let Some(color) = DebugDraw::color(own, others).filter(|_| *aabb != WorldAabb::UNBOUNDED)
+        {
             gizmos.aabb_3d(aabb.0, Transform::IDENTITY, color);
         }
     };
     if moving.or(resting).is_some() {
-        all.iter().for_each(|(aabb, proxy, own)| draw(aabb, proxy, own));
+        all.iter()
+            .for_each(|(aabb, proxy, own)| draw(aabb, proxy, own));
     } else {
-        marked.iter().for_each(|(aabb, proxy, own)| draw(aabb, proxy, Some(own)));
+        marked
+            .iter()
+            .for_each(|(aabb, proxy, own)| draw(aabb, proxy, Some(own)));
     }
 }
 

@@ -2,8 +2,8 @@
 
 use bevy::{color::palettes::tailwind, prelude::*};
 
-/// The settings of debug drawing: `None` is not drawn, and costs nothing. Line widths and all else that gizmos have are in
-/// the [`GizmoConfig`] beside it.
+/// The settings of debug drawing: `None` is not drawn, and costs nothing. Line widths and all else
+/// that gizmos have are in the [`GizmoConfig`] beside it.
 ///
 /// The default draws everything but leaves.
 ///
@@ -22,28 +22,31 @@ use bevy::{color::palettes::tailwind, prelude::*};
 #[reflect(Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 pub struct CollisionGizmos {
-    /// The boxes ([`WorldAabb`](crate::components::WorldAabb)) of entities that moved in the last tick.
+    /// The boxes ([`WorldAabb`](crate::components::WorldAabb)) of entities that moved in the last
+    /// tick.
     pub moving: Option<Color>,
     /// Those of all other entities.
     pub resting: Option<Color>,
     /// Contacts: a cross where the two meet, and an arrow along the normal, from
     /// [`a`](crate::contacts::Collision::a) to `b`. Where the geometry is not
-    /// [known](crate::contacts::CollisionEventSettings::geometry), a line from the centre of one box to that of the other.
+    /// [known](crate::contacts::CollisionEventSettings::geometry), a line from the centre of one
+    /// box to that of the other.
     pub contacts: Option<Color>,
-    /// The length of normals, in world units; none are drawn at 0. Points are marked by crosses of a size to match.
+    /// The length of normals, in world units; none are drawn at 0. Points are marked by crosses of
+    /// a size to match.
     pub normal_length: f32,
-    /// The leaves of the broad phase's tree ([`Leaf`](crate::broad_phase::Leaf)), and what their colours tell. The default
-    /// broad phase has no tree for a handful of objects.
+    /// The leaves of the broad phase's tree ([`Leaf`](crate::broad_phase::Leaf)), and what their
+    /// colours tell. The default broad phase has no tree for a handful of objects.
     pub leaves: Option<LeafColors>,
-    /// The colours of leaves: from those of which there is nothing to tell (the root, an empty leaf) to the deepest or
-    /// fullest of the moment.
+    /// The colours of leaves: from those of which there is nothing to tell (the root, an empty
+    /// leaf) to the deepest or fullest of the moment.
     pub leaf_colors: [Color; 2],
     /// Rays, and what they hit: see [`QueryGizmos::ray_hit`](super::QueryGizmos::ray_hit).
     pub rays: Option<Color>,
     /// How far rays that hit nothing are drawn, in world units.
     pub ray_length: f32,
-    /// Boxes on their way from one place to another: those of entities that are [`Swept`](crate::swept::Swept), and
-    /// [others](super::QueryGizmos::swept_box).
+    /// Boxes on their way from one place to another: those of entities that are
+    /// [`Swept`](crate::swept::Swept), and [others](super::QueryGizmos::swept_box).
     pub sweeps: Option<Color>,
 }
 

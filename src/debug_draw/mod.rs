@@ -1,5 +1,6 @@
-//! Draws what is known about collisions by Bevy's gizmos: the leaves of the broad phase's tree, the boxes of entities,
-//! contacts with their normals, and what queries met. With the feature `debug_draw`.
+//! Draws what is known about collisions by Bevy's gizmos: the leaves of the broad phase's tree, the
+//! boxes of entities, contacts with their normals, and what queries met. With the feature
+//! `debug_draw`.
 //!
 //! ```
 //! use bevy::{gizmos::GizmoPlugin, mesh::MeshPlugin, prelude::*};
@@ -18,10 +19,12 @@
 //!     .update();
 //! ```
 //!
-//! What is drawn, and in which colours, is up to the [`CollisionGizmos`], at any time. An entity with a [`DebugDraw`] has
-//! a colour of its own, or none. Queries are drawn by whoever makes them: see [`QueryGizmos`].
+//! What is drawn, and in which colours, is up to the [`CollisionGizmos`], at any time. An entity
+//! with a [`DebugDraw`] has a colour of its own, or none. Queries are drawn by whoever makes them:
+//! see [`QueryGizmos`].
 //!
-//! To see it, the app needs what shows gizmos: a window, a camera, and Bevy's feature `bevy_gizmos_render`.
+//! To see it, the app needs what shows gizmos: a window, a camera, and Bevy's feature
+//! `bevy_gizmos_render`.
 
 mod boxes;
 mod contacts;
@@ -41,9 +44,10 @@ pub use queries::QueryGizmos;
 
 use crate::schedule::CollisionSystems;
 
-/// Draws by the gizmo group [`CollisionGizmos`], at the end of each frame, what the last tick found. Not part of
-/// [`OctreePlugins`](crate::OctreePlugins): add it after them and after Bevy's `GizmoPlugin`, which `DefaultPlugins` have.
-/// Without the latter it does nothing, with a warning in the log.
+/// Draws by the gizmo group [`CollisionGizmos`], at the end of each frame, what the last tick
+/// found. Not part of [`OctreePlugins`](crate::OctreePlugins): add it after them and after Bevy's
+/// `GizmoPlugin`, which `DefaultPlugins` have. Without the latter it does nothing, with a warning
+/// in the log.
 ///
 /// See the [module's documentation](self) for an example.
 #[derive(Clone, Copy, Debug, Default)]
@@ -52,14 +56,21 @@ pub struct CollisionDebugPlugin;
 impl Plugin for CollisionDebugPlugin {
     fn build(&self, app: &mut App) {
         if !app.is_plugin_added::<GizmoPlugin>() {
-            tracing::warn!("no GizmoPlugin was added before the CollisionDebugPlugin: nothing is drawn");
+            tracing::warn!(
+                "no GizmoPlugin was added before the CollisionDebugPlugin: nothing is drawn"
+            );
             return;
         }
         boxes::register(app);
         gizmos::register(app);
         app.add_systems(
             Last,
-            (leaves::draw_leaves, boxes::draw_boxes, sweep::draw_ways, contacts::draw_contacts)
+            (
+                leaves::draw_leaves,
+                boxes::draw_boxes,
+                sweep::draw_ways,
+                contacts::draw_contacts,
+            )
                 .chain()
                 .after(CollisionSystems::Last)
                 .before(GizmoMeshSystems)
@@ -69,5 +80,7 @@ impl Plugin for CollisionDebugPlugin {
 }
 
 fn is_enabled(store: Res<GizmoConfigStore>) -> bool {
-    store.get_config::<CollisionGizmos>().is_some_and(|(config, _)| config.enabled)
+    store
+        .get_config::<CollisionGizmos>()
+        .is_some_and(|(config, _)| config.enabled)
 }

@@ -13,15 +13,25 @@ use crate::{
     swept::{Swept, SweptWay},
 };
 
-type Way<'a> = (&'a CollisionShape, Option<&'a Sheared>, &'a BroadPhaseProxy, &'a SweptWay, Option<&'a DebugDraw>);
+type Way<'a> = (
+    &'a CollisionShape,
+    Option<&'a Sheared>,
+    &'a BroadPhaseProxy,
+    &'a SweptWay,
+    Option<&'a DebugDraw>,
+);
 
-/// Draws the ways of swept entities that moved in the last tick: from where they began to where they ended, though there may
-/// have been bounces on the way.
+/// Draws the ways of swept entities that moved in the last tick: from where they began to where
+/// they ended, though there may have been bounces on the way.
 pub(super) fn draw_ways(mut gizmos: Gizmos<CollisionGizmos>, swept: Query<Way, With<Swept>>) {
-    let color @ Some(_) = gizmos.config_ext.sweeps else { return };
+    let color @ Some(_) = gizmos.config_ext.sweeps else {
+        return;
+    };
     for (shape, sheared, proxy, way, own) in &swept {
         let shape = shear::shape(shape, sheared);
-        let way = way.last_start().filter(|start| start.translation != proxy.pose().translation);
+        let way = way
+            .last_start()
+            .filter(|start| start.translation != proxy.pose().translation);
         if let Some(start) = way
             && let Some(color) = DebugDraw::color(own, color)
             && let [Ok(start), Ok(end)] = [start, proxy.pose()].map(|at| shape.world_aabb(at))
@@ -67,14 +77,31 @@ mod tests {
         let end = Aabb3d::new(way, Vec3::ONE);
         let mut gizmos = GizmoBuffer::<DefaultGizmoConfigGroup, ()>::new();
         swept_box(&mut gizmos, &start, &end, Color::WHITE);
-        let lines: Vec<[Vec3; 2]> = gizmos.list_positions.chunks_exact(2).map(|line| [line[0], line[1]]).collect();
+        let lines: Vec<[Vec3; 2]> = gizmos
+            .list_positions
+            .chunks_exact(2)
+            .map(|line| [line[0], line[1]])
+            .collect();
         let ways = lines.iter().filter(|[from, to]| to - from == way);
         let mut met: Vec<[i32; 3]> = ways.map(|[from, _]| from.as_ivec3().to_array()).collect();
         met.sort_unstable();
-        let all = [[-1, -1, -1], [-1, -1, 1], [-1, 1, -1], [-1, 1, 1], [1, -1, -1], [1, -1, 1], [1, 1, -1], [1, 1, 1]];
+        let all = [
+            [-1, -1, -1],
+            [-1, -1, 1],
+            [-1, 1, -1],
+            [-1, 1, 1],
+            [1, -1, -1],
+            [1, -1, 1],
+            [1, 1, -1],
+            [1, 1, 1],
+        ];
         assert_eq!(met, all);
         // Beside these, the edges of two boxes: twelve each, of which three are single lines.
         assert_eq!(lines.len(), 8 + 2 * 3);
-        assert!(gizmos.strip_positions.contains(&(end.max.into())), "{:?}", gizmos.strip_positions);
+        assert!(
+            gizmos.strip_positions.contains(&(end.max.into())),
+            "{:?}",
+            gizmos.strip_positions
+        );
     }
 }

@@ -16,12 +16,13 @@ use crate::{
 /// A veto of one's own on pairs, with access to the world: see [`PairHookPlugin`].
 #[doc(alias("collision hook", "contact filter", "physics hook"))]
 pub trait PairHook: ReadOnlySystemParam + 'static {
-    /// Returns `true` if these two may meet. Asked about each pair of overlapping boxes of which one moved, in a fixed
-    /// order; the verdict on a pair in which nothing moved stays as it was.
+    /// Returns `true` if these two may meet. Asked about each pair of overlapping boxes of which
+    /// one moved, in a fixed order; the verdict on a pair in which nothing moved stays as it was.
     fn admits(hook: &SystemParamItem<'_, '_, Self>, a: Entity, b: Entity) -> bool;
 }
 
-/// Asks a [`PairHook`] about every candidate pair. Add it beside [`OctreePlugins`](crate::OctreePlugins), in any order.
+/// Asks a [`PairHook`] about every candidate pair. Add it beside
+/// [`OctreePlugins`](crate::OctreePlugins), in any order.
 ///
 /// ```
 /// use bevy::{ecs::system::SystemParam, prelude::*};
@@ -58,11 +59,19 @@ impl<H> Default for PairHookPlugin<H> {
 impl<H: PairHook> Plugin for PairHookPlugin<H> {
     fn build(&self, app: &mut App) {
         let hook = app.register_system(ask_about::<H>);
-        app.world_mut().get_resource_or_init::<PairHooks>().0.push(hook);
+        app.world_mut()
+            .get_resource_or_init::<PairHooks>()
+            .0
+            .push(hook);
         add_to_tick(app, |app, schedule| {
-            // Whichever takes out a pair: the rest is the same. Lists are asked first, for they cost less.
-            let ask = ask::<H>.in_set(HookSystems).ambiguous_with(HookSystems).after(ignore);
-            app.configure_sets(schedule, HookSystems.in_set(PairFilterSystems)).add_systems(schedule, ask);
+            // Whichever takes out a pair: the rest is the same. Lists are asked first, for they
+            // cost less.
+            let ask = ask::<H>
+                .in_set(HookSystems)
+                .ambiguous_with(HookSystems)
+                .after(ignore);
+            app.configure_sets(schedule, HookSystems.in_set(PairFilterSystems))
+                .add_systems(schedule, ask);
         });
     }
 
@@ -75,7 +84,11 @@ impl<H: PairHook> Plugin for PairHookPlugin<H> {
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct HookSystems;
 
-fn ask<H: PairHook>(hook: StaticSystemParam<H>, index: Res<CollisionIndex>, mut candidates: ResMut<CandidatePairs>) {
+fn ask<H: PairHook>(
+    hook: StaticSystemParam<H>,
+    index: Res<CollisionIndex>,
+    mut candidates: ResMut<CandidatePairs>,
+) {
     candidates.retain(|pair| {
         let [a, b] = index.entities(*pair);
         H::admits(&hook, a, b)
@@ -96,13 +109,16 @@ pub(super) fn admit(world: &mut World, pair: [Entity; 2]) -> bool {
         return true;
     }
     world.resource_scope(|world, hooks: Mut<PairHooks>| {
-        hooks.0.iter().all(|hook| match world.run_system_with(*hook, pair) {
-            Ok(admitted) => admitted,
-            Err(error) => {
-                let [a, b] = pair;
-                tracing::warn!("a hook could not be asked about {a} and {b}: {error}");
-                true
-            }
-        })
+        hooks
+            .0
+            .iter()
+            .all(|hook| match world.run_system_with(*hook, pair) {
+                Ok(admitted) => admitted,
+                Err(error) => {
+                    let [a, b] = pair;
+                    tracing::warn!("a hook could not be asked about {a} and {b}: {error}");
+                    true
+                }
+            })
     })
 }

@@ -11,8 +11,8 @@ use crate::{
     schedule::{PairFilterSystems, add_to_tick},
 };
 
-/// Entities that this one does not meet: its owner, its parts. Entities in the list that are gone, or have no shape, do
-/// no harm. It is immutable: insert a new list to change it.
+/// Entities that this one does not meet: its owner, its parts. Entities in the list that are gone,
+/// or have no shape, do no harm. It is immutable: insert a new list to change it.
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq, Deref, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -43,7 +43,10 @@ pub(super) fn register(app: &mut App) {
     app.register_type::<IgnoreCollisions>();
     add_to_tick(app, |app, schedule| {
         let some_ignore = |lists: Query<(), With<IgnoreCollisions>>| !lists.is_empty();
-        app.add_systems(schedule, ignore.in_set(PairFilterSystems).run_if(some_ignore));
+        app.add_systems(
+            schedule,
+            ignore.in_set(PairFilterSystems).run_if(some_ignore),
+        );
     });
 }
 
@@ -53,5 +56,6 @@ pub(super) fn ignore(
     index: Res<CollisionIndex>,
     mut candidates: ResMut<CandidatePairs>,
 ) {
-    candidates.retain(|pair| !ignore_each_other(index.entities(*pair), |entity| lists.get(entity).ok()));
+    candidates
+        .retain(|pair| !ignore_each_other(index.entities(*pair), |entity| lists.get(entity).ok()));
 }

@@ -13,8 +13,9 @@ use crate::{
     schedule::{CollisionSystems, add_to_tick},
 };
 
-/// The layers that an entity is on, and those that it may meet. Two entities meet if each is on a layer that the other
-/// may meet. Without this component, an entity is on the first layer and may meet all.
+/// The layers that an entity is on, and those that it may meet. Two entities meet if each is on a
+/// layer that the other may meet. Without this component, an entity is on the first layer and may
+/// meet all.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -34,16 +35,28 @@ impl Default for CollisionLayers {
 }
 
 impl From<PairFilter> for CollisionLayers {
-    fn from(PairFilter { memberships, filters, .. }: PairFilter) -> Self {
+    fn from(
+        PairFilter {
+            memberships,
+            filters,
+            ..
+        }: PairFilter,
+    ) -> Self {
         Self::from_bits(memberships, filters)
     }
 }
 
 impl CollisionLayers {
     /// The layers of an entity that is on none, and meets nothing.
-    pub const NONE: Self = Self { memberships: LayerMask::NONE, filters: LayerMask::NONE };
+    pub const NONE: Self = Self {
+        memberships: LayerMask::NONE,
+        filters: LayerMask::NONE,
+    };
     /// The layers of an entity that is on all, and may meet all.
-    pub const ALL: Self = Self { memberships: LayerMask::ALL, filters: LayerMask::ALL };
+    pub const ALL: Self = Self {
+        memberships: LayerMask::ALL,
+        filters: LayerMask::ALL,
+    };
 
     /// Returns the layers of an entity that is on the first, and may meet the second.
     ///
@@ -57,13 +70,19 @@ impl CollisionLayers {
     /// ```
     #[must_use]
     pub fn new(memberships: impl Into<LayerMask>, filters: impl Into<LayerMask>) -> Self {
-        Self { memberships: memberships.into(), filters: filters.into() }
+        Self {
+            memberships: memberships.into(),
+            filters: filters.into(),
+        }
     }
 
     /// Returns layers by their bits, the lowest for the first layer: for constants.
     #[must_use]
     pub const fn from_bits(memberships: u32, filters: u32) -> Self {
-        Self { memberships: LayerMask(memberships), filters: LayerMask(filters) }
+        Self {
+            memberships: LayerMask(memberships),
+            filters: LayerMask(filters),
+        }
     }
 
     pub(super) const fn put_into(self, filter: &mut PairFilter) {
@@ -72,16 +91,20 @@ impl CollisionLayers {
     }
 }
 
-// What hooks say is taken up at once, whenever the next tick may be. Before its first tick, an entity is not in the index,
-// which then looks at its components.
+// What hooks say is taken up at once, whenever the next tick may be. Before its first tick, an
+// entity is not in the index, which then looks at its components.
 fn has_no_layers(world: DeferredWorld, context: HookContext) {
-    change_filter(world, context, |filter| CollisionLayers::default().put_into(filter));
+    change_filter(world, context, |filter| {
+        CollisionLayers::default().put_into(filter)
+    });
 }
 
 pub(super) fn register(app: &mut App) {
     app.register_type::<CollisionLayers>();
     add_to_tick(app, |app, schedule| {
-        let follow = follow_layers.after(CollisionSystems::Bounds).before(CollisionSystems::Maintenance);
+        let follow = follow_layers
+            .after(CollisionSystems::Bounds)
+            .before(CollisionSystems::Maintenance);
         app.add_systems(schedule, follow);
     });
 }

@@ -7,8 +7,8 @@ use bevy::{
 
 use crate::components::change_filter;
 
-/// An entity that does not meet others of its kind: walls, floors, scenery. Two static entities make no pair, however
-/// they overlap, and however they are moved; unless the
+/// An entity that does not meet others of its kind: walls, floors, scenery. Two static entities
+/// make no pair, however they overlap, and however they are moved; unless the
 /// [`PairKinds`](crate::settings::BroadPhaseSettings::pair_kinds) say otherwise.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]

@@ -8,7 +8,8 @@ use std::{
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// One of 32 layers by name: for an enum of one's own. [`collision_layers!`](crate::collision_layers) writes it.
+/// One of 32 layers by name: for an enum of one's own.
+/// [`collision_layers!`](crate::collision_layers) writes it.
 pub trait CollisionLayer {
     /// Returns the layer's number, 0 to 31. Larger ones are no layer at all.
     fn index(self) -> u32;
@@ -16,8 +17,8 @@ pub trait CollisionLayer {
 
 /// A set of layers: a bit for each of 32.
 ///
-/// Layers have numbers, or names by a [`CollisionLayer`]: wherever a mask is expected, a layer, an array of layers or the
-/// bits as a number do as well.
+/// Layers have numbers, or names by a [`CollisionLayer`]: wherever a mask is expected, a layer, an
+/// array of layers or the bits as a number do as well.
 ///
 /// ```
 /// use bevy_octree::prelude::*;
@@ -53,7 +54,11 @@ impl LayerMask {
     /// Returns the set of one layer, by its number; of none, if there is no such layer.
     #[must_use]
     pub const fn layer(index: u32) -> Self {
-        if index < u32::BITS { Self(1 << index) } else { Self::NONE }
+        if index < u32::BITS {
+            Self(1 << index)
+        } else {
+            Self::NONE
+        }
     }
 
     /// Returns `true` if each of these layers is in the set.
@@ -158,10 +163,12 @@ impl Not for LayerMask {
 
 /// Makes an enum whose variants are collision layers.
 ///
-/// The first is the layer of all entities without [`CollisionLayers`](crate::filters::CollisionLayers), unless it says
-/// otherwise. Up to 32 variants, numbered from 0, or as you say; more, or larger numbers, do not compile. The enum is
-/// `Copy`, `Debug`, `Eq` and `Hash`, and implements [`CollisionLayer`](crate::filters::CollisionLayer); layers joined by
-/// `|` are a [`LayerMask`](crate::filters::LayerMask), and so is `mask()` of one, which is `const`.
+/// The first is the layer of all entities without
+/// [`CollisionLayers`](crate::filters::CollisionLayers), unless it says otherwise. Up to 32
+/// variants, numbered from 0, or as you say; more, or larger numbers, do not compile. The enum is
+/// `Copy`, `Debug`, `Eq` and `Hash`, and implements
+/// [`CollisionLayer`](crate::filters::CollisionLayer); layers joined by `|` are a
+/// [`LayerMask`](crate::filters::LayerMask), and so is `mask()` of one, which is `const`.
 ///
 /// ```
 /// use bevy_octree::prelude::*;
@@ -255,15 +262,26 @@ mod tests {
     #[test]
     fn masks_are_sets() {
         let (a, b) = (LayerMask(0b0110), LayerMask(0b0011));
-        assert_eq!([a | b, a & b, a ^ b, !!a], [0b0111, 0b0010, 0b0101, 0b0110].map(LayerMask));
-        assert!(a.contains(LayerMask::layer(2)) && !a.contains(b) && a.contains(LayerMask::NONE) && a.intersects(b));
+        assert_eq!(
+            [a | b, a & b, a ^ b, !!a],
+            [0b0111, 0b0010, 0b0101, 0b0110].map(LayerMask)
+        );
+        assert!(
+            a.contains(LayerMask::layer(2))
+                && !a.contains(b)
+                && a.contains(LayerMask::NONE)
+                && a.intersects(b)
+        );
         assert!(LayerMask::ALL.contains(a) && !LayerMask::NONE.intersects(LayerMask::ALL));
         let mut c = a;
         c |= b;
         c &= !LayerMask::layer(0);
         c ^= LayerMask::layer(31);
         assert_eq!(c, LayerMask(1 << 31 | 0b0110));
-        assert_eq!([32, 33, u32::MAX].map(LayerMask::layer), [LayerMask::NONE; 3]);
+        assert_eq!(
+            [32, 33, u32::MAX].map(LayerMask::layer),
+            [LayerMask::NONE; 3]
+        );
         assert_eq!([a, b].into_iter().collect::<LayerMask>(), LayerMask(0b0111));
         assert_eq!(format!("{a:?}"), "LayerMask(0b110)");
     }
@@ -273,14 +291,17 @@ mod tests {
     fn layers_are_numbers_where_they_are_reflected() {
         let mut registry = TypeRegistry::new();
         registry.register::<CollisionLayers>();
-        let registration = registry.get_with_type_path("bevy_octree::CollisionLayers").unwrap();
+        let registration = registry
+            .get_with_type_path("bevy_octree::CollisionLayers")
+            .unwrap();
         let bits = [("memberships", 2_u32), ("filters", 5)].into_iter();
         let read = TypedReflectDeserializer::new(registration, &registry)
             .deserialize(MapDeserializer::<_, Error>::new(bits))
             .unwrap();
         let layers = CollisionLayers::from_reflect(&*read).unwrap();
         assert_eq!(layers, CollisionLayers::from_bits(2, 5));
-        let written = fmt::from_fn(|f| TypedReflectSerializer::new(&layers.filters, &registry).serialize(f));
+        let written =
+            fmt::from_fn(|f| TypedReflectSerializer::new(&layers.filters, &registry).serialize(f));
         assert_eq!(written.to_string(), "5");
     }
 }

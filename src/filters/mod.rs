@@ -1,4 +1,5 @@
-//! Which entities may meet: layers, static entities, lists of entities to ignore, sensors, and a hook of one's own.
+//! Which entities may meet: layers, static entities, lists of entities to ignore, sensors, and a
+//! hook of one's own.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -19,9 +20,10 @@
 //! assert_eq!(app.world().resource::<Contacts>().len(), 2); // each red one with the blue one
 //! ```
 //!
-//! Layers, static entities and [worlds] are looked at in the broad phase, as are the kinds of pairs in its
-//! [settings](crate::settings::BroadPhaseSettings::pair_kinds): a pair that they rule out is gone before anything
-//! else sees it. Lists and hooks are asked about candidate pairs, before the exact tests.
+//! Layers, static entities and [worlds] are looked at in the broad phase, as are the kinds of pairs
+//! in its [settings](crate::settings::BroadPhaseSettings::pair_kinds): a pair that they rule out is
+//! gone before anything else sees it. Lists and hooks are asked about candidate pairs, before the
+//! exact tests.
 
 mod hooks;
 mod ignore;
@@ -50,7 +52,13 @@ pub struct FilterPlugin;
 
 impl Plugin for FilterPlugin {
     fn build(&self, app: &mut App) {
-        for register in [mask::register, layers::register, markers::register, ignore::register, worlds::register] {
+        for register in [
+            mask::register,
+            layers::register,
+            markers::register,
+            ignore::register,
+            worlds::register,
+        ] {
             register(app);
         }
     }

@@ -15,14 +15,22 @@ use crate::{
 };
 
 /// What an entity's components say about the pairs that it makes.
-pub(crate) type FilterParts<'a> = (Option<&'a CollisionLayers>, Has<StaticShape>, Option<&'a InCollisionWorld>);
+pub(crate) type FilterParts<'a> = (
+    Option<&'a CollisionLayers>,
+    Has<StaticShape>,
+    Option<&'a InCollisionWorld>,
+);
 
 /// The same, for the broad phase.
 pub(crate) fn filter(
     (layers, is_static, world): (Option<&CollisionLayers>, bool, Option<&InCollisionWorld>),
 ) -> PairFilter {
     let world = world.map_or(PairFilter::DEFAULT_WORLD, |world| worlds::number(world.0));
-    let mut filter = PairFilter { is_static, world, ..PairFilter::default() };
+    let mut filter = PairFilter {
+        is_static,
+        world,
+        ..PairFilter::default()
+    };
     layers.copied().unwrap_or_default().put_into(&mut filter);
     filter
 }

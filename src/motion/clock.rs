@@ -2,7 +2,8 @@
 
 use bevy::prelude::*;
 
-/// Counts ticks from zero: the runs of the schedule that the plugins are in. After tick [`u64::MAX`], it is zero again.
+/// Counts ticks from zero: the runs of the schedule that the plugins are in. After tick
+/// [`u64::MAX`], it is zero again.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -28,5 +29,6 @@ impl CollisionClock {
 }
 
 pub(super) fn register(app: &mut App) {
-    app.init_resource::<CollisionClock>().register_type::<CollisionClock>();
+    app.init_resource::<CollisionClock>()
+        .register_type::<CollisionClock>();
 }

@@ -31,7 +31,12 @@ impl Plugin for MotionPlugin {
 
 /// Everything but the systems: what others read, though nothing moves entities.
 pub(crate) fn register(app: &mut App) {
-    for register in [clock::register, step::register, track::register, velocity::register] {
+    for register in [
+        clock::register,
+        step::register,
+        track::register,
+        velocity::register,
+    ] {
         register(app);
     }
 }

@@ -15,12 +15,12 @@ pub struct MotionSettings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
 pub enum Step {
-    /// What [`Time`] says in the schedule that the plugins are in: the fixed timestep in fixed schedules. Nothing if
-    /// the app has no `Time`.
+    /// What [`Time`] says in the schedule that the plugins are in: the fixed timestep in fixed
+    /// schedules. Nothing if the app has no `Time`.
     #[default]
     Time,
-    /// So many seconds, whatever the time. A number that is negative or not finite lets no time pass, with a warning
-    /// in the log.
+    /// So many seconds, whatever the time. A number that is negative or not finite lets no time
+    /// pass, with a warning in the log.
     Seconds(f32),
 }
 
@@ -35,5 +35,6 @@ impl Step {
 }
 
 pub(super) fn register(app: &mut App) {
-    app.init_resource::<MotionSettings>().register_type::<MotionSettings>();
+    app.init_resource::<MotionSettings>()
+        .register_type::<MotionSettings>();
 }

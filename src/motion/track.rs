@@ -12,12 +12,13 @@ use thiserror::Error;
 
 use super::clock::CollisionClock;
 
-/// Gives an entity's position at each tick of the clock, as the tracks of a keyframe animation do (Swan, *Fast Collision
-/// Detection with an N-Objects Octree*, 1994, section 1.3).
+/// Gives an entity's position at each tick of the clock, as the tracks of a keyframe animation do
+/// (Swan, *Fast Collision Detection with an N-Objects Octree*, 1994, section 1.3).
 ///
-/// The track has keyframes at some ticks; the positions between them are interpolated, and those before the first and
-/// after the last follow from [`Outside`]. At a keyframe the position is exactly the keyframe's. All positions are finite:
-/// what would be beyond the largest numbers, where a curve swings out of its keyframes, stays at these.
+/// The track has keyframes at some ticks; the positions between them are interpolated, and those
+/// before the first and after the last follow from [`Outside`]. At a keyframe the position is
+/// exactly the keyframe's. All positions are finite: what would be beyond the largest numbers,
+/// where a curve swings out of its keyframes, stays at these.
 ///
 /// The default is a single keyframe, at the origin.
 ///
@@ -53,8 +54,8 @@ pub enum Interpolation {
     /// Straight, at constant speed.
     #[default]
     Linear,
-    /// Along a Catmull–Rom spline: without sudden turns, at a keyframe in the direction from the keyframe before to the
-    /// one after.
+    /// Along a Catmull–Rom spline: without sudden turns, at a keyframe in the direction from the
+    /// keyframe before to the one after.
     Smooth,
     /// Straight, at a speed that follows an easing function.
     Ease(EaseFunction),
@@ -68,8 +69,8 @@ pub enum Outside {
     /// At the nearest keyframe.
     #[default]
     Hold,
-    /// It repeats. The last keyframe stands for the same moment as the first, and its position is reached only if it is
-    /// the same.
+    /// It repeats. The last keyframe stands for the same moment as the first, and its position is
+    /// reached only if it is the same.
     Loop,
 }
 
@@ -111,7 +112,8 @@ struct UncheckedTrack {
 }
 
 impl PositionTrack {
-    /// Returns a track through `keyframes`, each a tick and a position, that interpolates linearly and holds outside them.
+    /// Returns a track through `keyframes`, each a tick and a position, that interpolates linearly
+    /// and holds outside them.
     ///
     /// # Errors
     ///
@@ -121,7 +123,10 @@ impl PositionTrack {
         if keyframes.is_empty() {
             return Err(TrackError::Empty);
         }
-        if let Some(index) = keyframes.iter().position(|(_, position)| !position.is_finite()) {
+        if let Some(index) = keyframes
+            .iter()
+            .position(|(_, position)| !position.is_finite())
+        {
             let position = keyframes[index].1;
             return Err(TrackError::NotFinite { index, position });
         }
@@ -132,13 +137,20 @@ impl PositionTrack {
                 previous: keyframes[before].0,
             });
         }
-        Ok(Self { keyframes, interpolation: Interpolation::default(), outside: Outside::default() })
+        Ok(Self {
+            keyframes,
+            interpolation: Interpolation::default(),
+            outside: Outside::default(),
+        })
     }
 
     /// Returns the same track with another interpolation.
     #[must_use]
     pub fn with_interpolation(self, interpolation: Interpolation) -> Self {
-        Self { interpolation, ..self }
+        Self {
+            interpolation,
+            ..self
+        }
     }
 
     /// Returns the same track with another rule for the ticks outside the keyframes.
@@ -162,7 +174,10 @@ impl PositionTrack {
         };
         let next = self.keyframes.partition_point(|&(at, _)| at <= tick);
         let previous = next.checked_sub(1);
-        match (previous.and_then(|index| self.keyframes.get(index)), self.keyframes.get(next)) {
+        match (
+            previous.and_then(|index| self.keyframes.get(index)),
+            self.keyframes.get(next),
+        ) {
             (Some(&(at, position)), Some(_)) if at == tick => position,
             (Some(&(start, _)), Some(&(end, _))) => {
                 let t = (tick - start) as f32 / (end - start) as f32;
@@ -174,9 +189,11 @@ impl PositionTrack {
         }
     }
 
-    /// The tick between the first keyframe and, exclusively, the last one, that stands for `tick` in a loop.
+    /// The tick between the first keyframe and, exclusively, the last one, that stands for `tick`
+    /// in a loop.
     fn wrap(&self, tick: u64) -> u64 {
-        let (Some(&(first, _)), Some(&(last, _))) = (self.keyframes.first(), self.keyframes.last()) else {
+        let (Some(&(first, _)), Some(&(last, _))) = (self.keyframes.first(), self.keyframes.last())
+        else {
             return tick;
         };
         let period = last.saturating_sub(first);
@@ -199,7 +216,12 @@ impl PositionTrack {
             Interpolation::Smooth => {
                 let (t, third) = (f64::from(t), (end - start) as f64 / 3.0);
                 let (from, to) = (from.as_dvec3(), to.as_dvec3());
-                let controls = [from, from + self.tangent(index) * third, to - self.tangent(index + 1) * third, to];
+                let controls = [
+                    from,
+                    from + self.tangent(index) * third,
+                    to - self.tangent(index + 1) * third,
+                    to,
+                ];
                 // A Bézier curve, by halves of halves.
                 let [a, b, c] = [0, 1, 2].map(|index| controls[index].lerp(controls[index + 1], t));
                 a.lerp(b, t).lerp(b.lerp(c, t), t).as_vec3()
@@ -208,9 +230,10 @@ impl PositionTrack {
         position.clamp(Vec3::MIN, Vec3::MAX)
     }
 
-    /// The velocity at a keyframe, in units per tick, when moving smoothly: that of the straight line from the keyframe
-    /// before to the one after, across the seam of a closed loop, and one-sided at the ends of an open track. In double
-    /// precision, in which no difference of positions overflows.
+    /// The velocity at a keyframe, in units per tick, when moving smoothly: that of the straight
+    /// line from the keyframe before to the one after, across the seam of a closed loop, and
+    /// one-sided at the ends of an open track. In double precision, in which no difference of
+    /// positions overflows.
     fn tangent(&self, index: usize) -> DVec3 {
         let keyframes = &self.keyframes;
         let last = keyframes.len() - 1;
@@ -229,7 +252,11 @@ impl PositionTrack {
 
 impl Default for PositionTrack {
     fn default() -> Self {
-        Self { keyframes: vec![(0, Vec3::ZERO)], interpolation: Interpolation::default(), outside: Outside::default() }
+        Self {
+            keyframes: vec![(0, Vec3::ZERO)],
+            interpolation: Interpolation::default(),
+            outside: Outside::default(),
+        }
     }
 }
 
@@ -237,18 +264,27 @@ impl TryFrom<UncheckedTrack> for PositionTrack {
     type Error = TrackError;
 
     fn try_from(track: UncheckedTrack) -> Result<Self, TrackError> {
-        Ok(Self::new(track.keyframes)?.with_interpolation(track.interpolation).with_outside(track.outside))
+        Ok(Self::new(track.keyframes)?
+            .with_interpolation(track.interpolation)
+            .with_outside(track.outside))
     }
 }
 
 impl From<PositionTrack> for UncheckedTrack {
     fn from(track: PositionTrack) -> Self {
-        Self { keyframes: track.keyframes, interpolation: track.interpolation, outside: track.outside }
+        Self {
+            keyframes: track.keyframes,
+            interpolation: track.interpolation,
+            outside: track.outside,
+        }
     }
 }
 
 /// Entities on a track go where the track says, whatever their velocity.
-pub(super) fn follow_tracks(mut followers: Query<(&PositionTrack, &mut Transform)>, clock: Res<CollisionClock>) {
+pub(super) fn follow_tracks(
+    mut followers: Query<(&PositionTrack, &mut Transform)>,
+    clock: Res<CollisionClock>,
+) {
     for (track, mut transform) in &mut followers {
         let position = track.position(clock.tick());
         // What does not move must not count as changed.

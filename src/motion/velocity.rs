@@ -4,13 +4,15 @@ use bevy::prelude::*;
 
 use super::{step::MotionSettings, track::PositionTrack};
 
-/// The velocity of an entity: how fast and where to it moves, in units per second, in the space of its parent.
+/// The velocity of an entity: how fast and where to it moves, in units per second, in the space of
+/// its parent.
 ///
-/// Contacts count with its velocity in the world, to which that of each ancestor adds: one that is moved by other means than
-/// its velocity may have one beside [`MovedElsewhere`], which says how fast it is.
+/// Contacts count with its velocity in the world, to which that of each ancestor adds: one that is
+/// moved by other means than its velocity may have one beside [`MovedElsewhere`], which says how
+/// fast it is.
 ///
-/// The report gives each object a direction and a speed; this is their product. A velocity that is not finite moves
-/// nothing, with a warning in the log.
+/// The report gives each object a direction and a speed; this is their product. A velocity that is
+/// not finite moves nothing, with a warning in the log.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect, Deref, DerefMut)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -18,8 +20,8 @@ use super::{step::MotionSettings, track::PositionTrack};
 #[doc(alias("linear velocity", "speed"))]
 pub struct Velocity(pub Vec3);
 
-/// Marks an entity whose [`Velocity`] says how it moves, but which something else moves: a system of your own, a physics
-/// engine. Contacts change the velocity all the same.
+/// Marks an entity whose [`Velocity`] says how it moves, but which something else moves: a system
+/// of your own, a physics engine. Contacts change the velocity all the same.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -31,7 +33,9 @@ type MovedByVelocity = (Without<PositionTrack>, Without<MovedElsewhere>);
 
 /// Does [`move_by_velocity`] move this entity?
 pub(crate) fn is_moved_by_velocity(entity: EntityRef) -> bool {
-    entity.contains::<Velocity>() && !entity.contains::<PositionTrack>() && !entity.contains::<MovedElsewhere>()
+    entity.contains::<Velocity>()
+        && !entity.contains::<PositionTrack>()
+        && !entity.contains::<MovedElsewhere>()
 }
 
 pub(super) fn move_by_velocity(
@@ -42,7 +46,10 @@ pub(super) fn move_by_velocity(
 ) {
     let Some(seconds) = settings.step.seconds(time.as_deref()) else {
         if !std::mem::replace(&mut *warned, true) {
-            tracing::warn!("nothing moves: the step is {:?}, expected seconds, finite and not negative", settings.step);
+            tracing::warn!(
+                "nothing moves: the step is {:?}, expected seconds, finite and not negative",
+                settings.step
+            );
         }
         return;
     };
@@ -61,5 +68,6 @@ pub(super) fn move_by_velocity(
 }
 
 pub(super) fn register(app: &mut App) {
-    app.register_type::<Velocity>().register_type::<MovedElsewhere>();
+    app.register_type::<Velocity>()
+        .register_type::<MovedElsewhere>();
 }

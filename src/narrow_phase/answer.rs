@@ -3,8 +3,8 @@
 use bevy::math::{DVec3, Dir3, Vec3, Vec3A};
 use bevy::reflect::Reflect;
 
-/// How far from a shape a point may be that is said to be on it, as a share of the lengths at hand: what rounding leaves
-/// uncertain of a position in 32-bit floats.
+/// How far from a shape a point may be that is said to be on it, as a share of the lengths at hand:
+/// what rounding leaves uncertain of a position in 32-bit floats.
 const ON: f32 = f32::EPSILON;
 
 /// Where two shapes are in contact: a point, a normal and a depth.
@@ -26,7 +26,10 @@ impl Contact {
     /// Returns the contact as the other shape sees it: with the normal turned around.
     #[must_use]
     pub fn reversed(self) -> Self {
-        Self { normal: -self.normal, ..self }
+        Self {
+            normal: -self.normal,
+            ..self
+        }
     }
 }
 
@@ -51,10 +54,11 @@ impl LocalContact {
 pub struct Impact {
     /// How far along the way; 0 if it starts in touch.
     pub distance: f32,
-    /// A point of the shape that is met, in the world; for shapes that overlap from the start, one where they meet.
+    /// A point of the shape that is met, in the world; for shapes that overlap from the start, one
+    /// where they meet.
     pub point: Vec3,
-    /// A unit vector that points away from the shape that is met, and never along the way: against the way itself if it
-    /// starts inside, where nothing better is known.
+    /// A unit vector that points away from the shape that is met, and never along the way: against
+    /// the way itself if it starts inside, where nothing better is known.
     pub normal: Vec3,
 }
 
@@ -71,7 +75,10 @@ pub struct TimedContact {
 impl TimedContact {
     /// The contact on what was left of a way after a share of it, by the time of the whole way.
     pub(crate) fn after(self, time: f32) -> Self {
-        Self { time: time + self.time * (1.0 - time), ..self }
+        Self {
+            time: time + self.time * (1.0 - time),
+            ..self
+        }
     }
 }
 
@@ -80,8 +87,8 @@ impl TimedContact {
 pub struct Proximity {
     /// The distance of the two, in world units. Zero if they overlap.
     pub distance: f32,
-    /// A point of the first shape and one of the second, in the world, that are as close as any two. A common point, twice,
-    /// if the shapes overlap.
+    /// A point of the first shape and one of the second, in the world, that are as close as any
+    /// two. A common point, twice, if the shapes overlap.
     ///
     /// Rounded as all positions far from the world's origin are. `distance` and `offset` are not.
     pub points: [Vec3; 2],
@@ -91,18 +98,23 @@ pub struct Proximity {
 
 impl Proximity {
     pub(super) fn if_finite(self) -> Option<Self> {
-        let is_finite = self.distance.is_finite() && self.points.iter().all(|point| point.is_finite());
+        let is_finite =
+            self.distance.is_finite() && self.points.iter().all(|point| point.is_finite());
         is_finite.then_some(self)
     }
 }
 
 /// A normal, turned against what comes along a direction.
 pub fn against(normal: Vec3, direction: Dir3) -> Vec3 {
-    if normal.dot(*direction) > 0.0 { -normal } else { normal }
+    if normal.dot(*direction) > 0.0 {
+        -normal
+    } else {
+        normal
+    }
 }
 
-/// How far off a shape something may start and count as on it: see [`ON`]. By where it starts in the world, and by the way
-/// from the shape's position to there, from which it may come.
+/// How far off a shape something may start and count as on it: see [`ON`]. By where it starts in
+/// the world, and by the way from the shape's position to there, from which it may come.
 pub fn slack(origin: Vec3, from_shape: DVec3) -> f64 {
     f64::from(ON) * (f64::from(origin.abs().max_element()) + 2.0 * from_shape.length())
 }

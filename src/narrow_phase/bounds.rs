@@ -9,7 +9,8 @@ use super::parry;
 use super::settings::NarrowPhase;
 
 impl NarrowPhase {
-    /// Returns the box to feed to a broad phase: that of [`Shape::world_aabb`](crate::narrow_phase::Shape::world_aabb), grown by half the tolerance
+    /// Returns the box to feed to a broad phase: that of
+    /// [`Shape::world_aabb`](crate::narrow_phase::Shape::world_aabb), grown by half the tolerance
     /// and by rounding. The boxes of two shapes that are in contact are never apart.
     ///
     /// # Errors
@@ -24,11 +25,16 @@ impl NarrowPhase {
         let far = min.abs().max(max.abs()).max_element();
         let grown = self.tolerance() * 0.5 + ROUNDING * size + f32::EPSILON * far;
         let (min, max) = (min - grown, max + grown);
-        if min.is_finite() && max.is_finite() { Ok(Aabb3d { min, max }) } else { Err(BoundsError::NonFinite) }
+        if min.is_finite() && max.is_finite() {
+            Ok(Aabb3d { min, max })
+        } else {
+            Err(BoundsError::NonFinite)
+        }
     }
 
-    /// Returns the half-space that holds all that may be in contact with a shape without bounds, if one does: what a broad phase
-    /// is to know of it, as of others their [`world_aabb`](Self::world_aabb). Both are grown by half the tolerance.
+    /// Returns the half-space that holds all that may be in contact with a shape without bounds, if
+    /// one does: what a broad phase is to know of it, as of others their
+    /// [`world_aabb`](Self::world_aabb). Both are grown by half the tolerance.
     #[must_use]
     pub fn side(&self, placed: Placed) -> Option<HalfSpace> {
         parry::side(placed, self.tolerance() * 0.5)

@@ -10,21 +10,23 @@ use super::shape::Shape;
 
 /// # Constructors
 ///
-/// Those that take sizes, and the conversions from Bevy's primitives, never fail. One rule is for all numbers that no shape
-/// can have, each of which is logged as a warning:
+/// Those that take sizes, and the conversions from Bevy's primitives, never fail. One rule is for
+/// all numbers that no shape can have, each of which is logged as a warning:
 ///
 /// * a negative size counts as its absolute value;
-/// * a size that is NaN or infinite, a polygon without an area, or a polyhedron without a volume makes a shape without
-///   [bounds](super::BoundsError::NonFinite), which is in contact with nothing. An entity that has it is left out of
-///   collision detection.
+/// * a size that is NaN or infinite, a polygon without an area, or a polyhedron without a volume
+///   makes a shape without [bounds](super::BoundsError::NonFinite), which is in contact with
+///   nothing. An entity that has it is left out of collision detection.
 ///
-/// A size of zero is allowed: the shape is then a rectangle, segment or point. Those that begin with `try_` refuse what is
-/// wrong instead, with an error that names it, and so do those that take lists.
+/// A size of zero is allowed: the shape is then a rectangle, segment or point. Those that begin
+/// with `try_` refuse what is wrong instead, with an error that names it, and so do those that take
+/// lists.
 impl Shape {
     /// Makes a box around the origin, by the lengths of its sides along its own axes.
     ///
-    /// They are whole sides, as those of Bevy's `Cuboid::new` and Avian's `Collider::cuboid`; Rapier's `Collider::cuboid`
-    /// takes half of them, as [`from_half_size`](Self::from_half_size) does. For bad numbers see [above](#constructors).
+    /// They are whole sides, as those of Bevy's `Cuboid::new` and Avian's `Collider::cuboid`;
+    /// Rapier's `Collider::cuboid` takes half of them, as [`from_half_size`](Self::from_half_size)
+    /// does. For bad numbers see [above](#constructors).
     ///
     /// ```
     /// use bevy::math::primitives::Cuboid;
@@ -48,7 +50,8 @@ impl Shape {
         Self::try_from_half_size(size * 0.5).map_err(|_| ShapeError::Size(size))
     }
 
-    /// Makes a box around the origin, by half the lengths of its sides along its own axes: from its centre to its faces.
+    /// Makes a box around the origin, by half the lengths of its sides along its own axes: from its
+    /// centre to its faces.
     ///
     /// For bad numbers see [above](#constructors).
     #[must_use]
@@ -56,7 +59,9 @@ impl Shape {
         if let Err(error) = Self::try_from_half_size(half_size) {
             tell(&error, half_size.is_finite());
         }
-        Self::Cuboid { half_size: half_size.abs() }
+        Self::Cuboid {
+            half_size: half_size.abs(),
+        }
     }
 
     /// Makes a box as [`from_half_size`](Self::from_half_size) does, and refuses bad numbers.
@@ -80,7 +85,9 @@ impl Shape {
         if let Err(error) = Self::try_sphere(radius) {
             tell(&error, radius.is_finite());
         }
-        Self::Sphere { radius: radius.abs() }
+        Self::Sphere {
+            radius: radius.abs(),
+        }
     }
 
     /// Makes a solid ball as [`sphere`](Self::sphere) does, and refuses a bad radius.
@@ -88,11 +95,15 @@ impl Shape {
     /// # Errors
     /// [`ShapeError::Radius`] if the radius is negative, NaN or infinite. Zero is allowed.
     pub fn try_sphere(radius: f32) -> Result<Self, ShapeError> {
-        if radius.is_finite() && radius >= 0.0 { Ok(Self::Sphere { radius }) } else { Err(ShapeError::Radius(radius)) }
+        if radius.is_finite() && radius >= 0.0 {
+            Ok(Self::Sphere { radius })
+        } else {
+            Err(ShapeError::Radius(radius))
+        }
     }
 
-    /// Makes a solid bounded by polygons, each a list of vertex indices, and checks that it is convex. See
-    /// [`ConvexMesh::new`].
+    /// Makes a solid bounded by polygons, each a list of vertex indices, and checks that it is
+    /// convex. See [`ConvexMesh::new`].
     ///
     /// # Errors
     /// Those of [`PolygonMesh::new`] and [`ConvexMesh::new`].
@@ -117,7 +128,8 @@ impl Shape {
         Ok(PolygonMesh::new(vertices, polygons)?.into())
     }
 
-    /// A solid between two congruent convex polygons, half a depth in front of the origin and behind it.
+    /// A solid between two congruent convex polygons, half a depth in front of the origin and
+    /// behind it.
     fn prism(polygon: impl IntoIterator<Item = Vec2>, half_depth: f32) -> Result<Self, ShapeError> {
         let outline: Vec<Vec2> = polygon.into_iter().collect();
         let count = u32::try_from(outline.len()).map_err(|_| ShapeError::TooLarge)?;
@@ -128,7 +140,10 @@ impl Shape {
             let next = (i + 1) % count;
             vec![i, next, next + count, i + count]
         };
-        Self::convex(vertices, [back, front].into_iter().chain((0..count).map(side)))
+        Self::convex(
+            vertices,
+            [back, front].into_iter().chain((0..count).map(side)),
+        )
     }
 
     /// What is made of polygons that may have been refused: then, something without bounds.
@@ -168,7 +183,10 @@ impl From<primitives::Sphere> for Shape {
 impl From<primitives::Tetrahedron> for Shape {
     /// A convex solid. One without a volume is in contact with nothing.
     fn from(tetrahedron: primitives::Tetrahedron) -> Self {
-        Self::or_nothing(Self::convex(tetrahedron.vertices, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
+        Self::or_nothing(Self::convex(
+            tetrahedron.vertices,
+            [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+        ))
     }
 }
 
@@ -180,12 +198,13 @@ impl From<primitives::Triangle3d> for Shape {
 }
 
 impl From<primitives::Plane3d> for Shape {
-    /// A rectangle, turned as Bevy's mesh of it is, that is met from both sides. One without an area is in contact with
-    /// nothing.
+    /// A rectangle, turned as Bevy's mesh of it is, that is met from both sides. One without an
+    /// area is in contact with nothing.
     fn from(plane: primitives::Plane3d) -> Self {
         let turn = bevy::math::Quat::from_rotation_arc(Vec3::Y, *plane.normal);
         let Vec2 { x, y } = plane.half_size;
-        let corners = [[-x, -y], [-x, y], [x, y], [x, -y]].map(|[x, z]| turn * Vec3::new(x, 0.0, z));
+        let corners =
+            [[-x, -y], [-x, y], [x, y], [x, -y]].map(|[x, z]| turn * Vec3::new(x, 0.0, z));
         Self::or_nothing(Self::mesh(corners, [[0, 1, 2, 3]]))
     }
 }
@@ -199,7 +218,10 @@ impl From<primitives::Extrusion<primitives::Rectangle>> for Shape {
 impl From<primitives::Extrusion<primitives::Triangle2d>> for Shape {
     /// A convex solid. One without a volume is in contact with nothing.
     fn from(extrusion: primitives::Extrusion<primitives::Triangle2d>) -> Self {
-        Self::or_nothing(Self::prism(extrusion.base_shape.vertices, extrusion.half_depth))
+        Self::or_nothing(Self::prism(
+            extrusion.base_shape.vertices,
+            extrusion.half_depth,
+        ))
     }
 }
 
@@ -215,7 +237,10 @@ impl From<primitives::Extrusion<primitives::Rhombus>> for Shape {
 impl From<primitives::Extrusion<primitives::RegularPolygon>> for Shape {
     /// A convex solid. One without a volume is in contact with nothing.
     fn from(extrusion: primitives::Extrusion<primitives::RegularPolygon>) -> Self {
-        Self::or_nothing(Self::prism(extrusion.base_shape.vertices(0.0), extrusion.half_depth))
+        Self::or_nothing(Self::prism(
+            extrusion.base_shape.vertices(0.0),
+            extrusion.half_depth,
+        ))
     }
 }
 

@@ -25,7 +25,8 @@ impl NarrowPhase {
     #[inline]
     #[must_use]
     pub fn intersects(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> bool {
-        if let (Shape::Cuboid { half_size: half_a }, Shape::Cuboid { half_size: half_b }) = (a.shape, b.shape)
+        if let (Shape::Cuboid { half_size: half_a }, Shape::Cuboid { half_size: half_b }) =
+            (a.shape, b.shape)
             && a.transform.rotation == b.transform.rotation
             && self.exactness() == Exactness::Cheapest
         {
@@ -52,8 +53,8 @@ impl NarrowPhase {
         let reach = half_a + half_b;
         let gaps = (offset.abs() - reach).max(Vec3A::ZERO);
         let tolerance = self.tolerance().max(ROUNDING * reach.max_element());
-        // Measured by the tolerance, so that the squares of huge sizes do not overflow. The last is for what is not finite:
-        // `max` drops a NaN, and infinity reaches everything.
+        // Measured by the tolerance, so that the squares of huge sizes do not overflow. The last is
+        // for what is not finite: `max` drops a NaN, and infinity reaches everything.
         (gaps / tolerance).length_squared() <= 1.0 && (offset.abs() + reach).is_finite()
     }
 
@@ -63,7 +64,9 @@ impl NarrowPhase {
             let [a, b] = smaller.placed(pair);
             return smaller.tests.intersects(a, b, workspace);
         }
-        if let Some(verdict) = parry::with_own(pair.a, pair.b, |a, b| self.intersects(a, b, workspace)) {
+        if let Some(verdict) =
+            parry::with_own(pair.a, pair.b, |a, b| self.intersects(a, b, workspace))
+        {
             return verdict;
         }
         let verdict = complete(pair, workspace);
@@ -73,8 +76,9 @@ impl NarrowPhase {
 
     fn decide(&self, pair: &PlacedPair, workspace: &mut Workspace) -> bool {
         let counters = &mut workspace.counters;
-        let mut verdict =
-            counters.count(Stage::Bounds, bounds(pair)).or_else(|| counters.count(Stage::Spheres, spheres(pair)));
+        let mut verdict = counters
+            .count(Stage::Bounds, bounds(pair))
+            .or_else(|| counters.count(Stage::Spheres, spheres(pair)));
         if self.exactness() == Exactness::Cheapest || pair.case() != Case::Cuboids {
             verdict = verdict.or_else(|| counters.count(Stage::Boxes, boxes(pair)));
         }
@@ -119,7 +123,9 @@ fn boxes(pair: &PlacedPair) -> Option<bool> {
             None => Some(false),
             // Boxes that overlap along every axis overlap; those within the tolerance may still be
             // further apart from corner to corner.
-            Some(found) => (pair.case() == Case::Cuboids && found.gap <= -found.doubt).then_some(true),
+            Some(found) => {
+                (pair.case() == Case::Cuboids && found.gap <= -found.doubt).then_some(true)
+            }
         },
     }
 }
@@ -147,10 +153,12 @@ fn complete(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
 
 /// Two of which one is of Rapier's.
 fn foreign(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
-    let cuboids =
-        parry::with_own_cuboids(pair, |pair| boxes(pair).unwrap_or_else(|| edge_polygon::intersects(pair, workspace)));
+    let cuboids = parry::with_own_cuboids(pair, |pair| {
+        boxes(pair).unwrap_or_else(|| edge_polygon::intersects(pair, workspace))
+    });
     cuboids.unwrap_or_else(|| {
-        parry::intersects(pair.a, pair.b, pair.tolerance, workspace) || parry::enclosed(pair, workspace).is_some()
+        parry::intersects(pair.a, pair.b, pair.tolerance, workspace)
+            || parry::enclosed(pair, workspace).is_some()
     })
 }
 

@@ -6,7 +6,11 @@ use bevy::math::{Dir3, Vec3, Vec3A};
 #[inline]
 pub(super) fn length(v: Vec3A) -> f32 {
     let length = v.length();
-    if length.is_finite() { length } else { safe_length(v) }
+    if length.is_finite() {
+        length
+    } else {
+        safe_length(v)
+    }
 }
 
 /// The direction and length of a vector whose squares may overflow.
@@ -19,7 +23,11 @@ pub(super) fn direction_and_length(v: Vec3) -> Option<(Dir3, f32)> {
 #[inline]
 pub(super) fn unit(v: Vec3A) -> Vec3A {
     let unit = v.normalize_or_zero();
-    if unit == Vec3A::ZERO { safe_unit(v) } else { unit }
+    if unit == Vec3A::ZERO {
+        safe_unit(v)
+    } else {
+        unit
+    }
 }
 
 #[cold]

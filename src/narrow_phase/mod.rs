@@ -55,9 +55,9 @@
 //! and [`Stage::Boxes`] accepts cuboids only if it is sure that they overlap, so that the last
 //! stage has the last word where it could differ: [`Exactness::EdgePolygon`] forces it, and agrees.
 //!
-//! Whatever is finite is decided, however large: what is beyond 10⁹ is looked at at a smaller scale, by a power of two.
-//! Where even a position or a sum of sizes exceeds the range of 32-bit floats, there are [no bounds](BoundsError::NonFinite)
-//! and no contacts.
+//! Whatever is finite is decided, however large: what is beyond 10⁹ is looked at at a smaller
+//! scale, by a power of two. Where even a position or a sum of sizes exceeds the range of 32-bit
+//! floats, there are [no bounds](BoundsError::NonFinite) and no contacts.
 //!
 //! Nothing is allocated per pair once the buffers of the [`Workspace`] have grown to the largest
 //! mesh (but for the depth of Rapier shapes that overlap). Two cuboids take in the
@@ -65,29 +65,35 @@
 //!
 //! # Rays, sweeps, distances
 //!
-//! [`NarrowPhase::cast_ray`], [`NarrowPhase::sweep`], [`NarrowPhase::closest_point`] and [`NarrowPhase::closest_points`]
-//! answer for the same shapes, exactly.
-//! [`NarrowPhase::time_of_impact`] is a sweep of two that both move, and may turn.
-//! The first time of impact of two shapes made of polygons is the least of those of corners and faces, both ways, and of
-//! edges, each the solution of a linear equation: nothing is iterated, and nothing has to be convex.
+//! [`NarrowPhase::cast_ray`], [`NarrowPhase::sweep`], [`NarrowPhase::closest_point`] and
+//! [`NarrowPhase::closest_points`] answer for the same shapes, exactly.
+//! [`NarrowPhase::time_of_impact`] is a sweep of two that both move, and may turn. The first time
+//! of impact of two shapes made of polygons is the least of those of corners and faces, both ways,
+//! and of edges, each the solution of a linear equation: nothing is iterated, and nothing has to be
+//! convex.
 //!
 //! # Rapier
 //!
-//! With the feature `rapier`, a `bevy_rapier3d` collider is a shape too. Scale is not applied to it: `bevy_rapier3d` has
-//! done so already. Its cuboids and balls are as our own. All others are taken apart into convex shapes, half-spaces and the
-//! triangles of meshes and height fields, by the trees of parry, and one question decides whether two of these touch, how
-//! deep they are in each other, how far apart, and when they meet: that for their distance, which is computed in 64-bit
-//! floats for what is behind their radius (of a capsule, a segment). So all shapes meet all others, with the tolerance as
-//! here: cuboids, balls, capsules, cylinders, cones, hulls, what is round of these, triangles, segments, polylines, meshes,
-//! height fields, voxels, compounds, half-spaces, and all shapes of ours.
+//! With the feature `rapier`, a `bevy_rapier3d` collider is a shape too. Scale is not applied to
+//! it: `bevy_rapier3d` has done so already. Its cuboids and balls are as our own. All others are
+//! taken apart into convex shapes, half-spaces and the triangles of meshes and height fields, by
+//! the trees of parry, and one question decides whether two of these touch, how deep they are in
+//! each other, how far apart, and when they meet: that for their distance, which is computed in
+//! 64-bit floats for what is behind their radius (of a capsule, a segment). So all shapes meet all
+//! others, with the tolerance as here: cuboids, balls, capsules, cylinders, cones, hulls, what is
+//! round of these, triangles, segments, polylines, meshes, height fields, voxels, compounds,
+//! half-spaces, and all shapes of ours.
 //!
-//! Meshes and height fields of Rapier are surfaces, without an inside; a closed mesh of ours has one for them too. A mesh of
-//! ours is cut into triangles when it first meets such a shape, once for all its scales.
+//! Meshes and height fields of Rapier are surfaces, without an inside; a closed mesh of ours has
+//! one for them too. A mesh of ours is cut into triangles when it first meets such a shape, once
+//! for all its scales.
 //!
-//! Nothing is known of how two half-spaces meet, nor of shapes of somebody else's making (`ShapeType::Custom`) that have
-//! neither a support map nor parts, but of how rays and points meet these: such pairs count as apart, have no distance, and
-//! the first one that is tested in an app logs a warning with both entities. A shape without an end has
-//! [no bounds](BoundsError::Unbounded) for a broad phase, but perhaps a [side](NarrowPhase::side), and can be tested.
+//! Nothing is known of how two half-spaces meet, nor of shapes of somebody else's making
+//! (`ShapeType::Custom`) that have neither a support map nor parts, but of how rays and points meet
+//! these: such pairs count as apart, have no distance, and the first one that is tested in an app
+//! logs a warning with both entities. A shape without an end has [no
+//! bounds](BoundsError::Unbounded) for a broad phase, but perhaps a [side](NarrowPhase::side), and
+//! can be tested.
 
 mod answer;
 mod bounds;

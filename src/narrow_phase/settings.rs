@@ -10,9 +10,9 @@ pub enum Exactness {
     /// Each pair by the cheapest test that is exact for it.
     #[default]
     Cheapest,
-    /// Pairs of cuboids go through [`Stage::Complete`](super::Stage::Complete) as polygon meshes, and
-    /// [`Stage::Boxes`](super::Stage::Boxes) is skipped, as in the report's system: for study, and to check one test
-    /// against the other.
+    /// Pairs of cuboids go through [`Stage::Complete`](super::Stage::Complete) as polygon meshes,
+    /// and [`Stage::Boxes`](super::Stage::Boxes) is skipped, as in the report's system: for study,
+    /// and to check one test against the other.
     EdgePolygon,
 }
 
@@ -23,8 +23,8 @@ pub enum Exactness {
 /// pairs so large that rounding exceeds the tolerance it is raised: to 16 times `f32::EPSILON`
 /// times the sum of their greatest half extents, or 2·10⁻⁴ where these add up to 100.
 ///
-/// In an app, this is a resource: the tests that all contacts and queries go by. Changes take effect at the next tick, for all
-/// pairs.
+/// In an app, this is a resource: the tests that all contacts and queries go by. Changes take
+/// effect at the next tick, for all pairs.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(opaque)]
 #[reflect(Resource, Clone, Debug, Default, PartialEq)]
@@ -36,7 +36,10 @@ pub struct NarrowPhase {
 
 impl Default for NarrowPhase {
     fn default() -> Self {
-        Self { tolerance: Self::DEFAULT_TOLERANCE, exactness: Exactness::default() }
+        Self {
+            tolerance: Self::DEFAULT_TOLERANCE,
+            exactness: Exactness::default(),
+        }
     }
 }
 
@@ -50,7 +53,10 @@ impl NarrowPhase {
     /// [`ToleranceError`] unless it is finite and greater than zero.
     pub fn new(tolerance: f32) -> Result<Self, ToleranceError> {
         if tolerance.is_finite() && tolerance > 0.0 {
-            Ok(Self { tolerance, ..Self::default() })
+            Ok(Self {
+                tolerance,
+                ..Self::default()
+            })
         } else {
             Err(ToleranceError(tolerance))
         }

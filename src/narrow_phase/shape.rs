@@ -16,7 +16,8 @@ const ENDLESS: f32 = f32::MAX / 8.0;
 
 /// The form of an object, in its own coordinates. Cheap to clone: meshes are shared.
 ///
-/// A [`Transform`](bevy::transform::components::Transform) places it: scale first, then rotation, then translation.
+/// A [`Transform`](bevy::transform::components::Transform) places it: scale first, then rotation,
+/// then translation.
 ///
 /// * The scale of a cuboid or mesh works along its own axes; a negative one mirrors.
 /// * A sphere stays a sphere: of a scale that differs by axis, the largest absolute component
@@ -25,9 +26,9 @@ const ENDLESS: f32 = f32::MAX / 8.0;
 ///   point.
 /// * `Shape::Rapier` ignores the scale, since `bevy_rapier3d` bakes it into the collider itself.
 ///
-/// The [constructors](#constructors) tell the log of bad numbers, or refuse them. Variants built by hand are not checked,
-/// and go by the same rule: a negative extent or radius counts as its absolute value, and a shape that is not finite has no
-/// bounds and no contacts.
+/// The [constructors](#constructors) tell the log of bad numbers, or refuse them. Variants built by
+/// hand are not checked, and go by the same rule: a negative extent or radius counts as its
+/// absolute value, and a shape that is not finite has no bounds and no contacts.
 ///
 /// ```
 /// use bevy::math::primitives::Cuboid;
@@ -59,8 +60,8 @@ pub enum Shape {
     Rapier(SharedShape),
 }
 
-// All that the exact tests have to know of a kind of shape, but for its row in the table of `frame::case`: a new kind is
-// added here.
+// All that the exact tests have to know of a kind of shape, but for its row in the table of
+// `frame::case`: a new kind is added here.
 impl Shape {
     /// Which of the kinds it is.
     #[inline]
@@ -116,7 +117,8 @@ impl Shape {
         }
     }
 
-    /// A number for its kind, and some for its size: by these, pairs have an order. Those of all Rapier shapes are equal.
+    /// A number for its kind, and some for its size: by these, pairs have an order. Those of all
+    /// Rapier shapes are equal.
     #[inline]
     pub(super) fn order_key(&self) -> [f32; 4] {
         match self {
@@ -144,7 +146,8 @@ impl Shape {
     }
 }
 
-/// The kinds of shapes: a [`Shape`] without its data. What is Rapier's is one of them, whatever it is.
+/// The kinds of shapes: a [`Shape`] without its data. What is Rapier's is one of them, whatever it
+/// is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Cuboid,

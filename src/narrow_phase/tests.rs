@@ -32,7 +32,10 @@ fn verdict(exactness: Exactness, a: (&Shape, Transform), b: (&Shape, Transform))
 pub(super) fn meets(a: (&Shape, Transform), b: (&Shape, Transform)) -> bool {
     let cheapest = verdict(Exactness::Cheapest, a, b);
     let polygons = verdict(Exactness::EdgePolygon, a, b);
-    assert_eq!(cheapest, polygons, "cheapest {cheapest}, by polygons {polygons}: {a:?} {b:?}");
+    assert_eq!(
+        cheapest, polygons,
+        "cheapest {cheapest}, by polygons {polygons}: {a:?} {b:?}"
+    );
     cheapest
 }
 
@@ -73,7 +76,8 @@ fn equal_cubes_face_to_face() {
                     continue;
                 }
                 for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
-                    let here = Transform::from_translation(Vec3::splat(far)).with_rotation(rotation);
+                    let here =
+                        Transform::from_translation(Vec3::splat(far)).with_rotation(rotation);
                     let there = here.with_translation(here.translation + rotation * axis * offset);
                     let found = meets((&cube, here), (&cube, there));
                     assert_eq!(found, expected, "{far} {rotation} {offset} {axis}");
@@ -90,13 +94,25 @@ fn tolerance_is_the_distance_whatever_touches() {
     let on_edge = Quat::from_rotation_z(FRAC_PI_4);
     let on_corner = Quat::from_rotation_arc(Vec3::ONE.normalize(), Vec3::X);
     // Face, edge and corner of the second cube towards the first; and corner to corner.
-    for (rotation, reach) in [(Quat::IDENTITY, 1.0), (on_edge, 2f32.sqrt()), (on_corner, 3f32.sqrt())] {
+    for (rotation, reach) in [
+        (Quat::IDENTITY, 1.0),
+        (on_edge, 2f32.sqrt()),
+        (on_corner, 3f32.sqrt()),
+    ] {
         for (gap, expected) in [(0.9, true), (1.1, false), (-0.9, true), (0.0, true)] {
             let offset = 1.0 + reach + gap * tolerance;
             let there = at(offset, 0.0, 0.0).with_rotation(rotation);
-            assert_eq!(meets((&cube, at(0.0, 0.0, 0.0)), (&cube, there)), expected, "{rotation} {gap}");
+            assert_eq!(
+                meets((&cube, at(0.0, 0.0, 0.0)), (&cube, there)),
+                expected,
+                "{rotation} {gap}"
+            );
             let mesh = mesh_of(Vec3::ONE);
-            assert_eq!(meets((&cube, at(0.0, 0.0, 0.0)), (&mesh, there)), expected, "{rotation} {gap}");
+            assert_eq!(
+                meets((&cube, at(0.0, 0.0, 0.0)), (&mesh, there)),
+                expected,
+                "{rotation} {gap}"
+            );
         }
     }
     for (gap, expected) in [(0.5, true), (0.65, false)] {
@@ -145,9 +161,15 @@ fn one_inside_the_other() {
     assert!(meets((&large, here), (&small, turned)));
     let large = mesh_of(Vec3::splat(2.0));
     assert!(meets((&large, here), (&small, turned)));
-    assert!(meets((&large, here.with_scale(Vec3::new(-1.0, 1.0, 1.0))), (&small, turned)));
+    assert!(meets(
+        (&large, here.with_scale(Vec3::new(-1.0, 1.0, 1.0))),
+        (&small, turned)
+    ));
     assert!(meets((&large, here), (&Shape::sphere(0.1), turned)));
-    assert!(!meets((&large, here), (&Shape::sphere(0.1), at(2.2, 0.0, 0.0))));
+    assert!(!meets(
+        (&large, here),
+        (&Shape::sphere(0.1), at(2.2, 0.0, 0.0))
+    ));
 
     // Without a lid there is no inside.
     let cube = cube();
@@ -179,7 +201,9 @@ fn cavity_whose_walls_face_each_other_is_empty() {
     let (count, mut vertices) = (cube.vertices().len() as u32, cube.vertices().to_vec());
     vertices.extend(cube.vertices().iter().map(|v| *v * 0.5));
     let outer = cube.polygons().map(<[u32]>::to_vec);
-    let inner = cube.polygons().map(|p| p.iter().rev().map(|v| v + count).collect());
+    let inner = cube
+        .polygons()
+        .map(|p| p.iter().rev().map(|v| v + count).collect());
     let shell = Shape::mesh(vertices, outer.chain(inner)).unwrap();
     let pea = box_of(0.1, 0.1, 0.1);
     let here = at(0.0, 0.0, 0.0);
@@ -189,7 +213,9 @@ fn cavity_whose_walls_face_each_other_is_empty() {
     let two_parts = {
         let mut vertices = cube.vertices().iter().map(|v| *v * 0.1).collect::<Vec<_>>();
         vertices.extend(vertices.clone().iter().map(|v| *v + Vec3::X * 0.75));
-        let moved = cube.polygons().map(|p| p.iter().map(|v| v + count).collect());
+        let moved = cube
+            .polygons()
+            .map(|p| p.iter().map(|v| v + count).collect());
         let polygons: Vec<Vec<u32>> = cube.polygons().map(<[u32]>::to_vec).chain(moved).collect();
         Shape::mesh(vertices, polygons).unwrap()
     };
@@ -201,20 +227,39 @@ fn flat_and_empty_cuboids() {
     let cube = box_of(1.0, 1.0, 1.0);
     let here = at(0.0, 0.0, 0.0);
     let turned = Quat::from_euler(bevy::math::EulerRot::XYZ, 0.3, 0.4, 0.5);
-    for flat in [box_of(0.5, 0.5, 0.0), box_of(0.5, 0.0, 0.0), box_of(0.0, 0.0, 0.0)] {
+    for flat in [
+        box_of(0.5, 0.5, 0.0),
+        box_of(0.5, 0.0, 0.0),
+        box_of(0.0, 0.0, 0.0),
+    ] {
         for rotation in [Quat::IDENTITY, turned] {
-            assert!(meets((&cube, here), (&flat, at(0.2, 0.3, 0.1).with_rotation(rotation))));
-            assert!(meets((&cube, here), (&flat, at(1.0, 0.0, 0.0).with_rotation(rotation))));
-            assert!(!meets((&cube, here), (&flat, at(2.0, 0.0, 0.0).with_rotation(rotation))));
+            assert!(meets(
+                (&cube, here),
+                (&flat, at(0.2, 0.3, 0.1).with_rotation(rotation))
+            ));
+            assert!(meets(
+                (&cube, here),
+                (&flat, at(1.0, 0.0, 0.0).with_rotation(rotation))
+            ));
+            assert!(!meets(
+                (&cube, here),
+                (&flat, at(2.0, 0.0, 0.0).with_rotation(rotation))
+            ));
             let placed = here.with_rotation(rotation);
             assert!(meets((&flat, placed), (&flat, placed)));
-            assert!(!meets((&flat, placed), (&flat, at(0.0, 0.0, 1.1).with_rotation(rotation))));
+            assert!(!meets(
+                (&flat, placed),
+                (&flat, at(0.0, 0.0, 1.1).with_rotation(rotation))
+            ));
         }
     }
     // A mesh flattened by its scale.
     let sheet = at(0.0, 0.0, 0.5).with_scale(Vec3::new(1.0, 1.0, 0.0));
     assert!(meets((&mesh_of(Vec3::ONE), sheet), (&cube, here)));
-    assert!(!meets((&mesh_of(Vec3::ONE), sheet), (&cube, at(0.0, 0.0, 2.0))));
+    assert!(!meets(
+        (&mesh_of(Vec3::ONE), sheet),
+        (&cube, at(0.0, 0.0, 2.0))
+    ));
 }
 
 #[test]
@@ -234,17 +279,27 @@ fn what_is_not_finite_meets_nothing() {
         for shape in [&cube, &mesh, &Shape::sphere(1.0)] {
             // The largest scale there is still gives a cuboid whose half extents are finite.
             if bad.scale.x != f32::MAX {
-                assert_eq!(shape.world_aabb(&bad), Err(BoundsError::NonFinite), "{bad:?}");
+                assert_eq!(
+                    shape.world_aabb(&bad),
+                    Err(BoundsError::NonFinite),
+                    "{bad:?}"
+                );
                 assert!(!meets((shape, bad), (&cube, here)), "{bad:?}");
                 assert!(!meets((shape, bad), (&mesh, bad)), "{bad:?}");
             }
         }
     }
     for half_size in [Vec3::new(-1.0, 1.0, 1.0), Vec3::NAN, Vec3::INFINITY] {
-        assert!(matches!(Shape::try_from_half_size(half_size), Err(ShapeError::HalfSize(_))));
+        assert!(matches!(
+            Shape::try_from_half_size(half_size),
+            Err(ShapeError::HalfSize(_))
+        ));
     }
     for radius in [-1.0, f32::NAN, f32::INFINITY] {
-        assert!(matches!(Shape::try_sphere(radius), Err(ShapeError::Radius(_))));
+        assert!(matches!(
+            Shape::try_sphere(radius),
+            Err(ShapeError::Radius(_))
+        ));
     }
     for tolerance in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         assert!(NarrowPhase::new(tolerance).is_err());
@@ -255,13 +310,29 @@ fn what_is_not_finite_meets_nothing() {
 fn bounds_are_tight() {
     let placed = at(1.0, 2.0, 3.0).with_scale(Vec3::new(2.0, 1.0, -1.0));
     let aabb = box_of(1.0, 1.0, 1.0).world_aabb(&placed).unwrap();
-    assert_eq!((aabb.min, aabb.max), (Vec3::new(-1.0, 1.0, 2.0).into(), Vec3::new(3.0, 3.0, 4.0).into()));
+    assert_eq!(
+        (aabb.min, aabb.max),
+        (
+            Vec3::new(-1.0, 1.0, 2.0).into(),
+            Vec3::new(3.0, 3.0, 4.0).into()
+        )
+    );
     let spun = placed.with_rotation(Quat::from_rotation_y(1.0));
     let aabb = Shape::sphere(1.0).world_aabb(&spun).unwrap();
-    assert_eq!((aabb.min, aabb.max), (Vec3::new(-1.0, 0.0, 1.0).into(), Vec3::new(3.0, 4.0, 5.0).into()));
-    let turned = at(0.0, 0.0, 0.0).with_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
+    assert_eq!(
+        (aabb.min, aabb.max),
+        (
+            Vec3::new(-1.0, 0.0, 1.0).into(),
+            Vec3::new(3.0, 4.0, 5.0).into()
+        )
+    );
+    let turned =
+        at(0.0, 0.0, 0.0).with_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
     let aabb = l_shape().world_aabb(&turned).unwrap();
-    assert!((Vec3::from(aabb.min) - Vec3::new(-2.0, 0.0, 0.0)).length() < 1e-6, "{aabb:?}");
+    assert!(
+        (Vec3::from(aabb.min) - Vec3::new(-2.0, 0.0, 0.0)).length() < 1e-6,
+        "{aabb:?}"
+    );
     let sphere = l_shape().bounding_sphere(&turned).unwrap();
     assert!((sphere.center - bevy::math::Vec3A::new(-1.0, 1.0, 0.5)).length() < 1e-6);
     assert!(sphere.radius() >= 1.5 && sphere.radius() < 1.51);
@@ -274,7 +345,11 @@ fn counters_tell_where_pairs_leave() {
     let run = |a: &Shape, b: &Shape, there: Transform| {
         let mut workspace = Workspace::default();
         let here = at(0.0, 0.0, 0.0);
-        let _ = tests.intersects(Placed::new(a, &here), Placed::new(b, &there), &mut workspace);
+        let _ = tests.intersects(
+            Placed::new(a, &here),
+            Placed::new(b, &there),
+            &mut workspace,
+        );
         Stage::ALL.map(|stage| {
             let count = workspace.counters[stage];
             (count.reached, count.rejected, count.accepted)
@@ -286,14 +361,38 @@ fn counters_tell_where_pairs_leave() {
     let across = Quat::from_rotation_z(FRAC_PI_4) * Quat::from_rotation_y(FRAC_PI_4);
     let across = at(2.05, 2.05, 0.0).with_rotation(across);
     assert_eq!(run(&cube, &cube, across), [passed, passed, no, skipped]);
-    assert_eq!(run(&cube, &cube, at(1.0, 0.0, 0.0)), [skipped, skipped, yes, skipped]);
-    assert_eq!(run(&cube, &cube, turned(5.0, 0.0)), [no, skipped, skipped, skipped]);
-    assert_eq!(run(&cube, &cube, turned(2.0, 0.0)), [passed, passed, yes, skipped]);
-    assert_eq!(run(&cube, &cube, turned(1.8, 1.8)), [passed, passed, no, skipped]);
-    assert_eq!(run(&ball, &ball, at(1.0, 1.0, 0.0)), [passed, yes, skipped, skipped]);
-    assert_eq!(run(&ball, &ball, at(1.5, 1.5, 0.0)), [passed, no, skipped, skipped]);
-    assert_eq!(run(&ball, &cube, at(1.5, 0.0, 0.0)), [passed, passed, yes, skipped]);
-    assert_eq!(run(&cube, &mesh_of(Vec3::ONE), at(1.0, 0.0, 0.0)), [passed, passed, passed, yes]);
+    assert_eq!(
+        run(&cube, &cube, at(1.0, 0.0, 0.0)),
+        [skipped, skipped, yes, skipped]
+    );
+    assert_eq!(
+        run(&cube, &cube, turned(5.0, 0.0)),
+        [no, skipped, skipped, skipped]
+    );
+    assert_eq!(
+        run(&cube, &cube, turned(2.0, 0.0)),
+        [passed, passed, yes, skipped]
+    );
+    assert_eq!(
+        run(&cube, &cube, turned(1.8, 1.8)),
+        [passed, passed, no, skipped]
+    );
+    assert_eq!(
+        run(&ball, &ball, at(1.0, 1.0, 0.0)),
+        [passed, yes, skipped, skipped]
+    );
+    assert_eq!(
+        run(&ball, &ball, at(1.5, 1.5, 0.0)),
+        [passed, no, skipped, skipped]
+    );
+    assert_eq!(
+        run(&ball, &cube, at(1.5, 0.0, 0.0)),
+        [passed, passed, yes, skipped]
+    );
+    assert_eq!(
+        run(&cube, &mesh_of(Vec3::ONE), at(1.0, 0.0, 0.0)),
+        [passed, passed, passed, yes]
+    );
 }
 
 fn rotations() -> impl Strategy<Value = Quat> {
@@ -304,8 +403,9 @@ fn rotations() -> impl Strategy<Value = Quat> {
             Quat::from_rotation_x(x as f32 * quarter) * Quat::from_rotation_y(y as f32 * quarter)
         }),
         // Barely turned, where edges are nearly parallel.
-        (prop::array::uniform3(-1f32..1.0), -6f32..-1.0)
-            .prop_map(|(axis, exponent)| { Quat::from_scaled_axis(Vec3::from(axis) * 10f32.powf(exponent)) }),
+        (prop::array::uniform3(-1f32..1.0), -6f32..-1.0).prop_map(|(axis, exponent)| {
+            Quat::from_scaled_axis(Vec3::from(axis) * 10f32.powf(exponent))
+        }),
         prop::array::uniform3(-3f32..3.0).prop_map(|axis| Quat::from_scaled_axis(axis.into())),
         prop::array::uniform3(-3f32..3.0).prop_map(|axis| Quat::from_scaled_axis(axis.into())),
     ]
@@ -313,13 +413,23 @@ fn rotations() -> impl Strategy<Value = Quat> {
 
 pub(super) fn boxes() -> impl Strategy<Value = (Shape, Transform)> {
     let extent = || prop_oneof![Just(0.5f32), 0.01f32..2.0];
-    let scale = prop_oneof![Just(Vec3::ONE), prop::array::uniform3(-2f32..2.0).prop_map(Vec3::from)];
+    let scale = prop_oneof![
+        Just(Vec3::ONE),
+        prop::array::uniform3(-2f32..2.0).prop_map(Vec3::from)
+    ];
     let half_size = (extent(), extent(), extent());
     let coordinate = || prop_oneof![Just(0f32), Just(1.0), -2f32..2.0];
     let place = (coordinate(), coordinate(), coordinate());
     (half_size, place, rotations(), scale).prop_map(|((x, y, z), place, rotation, scale)| {
         let translation = Vec3::from(place);
-        (box_of(x, y, z), Transform { translation, rotation, scale })
+        (
+            box_of(x, y, z),
+            Transform {
+                translation,
+                rotation,
+                scale,
+            },
+        )
     })
 }
 

@@ -6,9 +6,12 @@ use super::mesh::convex_mesh::ConvexMesh;
 use super::shape::Shape;
 
 impl Shape {
-    /// The shape, turned the other way: what was at `turn * point` is at `point`. Shapes without polygons stay as they are.
+    /// The shape, turned the other way: what was at `turn * point` is at `point`. Shapes without
+    /// polygons stay as they are.
     pub(crate) fn turned_back(&self, turn: &DMat3) -> Self {
-        let Some((mesh, size)) = self.polygons().filter(|_| *turn != DMat3::IDENTITY) else { return self.clone() };
+        let Some((mesh, size)) = self.polygons().filter(|_| *turn != DMat3::IDENTITY) else {
+            return self.clone();
+        };
         let size = Vec3::from(size).abs().as_dvec3();
         let back = turn.transpose();
         let turned = mesh.turned(

@@ -25,7 +25,9 @@ use thiserror::Error;
 
 /// The text is not the name of a direction of the kind that was asked for.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("unknown {expected} `{text}`; a name is one of L, R, then D, U, then B, F, such as R, RU or RUF")]
+#[error(
+    "unknown {expected} `{text}`; a name is one of L, R, then D, U, then B, F, such as R, RU or RUF"
+)]
 pub struct ParseDirectionError {
     /// The text that was refused.
     pub text: String,
@@ -361,7 +363,11 @@ impl Direction {
     #[must_use]
     pub fn from_offset(offset: IVec3) -> Option<Self> {
         let is_step = offset.min_element() >= -1 && offset.max_element() <= 1;
-        if is_step { Self::from_signs(offset.to_array().map(|component| component as i8)) } else { None }
+        if is_step {
+            Self::from_signs(offset.to_array().map(|component| component as i8))
+        } else {
+            None
+        }
     }
 
     /// The direction whose [`signs`](Self::signs) these are, each −1, 0 or 1; [`None`] if all are
@@ -403,7 +409,10 @@ impl FromStr for Direction {
         Self::ALL
             .into_iter()
             .find(|direction| direction.name().eq_ignore_ascii_case(text))
-            .ok_or_else(|| ParseDirectionError { text: text.to_owned(), expected: "direction" })
+            .ok_or_else(|| ParseDirectionError {
+                text: text.to_owned(),
+                expected: "direction",
+            })
     }
 }
 

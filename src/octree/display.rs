@@ -12,7 +12,9 @@ struct DisplaySubtree<'a, T, F> {
     print: F,
 }
 
-impl<T, F: Fn(&T, &mut fmt::Formatter<'_>) -> fmt::Result> fmt::Display for DisplaySubtree<'_, T, F> {
+impl<T, F: Fn(&T, &mut fmt::Formatter<'_>) -> fmt::Result> fmt::Display
+    for DisplaySubtree<'_, T, F>
+{
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let tree = self.tree;
         let top = tree.generation(self.top);
@@ -49,7 +51,11 @@ impl<T> Octree<T> {
         node: NodeId,
         print: impl Fn(&T, &mut fmt::Formatter<'_>) -> fmt::Result,
     ) -> impl fmt::Display {
-        DisplaySubtree { tree: self, top: node, print }
+        DisplaySubtree {
+            tree: self,
+            top: node,
+            print,
+        }
     }
 }
 
@@ -92,7 +98,9 @@ mod tests {
         let mut tree = Octree::new(0);
         let child = tree.split(NodeId::ROOT).next_back().unwrap();
         tree.split(child);
-        let text = tree.display_with(child, |_, f| f.write_str("-")).to_string();
+        let text = tree
+            .display_with(child, |_, f| f.write_str("-"))
+            .to_string();
         assert!(text.starts_with("RUB split -\n  LDF leaf -\n  RDF leaf -\n"));
         assert_eq!(text.lines().count(), 9);
     }

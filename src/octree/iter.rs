@@ -17,7 +17,11 @@ pub struct Subtree<'a, T> {
 impl<'a, T> Subtree<'a, T> {
     #[inline]
     pub(super) fn new(tree: &'a Octree<T>, top: NodeId) -> Self {
-        Self { tree, top, next: Some(top) }
+        Self {
+            tree,
+            top,
+            next: Some(top),
+        }
     }
 }
 

@@ -96,7 +96,11 @@ mod tests {
     fn the_root_has_no_neighbors() {
         let mut tree = Octree::new(0);
         for _ in 0..2 {
-            assert!(Direction::ALL.into_iter().all(|d| tree.neighbor(tree.root(), d).is_none()));
+            assert!(
+                Direction::ALL
+                    .into_iter()
+                    .all(|d| tree.neighbor(tree.root(), d).is_none())
+            );
             if tree.is_leaf(NodeId::ROOT) {
                 tree.split(NodeId::ROOT);
             }
@@ -122,7 +126,8 @@ mod tests {
         // Two chains of nodes that meet at the plane between the root's left and right half.
         let mut tree = Octree::new(0);
         tree.split(NodeId::ROOT);
-        let [mut left, mut right] = [Vertex::LDF, Vertex::RDF].map(|octant| tree.child(NodeId::ROOT, octant).unwrap());
+        let [mut left, mut right] =
+            [Vertex::LDF, Vertex::RDF].map(|octant| tree.child(NodeId::ROOT, octant).unwrap());
         for _ in 0..10_000 {
             tree.split(left);
             tree.split(right);

@@ -8,10 +8,10 @@ use super::direction::Vertex;
 
 /// A handle of a node of an [`Octree`](super::Octree).
 ///
-/// It stays valid until the node is removed ([`join`](super::Octree::join) of an
-/// ancestor, [`reset`](super::Octree::reset)). Handles are small and cheap, and know nothing of the tree: a removed
-/// node's handle names whichever node is given its slot later. [`contains`](super::Octree::contains) tells whether
-/// some node has it now.
+/// It stays valid until the node is removed ([`join`](super::Octree::join) of an ancestor,
+/// [`reset`](super::Octree::reset)). Handles are small and cheap, and know nothing of the tree: a
+/// removed node's handle names whichever node is given its slot later.
+/// [`contains`](super::Octree::contains) tells whether some node has it now.
 ///
 /// `Option<NodeId>` is no larger than `NodeId`.
 // Siblings stand in blocks of eight: the lower three bits are the child type, the others the block.
@@ -51,13 +51,21 @@ impl NodeId {
     #[inline]
     pub(super) fn next_sibling(self) -> Option<Self> {
         let is_last = self.0.get() & 7 == 7;
-        if is_last { None } else { self.0.checked_add(1).map(Self) }
+        if is_last {
+            None
+        } else {
+            self.0.checked_add(1).map(Self)
+        }
     }
 
     /// The first node of `block`, unless it is block 0 or past the last handle.
     #[inline]
     pub(super) fn first_of(block: usize) -> Option<Self> {
-        u32::try_from(block).ok()?.checked_mul(8).and_then(NonZeroU32::new).map(Self)
+        u32::try_from(block)
+            .ok()?
+            .checked_mul(8)
+            .and_then(NonZeroU32::new)
+            .map(Self)
     }
 }
 
@@ -77,7 +85,10 @@ impl Children {
     pub(super) fn new(first: Option<NodeId>) -> Self {
         match first {
             Some(first) => Self { first, slots: 0..8 },
-            None => Self { first: NodeId::ROOT, slots: 0..0 },
+            None => Self {
+                first: NodeId::ROOT,
+                slots: 0..0,
+            },
         }
     }
 }

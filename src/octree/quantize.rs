@@ -15,7 +15,15 @@ const DIRECTIONS: [[Direction; 7]; 8] = {
     let mut i = 0;
     while i < 8 {
         let [x, y, z] = Vertex::ALL[i].signs();
-        let signs = [[x, y, z], [x, 0, 0], [0, y, 0], [0, 0, z], [x, y, 0], [x, 0, z], [0, y, z]];
+        let signs = [
+            [x, y, z],
+            [x, 0, 0],
+            [0, y, 0],
+            [0, 0, z],
+            [x, y, 0],
+            [x, 0, z],
+            [0, y, z],
+        ];
         let mut j = 0;
         while j < 7 {
             table[i][j] = Direction::from_signs(signs[j]).expect("not all signs are 0");

@@ -111,10 +111,18 @@ fn compare(tree: &Octree<u32>, model: &Model) {
         assert_eq!(tree.data(node), datum);
         assert_eq!(tree.generation(node) as usize, at.len());
         let is_split = model.contains_key(&[&at[..], &[Vertex::LDF]].concat());
-        assert_eq!((tree.is_split(node), tree.is_leaf(node)), (is_split, !is_split));
-        let children = Vertex::ALL.into_iter().filter_map(|octant| tree.child(node, octant));
+        assert_eq!(
+            (tree.is_split(node), tree.is_leaf(node)),
+            (is_split, !is_split)
+        );
+        let children = Vertex::ALL
+            .into_iter()
+            .filter_map(|octant| tree.child(node, octant));
         assert!(tree.children(node).eq(children));
-        assert!(tree.children(node).all(|child| tree.parent(child) == Some(node)));
+        assert!(
+            tree.children(node)
+                .all(|child| tree.parent(child) == Some(node))
+        );
     }
 }
 
@@ -223,8 +231,13 @@ fn a_full_tree_has_every_equal_neighbor() {
     for &cube in cubes.iter().filter(|cube| cube.side == 1) {
         for direction in Direction::ALL {
             let low = cube.low + direction.offset();
-            let expected = cubes.iter().find(|other| other.side == 1 && other.low == low);
-            assert_eq!(tree.neighbor(cube.node, direction), expected.map(|other| other.node));
+            let expected = cubes
+                .iter()
+                .find(|other| other.side == 1 && other.low == low);
+            assert_eq!(
+                tree.neighbor(cube.node, direction),
+                expected.map(|other| other.node)
+            );
         }
     }
 }
@@ -235,11 +248,16 @@ fn memory_is_flat_over_splitting_and_joining() {
     let mut memory = None;
     for round in 0..50_u32 {
         for turn in 0..40 {
-            let leaf = tree.leaves(NodeId::ROOT).nth((turn * 7 + round) as usize % tree.leaf_count());
+            let leaf = tree
+                .leaves(NodeId::ROOT)
+                .nth((turn * 7 + round) as usize % tree.leaf_count());
             tree.split(leaf.unwrap());
         }
         tree.join(NodeId::ROOT, drop);
         tree.assert_well_formed();
-        assert_eq!(*memory.get_or_insert(tree.memory_bytes()), tree.memory_bytes());
+        assert_eq!(
+            *memory.get_or_insert(tree.memory_bytes()),
+            tree.memory_bytes()
+        );
     }
 }

@@ -78,7 +78,9 @@ impl<T> Octree<T> {
     #[inline]
     #[must_use]
     pub fn child(&self, node: NodeId, octant: Vertex) -> Option<NodeId> {
-        self.node(node).first_child.map(|first| first.sibling(octant.bits()))
+        self.node(node)
+            .first_child
+            .map(|first| first.sibling(octant.bits()))
     }
 
     /// Returns the children in the order of [`Vertex::ALL`]; none of a leaf.
@@ -141,7 +143,10 @@ impl<T> Octree<T> {
     #[inline]
     #[must_use]
     pub fn data_pair_mut(&mut self, a: NodeId, b: NodeId) -> Option<(&mut T, &mut T)> {
-        debug_assert!(self.contains(a) && self.contains(b), "{a:?} or {b:?} was removed");
+        debug_assert!(
+            self.contains(a) && self.contains(b),
+            "{a:?} or {b:?} was removed"
+        );
         let [a, b] = self.nodes.get_disjoint_mut([a.index(), b.index()]).ok()?;
         Some((&mut a.data, &mut b.data))
     }
@@ -178,7 +183,8 @@ impl<T> Octree<T> {
     #[inline]
     #[must_use]
     pub const fn memory_bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<Node<T>>() + self.parents.capacity() * size_of::<Option<NodeId>>()
+        self.nodes.capacity() * size_of::<Node<T>>()
+            + self.parents.capacity() * size_of::<Option<NodeId>>()
     }
 
     /// The node after `node` in a depth-first walk of the subtree at `top`.
@@ -256,7 +262,10 @@ impl<T: Default> Octree<T> {
     #[inline]
     pub fn split(&mut self, node: NodeId) -> Children {
         debug_assert!(self.is_leaf(node), "{node:?} is split already");
-        let first = self.node(node).first_child.unwrap_or_else(|| self.attach_block(node));
+        let first = self
+            .node(node)
+            .first_child
+            .unwrap_or_else(|| self.attach_block(node));
         Children::new(Some(first))
     }
 
@@ -364,8 +373,13 @@ impl<T: Default> Octree<T> {
     /// parent.
     #[inline]
     fn detach_block(&mut self, child: NodeId) -> NodeId {
-        let parent = self.parents[child.block()].take().expect("a child has a parent");
-        let first = self.nodes[parent.index()].first_child.take().expect("a parent has children");
+        let parent = self.parents[child.block()]
+            .take()
+            .expect("a child has a parent");
+        let first = self.nodes[parent.index()]
+            .first_child
+            .take()
+            .expect("a parent has children");
         self.nodes[first.index()].first_child = self.free.replace(first);
         self.splits -= 1;
         parent

@@ -23,30 +23,45 @@ pub(super) fn add_systems(app: &mut App, schedule: InternedScheduleLabel) {
         schedule,
         (
             // Impacts on the way are answered as early as in the narrow phase.
-            (begin_to_mirror, read).chain().after(CollisionSystems::First).before(CollisionSystems::Motion),
-            write.after(CollisionSystems::Response).before(CollisionSystems::Report),
+            (begin_to_mirror, read)
+                .chain()
+                .after(CollisionSystems::First)
+                .before(CollisionSystems::Motion),
+            write
+                .after(CollisionSystems::Response)
+                .before(CollisionSystems::Report),
         ),
     )
     .add_observer(on_loss);
 }
 
-/// Who is mirrored, if it has a velocity of Rapier's: who takes part by its collider, whether it bounces or is bounced off,
-/// and who bounces.
+/// Who is mirrored, if it has a velocity of Rapier's: who takes part by its collider, whether it
+/// bounces or is bounced off, and who bounces.
 type TakesPart = Or<(With<ShapeFromRapier>, With<Bounce>)>;
 type WithoutMirror = (TakesPart, Without<Velocity>);
 
 fn begin_to_mirror(mut commands: Commands, bodies: Query<(Entity, Moved), WithoutMirror>) {
     for (entity, moved) in &bodies {
-        commands.entity(entity).try_insert((Velocity(velocity(moved)), Mirrored));
+        commands
+            .entity(entity)
+            .try_insert((Velocity(velocity(moved)), Mirrored));
     }
 }
 
-type Moved<'a> = (&'a RapierVelocity, Option<&'a RigidBody>, Has<RigidBodyDisabled>);
+type Moved<'a> = (
+    &'a RapierVelocity,
+    Option<&'a RigidBody>,
+    Has<RigidBodyDisabled>,
+);
 
 /// How fast Rapier moves a body: what it does not move is at rest, whatever velocity it was given.
 fn velocity((velocity, body, is_disabled): (&RapierVelocity, Option<&RigidBody>, bool)) -> Vec3 {
     let is_moved = !is_disabled && body.is_some_and(|body| *body != RigidBody::Fixed);
-    if is_moved { velocity.linear } else { Vec3::ZERO }
+    if is_moved {
+        velocity.linear
+    } else {
+        Vec3::ZERO
+    }
 }
 
 fn read(mut mirrored: Query<(Moved, &mut Velocity), With<Mirrored>>) {
@@ -66,15 +81,19 @@ fn write(mut mirrored: Query<(&Velocity, &mut RapierVelocity), Answered>) {
     }
 }
 
-/// The mirror goes the moment in which it is of no more use: without the velocity itself, or if the entity neither takes
-/// part by its collider nor bounces any more.
+/// The mirror goes the moment in which it is of no more use: without the velocity itself, or if the
+/// entity neither takes part by its collider nor bounces any more.
 fn on_loss(event: On<Remove, (RapierVelocity, ShapeFromRapier, Bounce)>, mut world: DeferredWorld) {
     if world.get::<Mirrored>(event.entity).is_some() {
-        world.commands().entity(event.entity).queue_silenced(|mut entity: EntityWorldMut| {
-            let takes_part = entity.contains::<ShapeFromRapier>() || entity.contains::<Bounce>();
-            if !(takes_part && entity.contains::<RapierVelocity>()) {
-                entity.remove::<(Velocity, Mirrored, MovedElsewhere)>();
-            }
-        });
+        world
+            .commands()
+            .entity(event.entity)
+            .queue_silenced(|mut entity: EntityWorldMut| {
+                let takes_part =
+                    entity.contains::<ShapeFromRapier>() || entity.contains::<Bounce>();
+                if !(takes_part && entity.contains::<RapierVelocity>()) {
+                    entity.remove::<(Velocity, Mirrored, MovedElsewhere)>();
+                }
+            });
     }
 }

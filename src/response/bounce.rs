@@ -4,39 +4,47 @@ use bevy::{math::DVec3, prelude::*};
 
 /// How an entity's [`Velocity`](crate::motion::Velocity) answers to contacts.
 ///
-/// This happens in the world: velocities of entities with a parent are taken there and back, through the whole hierarchy. One
-/// whose ancestors are scaled to nothing has no answer. Entities without this component pass through each other, and are only
-/// reported. Those that are [swept](crate::swept::Swept), and what they meet, answer at the time of impact.
+/// This happens in the world: velocities of entities with a parent are taken there and back,
+/// through the whole hierarchy. One whose ancestors are scaled to nothing has no answer. Entities
+/// without this component pass through each other, and are only reported. Those that are
+/// [swept](crate::swept::Swept), and what they meet, answer at the time of impact.
 #[doc(alias("restitution", "response"))]
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
 #[reflect(Component, Debug, Default, PartialEq)]
 pub enum Bounce {
-    /// The velocity is reversed, once per tick at most, however many contacts there are (Swan 1994, section 1.2).
+    /// The velocity is reversed, once per tick at most, however many contacts there are (Swan 1994,
+    /// section 1.2).
     ///
-    /// It is reversed in every tick in which there is a contact, so that objects which do not get out of each other
-    /// within one tick tremble in place: steps must be small against sizes, and starting positions free of overlap.
+    /// It is reversed in every tick in which there is a contact, so that objects which do not get
+    /// out of each other within one tick tremble in place: steps must be small against sizes, and
+    /// starting positions free of overlap.
     #[default]
     Reverse,
-    /// The velocity is reflected about the contact's normal, if the two approach each other: as between bodies of
-    /// equal mass if both reflect, and as from a wall otherwise. Contacts act one after the other, in the order of the
-    /// [`Contacts`](crate::contacts::Contacts).
+    /// The velocity is reflected about the contact's normal, if the two approach each other: as
+    /// between bodies of equal mass if both reflect, and as from a wall otherwise. Contacts act one
+    /// after the other, in the order of the [`Contacts`](crate::contacts::Contacts).
     ///
-    /// What has no `Bounce` is a wall that moves as its velocity says. One that is [reversed](Self::Reverse) is at rest to
-    /// what it comes towards. So bounces make no energy but by the walls that move.
+    /// What has no `Bounce` is a wall that moves as its velocity says. One that is
+    /// [reversed](Self::Reverse) is at rest to what it comes towards. So bounces make no energy but
+    /// by the walls that move.
     ///
-    /// Where two no more than touch, edge on edge, the normal is the one along which they approach the least: a box that
-    /// slides over a floor of flush boxes goes on over the seams.
+    /// Where two no more than touch, edge on edge, the normal is the one along which they approach
+    /// the least: a box that slides over a floor of flush boxes goes on over the seams.
     Reflect {
-        /// The share of the approaching speed that is given back: 0 slides along, 1 loses nothing. A number outside
-        /// 0 to 1 is taken as the nearest inside, and NaN as 0.
+        /// The share of the approaching speed that is given back: 0 slides along, 1 loses nothing.
+        /// A number outside 0 to 1 is taken as the nearest inside, and NaN as 0.
         restitution: f32,
     },
 }
 
 /// A restitution in its range; 0 for NaN.
 fn share(restitution: f32) -> f32 {
-    if restitution > 0.0 { restitution.min(1.0) } else { 0.0 }
+    if restitution > 0.0 {
+        restitution.min(1.0)
+    } else {
+        0.0
+    }
 }
 
 impl Bounce {
@@ -68,20 +76,30 @@ impl Party {
 
     /// The party after its velocity was reversed, if it is.
     fn turned_around(self) -> Option<Self> {
-        let turns = self.bounce == Some(Bounce::Reverse) && !self.reversed && self.velocity != self.drift;
-        turns.then(|| Self { velocity: 2.0 * self.drift - self.velocity, reversed: true, ..self })
+        let turns =
+            self.bounce == Some(Bounce::Reverse) && !self.reversed && self.velocity != self.drift;
+        turns.then(|| Self {
+            velocity: 2.0 * self.drift - self.velocity,
+            reversed: true,
+            ..self
+        })
     }
 
-    /// How fast it is to the other, which is in that direction. Who turns around has given nothing up, and so has nothing
-    /// to give: to what it comes towards, it is at rest.
+    /// How fast it is to the other, which is in that direction. Who turns around has given nothing
+    /// up, and so has nothing to give: to what it comes towards, it is at rest.
     fn as_a_wall(&self, towards_other: Vec3) -> Vec3 {
         let comes = (self.velocity - self.drift).dot(towards_other) > 0.0;
-        if self.bounce == Some(Bounce::Reverse) && comes { self.drift } else { self.velocity }
+        if self.bounce == Some(Bounce::Reverse) && comes {
+            self.drift
+        } else {
+            self.velocity
+        }
     }
 }
 
-/// The velocities in the world that a contact leaves two with; `None` for those that keep theirs. Who is reversed, is so
-/// before the other is reflected. Energy does not grow but by what those do that have no [`Bounce`], or hang on something.
+/// The velocities in the world that a contact leaves two with; `None` for those that keep theirs.
+/// Who is reversed, is so before the other is reflected. Energy does not grow but by what those do
+/// that have no [`Bounce`], or hang on something.
 pub(super) fn respond(parties: [Party; 2], normal: Vec3) -> [Option<Vec3>; 2] {
     let turned = parties.map(Party::turned_around);
     let now = [0, 1].map(|which| turned[which].unwrap_or(parties[which]));
@@ -99,11 +117,16 @@ pub(super) fn respond(parties: [Party; 2], normal: Vec3) -> [Option<Vec3>; 2] {
     after
 }
 
-/// How reflection changes the velocities of those with a restitution: that of the first the other way. `None` if nothing
-/// is reflected.
-fn reflection(restitutions: [Option<f32>; 2], velocities: [Vec3; 2], normal: Vec3) -> Option<DVec3> {
+/// How reflection changes the velocities of those with a restitution: that of the first the other
+/// way. `None` if nothing is reflected.
+fn reflection(
+    restitutions: [Option<f32>; 2],
+    velocities: [Vec3; 2],
+    normal: Vec3,
+) -> Option<DVec3> {
     let restitution = restitutions.into_iter().flatten().reduce(f32::min)?;
-    // In 64 bits, and with the normal's length as rounding left it: bounces by the thousand must not add up to anything.
+    // In 64 bits, and with the normal's length as rounding left it: bounces by the thousand must
+    // not add up to anything.
     let [a, b, normal] = [velocities[0], velocities[1], normal].map(Vec3::as_dvec3);
     let speed = (a - b).dot(normal);
     let sharers = restitutions.iter().flatten().count() as f64;

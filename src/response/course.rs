@@ -18,7 +18,8 @@ use crate::{
 enum Steering {
     /// Its velocity: a bounce changes its course, so many times yet in this tick.
     Own { bounces_left: u32 },
-    /// Something else, or nobody looks at it on the way: whatever becomes of its velocity, it keeps its course.
+    /// Something else, or nobody looks at it on the way: whatever becomes of its velocity, it keeps
+    /// its course.
     Foreign,
 }
 
@@ -66,21 +67,27 @@ impl Course {
         let (entity, moving) = (index.body(id)?.entity, index.moving(id)?);
         let of_world = world.get_entity(entity).ok()?;
         let parent = of_world.get::<ChildOf>().map(ChildOf::parent);
-        let frame = parent.map(|parent| Frame::of(parent, |ancestor| Ancestor::of(ancestor, world)));
-        let own = of_world.get::<Velocity>().map_or(Vec3::ZERO, |velocity| velocity.0);
+        let frame =
+            parent.map(|parent| Frame::of(parent, |ancestor| Ancestor::of(ancestor, world)));
+        let own = of_world
+            .get::<Velocity>()
+            .map_or(Vec3::ZERO, |velocity| velocity.0);
         // What cannot be told in its own space cannot change.
         let leads_back = frame.is_none_or(|frame| frame.leads_back());
         let party = Party {
             velocity: frame.map_or(own, |frame| frame.velocity_in_world(own)),
             drift: frame.map_or(Vec3::ZERO, |frame| frame.drift()),
-            bounce: of_world.get::<Bounce>().copied().filter(|_| leads_back && of_world.contains::<Velocity>()),
+            bounce: of_world
+                .get::<Bounce>()
+                .copied()
+                .filter(|_| leads_back && of_world.contains::<Velocity>()),
             reversed: false,
         };
         let swept = of_world.get::<Swept>();
         let steering = match swept {
-            Some(swept) if is_moved_by_velocity(of_world) && leads_back => {
-                Steering::Own { bounces_left: swept.sub_steps }
-            }
+            Some(swept) if is_moved_by_velocity(of_world) && leads_back => Steering::Own {
+                bounces_left: swept.sub_steps,
+            },
             _ => Steering::Foreign,
         };
         Some(Self {
@@ -103,12 +110,18 @@ impl Course {
 
     /// Its velocity in its own space, as the impacts have made it.
     pub(super) fn own_velocity(&self) -> Option<Vec3> {
-        self.frame.map_or(Some(self.party.velocity), |frame| frame.own_velocity(self.party.velocity))
+        self.frame.map_or(Some(self.party.velocity), |frame| {
+            frame.own_velocity(self.party.velocity)
+        })
     }
 
     /// Its velocity in the world, for as long as it moves.
     pub(super) fn velocity(&self) -> Vec3 {
-        if self.stays { Vec3::ZERO } else { self.party.velocity }
+        if self.stays {
+            Vec3::ZERO
+        } else {
+            self.party.velocity
+        }
     }
 
     /// Where it is after a share of the tick.
@@ -118,7 +131,9 @@ impl Course {
 
     /// Its way from then on, given that of the whole tick, from which it has its turns.
     pub(super) fn after<'a>(&self, time: f32, whole: &Moving<'a>) -> Moving<'a> {
-        whole.after(time).along(self.position(time), self.position(1.0))
+        whole
+            .after(time)
+            .along(self.position(time), self.position(1.0))
     }
 
     /// Is it on another way than at the start of the tick?
@@ -131,8 +146,8 @@ impl Course {
         !self.is_swept && self.version > 0
     }
 
-    /// Goes along with what it hangs on, the way of which changes by so much per tick, of so many seconds. What is not swept counts
-    /// for the whole tick as where it is at the end of it.
+    /// Goes along with what it hangs on, the way of which changes by so much per tick, of so many
+    /// seconds. What is not swept counts for the whole tick as where it is at the end of it.
     pub(super) fn carry(&mut self, change: Vec3, time: f32, seconds: f32) {
         let faster = change / seconds;
         if faster.is_finite() {
@@ -153,9 +168,14 @@ impl Course {
         self.party.bounce.is_some() && self.steering == Steering::Own { bounces_left: 0 }
     }
 
-    /// How it takes part in an impact. Who is spent keeps its velocity for the next tick; in this one, it is a wall at rest.
+    /// How it takes part in an impact. Who is spent keeps its velocity for the next tick; in this
+    /// one, it is a wall at rest.
     fn party(&self) -> Party {
-        if self.is_spent() { Party::default() } else { self.party }
+        if self.is_spent() {
+            Party::default()
+        } else {
+            self.party
+        }
     }
 
     /// Answers to an impact, given the velocity that it leaves the body with, if that changes.
@@ -170,7 +190,11 @@ impl Course {
     /// Stays where it is for what is left of the tick.
     fn stop(&mut self, time: f32) -> Turn {
         let stayed = std::mem::replace(&mut self.stays, true);
-        if stayed || self.way == Vec3::ZERO { Turn::Keeps } else { self.divert(time, Vec3::ZERO) }
+        if stayed || self.way == Vec3::ZERO {
+            Turn::Keeps
+        } else {
+            self.divert(time, Vec3::ZERO)
+        }
     }
 
     /// Goes by another velocity from now on, or would.
@@ -202,10 +226,18 @@ impl Course {
 }
 
 /// Two meet, with the normal from the first to the second: their velocities answer at once.
-pub(super) fn meet([a, b]: [&mut Course; 2], contact: &Contact, time: f32, seconds: f32) -> [Turn; 2] {
+pub(super) fn meet(
+    [a, b]: [&mut Course; 2],
+    contact: &Contact,
+    time: f32,
+    seconds: f32,
+) -> [Turn; 2] {
     if a.is_sensor || b.is_sensor || !approach([a.velocity(), b.velocity()], contact.normal) {
         return [Turn::Keeps; 2];
     }
     let answers = respond([a.party(), b.party()], contact.normal);
-    [a.answer(answers[0], time, seconds), b.answer(answers[1], time, seconds)]
+    [
+        a.answer(answers[0], time, seconds),
+        b.answer(answers[1], time, seconds),
+    ]
 }

@@ -16,8 +16,12 @@ use crate::{
     narrow_phase::{NarrowPhase, Workspace},
 };
 
-/// Contacts in which neither is a sensor, but for impacts on the way: these are answered when they happen.
-fn solid(contacts: &Contacts, sensors: &Query<(), With<Sensor>>) -> impl Iterator<Item = ContactPair> {
+/// Contacts in which neither is a sensor, but for impacts on the way: these are answered when they
+/// happen.
+fn solid(
+    contacts: &Contacts,
+    sensors: &Query<(), With<Sensor>>,
+) -> impl Iterator<Item = ContactPair> {
     let some_sensors = !sensors.is_empty();
     let is_sensor = move |entity| some_sensors && sensors.contains(entity);
     let is_solid = move |contact: &&ContactPair| {
@@ -60,26 +64,55 @@ pub(super) fn reflect(
     mut workspace: Local<Workspace>,
 ) {
     for contact in solid(&contacts, &sensors) {
-        let bounce = |entity| moving.get(entity).ok().and_then(|(_, bounce)| bounce.copied());
+        let bounce = |entity| {
+            moving
+                .get(entity)
+                .ok()
+                .and_then(|(_, bounce)| bounce.copied())
+        };
         let bounces = [contact.a, contact.b].map(bounce);
-        if bounces.iter().all(|bounce| bounce.and_then(Bounce::restitution).is_none()) {
+        if bounces
+            .iter()
+            .all(|bounce| bounce.and_then(Bounce::restitution).is_none())
+        {
             continue;
         }
-        let [Some(a), Some(b)] = [contact.pair.a, contact.pair.b].map(|id| index.body(id)) else { continue };
+        let [Some(a), Some(b)] = [contact.pair.a, contact.pair.b].map(|id| index.body(id)) else {
+            continue;
+        };
         let frames = [contact.a, contact.b].map(|entity| {
-            let parent = places.get(entity).ok().and_then(|(_, parent)| parent)?.parent();
-            let velocity = |entity| moving.get(entity).map_or(Vec3::ZERO, |(velocity, _)| velocity.0);
+            let parent = places
+                .get(entity)
+                .ok()
+                .and_then(|(_, parent)| parent)?
+                .parent();
+            let velocity = |entity| {
+                moving
+                    .get(entity)
+                    .map_or(Vec3::ZERO, |(velocity, _)| velocity.0)
+            };
             let look = |entity| {
                 let (transform, parent) = places.get(entity).ok()?;
                 let parent = parent.map(ChildOf::parent);
-                Some(Ancestor { transform: *transform, velocity: velocity(entity), parent })
+                Some(Ancestor {
+                    transform: *transform,
+                    velocity: velocity(entity),
+                    parent,
+                })
             };
             Some(Frame::of(parent, look))
         });
         let party = |which: usize, entity| {
-            let own = moving.get(entity).map_or(Vec3::ZERO, |(velocity, _)| velocity.0);
+            let own = moving
+                .get(entity)
+                .map_or(Vec3::ZERO, |(velocity, _)| velocity.0);
             // Who is reversed, has been.
-            let party = Party { velocity: own, bounce: bounces[which], reversed: true, ..default() };
+            let party = Party {
+                velocity: own,
+                bounce: bounces[which],
+                reversed: true,
+                ..default()
+            };
             frames[which].map_or(party, |frame| Party {
                 velocity: frame.velocity_in_world(own),
                 drift: frame.drift(),
@@ -92,10 +125,14 @@ pub(super) fn reflect(
         let way = parties[0].velocity - parties[1].velocity;
         let geometry = tests.contact_in_passing(placed[0], placed[1], |_| way, &mut workspace);
         let Some(geometry) = geometry else { continue };
-        for ((entity, frame), velocity) in
-            [contact.a, contact.b].into_iter().zip(frames).zip(respond(parties, geometry.normal))
+        for ((entity, frame), velocity) in [contact.a, contact.b]
+            .into_iter()
+            .zip(frames)
+            .zip(respond(parties, geometry.normal))
         {
-            let own = velocity.and_then(|velocity| frame.map_or(Some(velocity), |frame| frame.own_velocity(velocity)));
+            let own = velocity.and_then(|velocity| {
+                frame.map_or(Some(velocity), |frame| frame.own_velocity(velocity))
+            });
             if let (Some(own), Ok((mut velocity, _))) = (own, moving.get_mut(entity)) {
                 velocity.0 = own;
                 counters.tick.bounces += 1;

@@ -28,14 +28,16 @@ struct Meeting {
     met: TimedContact,
     /// How fast the two come nearer to each other, per tick.
     closing: f32,
-    /// How often each had changed course when this was found: it comes to nothing if one does so again.
+    /// How often each had changed course when this was found: it comes to nothing if one does so
+    /// again.
     versions: [u32; 2],
     /// Is neither on a way? Then they touch at the end of the tick, if nothing happens before.
     at_end: bool,
 }
 
-/// By time; where times are equal, those first that come nearer to each other the least, and then by pair. What slides into
-/// a corner, or falls a little while it slides, thus answers to what it is on before it answers to what it is up against.
+/// By time; where times are equal, those first that come nearer to each other the least, and then
+/// by pair. What slides into a corner, or falls a little while it slides, thus answers to what it
+/// is on before it answers to what it is up against.
 impl Ord for Meeting {
     fn cmp(&self, other: &Self) -> Ordering {
         self.met
@@ -63,14 +65,16 @@ impl Eq for Meeting {}
 
 /// The state of the search: meetings to come, and what has become of bodies so far.
 ///
-/// Bodies that changed course are in an index of their own, the N-objects octree, which follows one change as fast as
-/// there are few; all others are in the main index, with the boxes of their whole way.
+/// Bodies that changed course are in an index of their own, the N-objects octree, which follows one
+/// change as fast as there are few; all others are in the main index, with the boxes of their whole
+/// way.
 #[derive(Debug)]
 pub(super) struct Resolver {
     courses: HashMap<ProxyId, Course>,
     to_come: BinaryHeap<Reverse<Meeting>>,
     happened: Vec<SweptContact>,
-    /// What those touch, at the end of the tick, that are on no way, and are elsewhere than they would have been.
+    /// What those touch, at the end of the tick, that are on no way, and are elsewhere than they
+    /// would have been.
     at_end: Vec<(Pair, Contact)>,
     /// Those who change course at an impact.
     turned: Vec<ProxyId>,
@@ -89,7 +93,9 @@ impl Default for Resolver {
             happened: Vec::new(),
             at_end: Vec::new(),
             turned: Vec::new(),
-            diverted: SpatialIndex::new(&BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::default())),
+            diverted: SpatialIndex::new(&BroadPhaseMethod::ObjectOctree(
+                ObjectOctreeSettings::default(),
+            )),
             diverted_ids: Vec::new(),
             candidates: Vec::new(),
             workspace: Workspace::default(),
@@ -97,16 +103,31 @@ impl Default for Resolver {
     }
 }
 
-/// Goes through the impacts of a tick: each may change the course of the two that meet, and so what they meet after it.
-/// Meetings that thereby come to nothing are no contacts; those that come of it are.
+/// Goes through the impacts of a tick: each may change the course of the two that meet, and so what
+/// they meet after it. Meetings that thereby come to nothing are no contacts; those that come of it
+/// are.
 pub(super) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) {
     let resolver = &mut *resolver;
     let time = world.get_resource::<Time>().copied();
-    let seconds = world.resource::<MotionSettings>().step.seconds(time.as_ref()).unwrap_or(0.0);
-    resolver.begin(world.resource::<Verdicts>(), world.resource::<CollisionIndex>());
-    // Meetings are found for those who changed course, and nobody does so more often than its sub-steps say, plus once.
+    let seconds = world
+        .resource::<MotionSettings>()
+        .step
+        .seconds(time.as_ref())
+        .unwrap_or(0.0);
+    resolver.begin(
+        world.resource::<Verdicts>(),
+        world.resource::<CollisionIndex>(),
+    );
+    // Meetings are found for those who changed course, and nobody does so more often than its
+    // sub-steps say, plus once.
     while let Some(Reverse(meeting)) = resolver.to_come.pop() {
-        let Meeting { pair, met, versions, at_end, .. } = meeting;
+        let Meeting {
+            pair,
+            met,
+            versions,
+            at_end,
+            ..
+        } = meeting;
         if [pair.a, pair.b].map(|id| resolver.version(id)) != versions {
             continue;
         }
@@ -126,21 +147,41 @@ pub(super) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) 
         }
         resolver.look_ahead(world, met.time);
     }
-    world.resource_scope(|world, mut outcomes: Mut<Outcomes>| outcomes.note(resolver.courses.values(), world));
-    let displaced = resolver.courses.iter().filter(|(_, course)| course.is_displaced()).map(|(id, _)| *id);
+    world.resource_scope(|world, mut outcomes: Mut<Outcomes>| {
+        outcomes.note(resolver.courses.values(), world)
+    });
+    let displaced = resolver
+        .courses
+        .iter()
+        .filter(|(_, course)| course.is_displaced())
+        .map(|(id, _)| *id);
     let mut verdicts = world.resource_mut::<Verdicts>();
-    verdicts.replace_impacts(resolver.happened.drain(..), displaced, resolver.at_end.drain(..));
+    verdicts.replace_impacts(
+        resolver.happened.drain(..),
+        displaced,
+        resolver.at_end.drain(..),
+    );
     resolver.end();
 }
 
 impl Resolver {
     fn begin(&mut self, verdicts: &Verdicts, index: &CollisionIndex) {
-        debug_assert!(self.courses.is_empty() && self.to_come.is_empty(), "nothing is left of the last tick");
+        debug_assert!(
+            self.courses.is_empty() && self.to_come.is_empty(),
+            "nothing is left of the last tick"
+        );
         let meeting = |&SweptContact { pair, met }: &SweptContact| {
             let closing = closing(&index.moving(pair.a)?, &index.moving(pair.b)?, &met);
-            Some(Reverse(Meeting { pair, met, closing, versions: [0; 2], at_end: false }))
+            Some(Reverse(Meeting {
+                pair,
+                met,
+                closing,
+                versions: [0; 2],
+                at_end: false,
+            }))
         };
-        self.to_come.extend(verdicts.impacts().iter().filter_map(meeting));
+        self.to_come
+            .extend(verdicts.impacts().iter().filter_map(meeting));
     }
 
     /// How often a body has changed course.
@@ -150,7 +191,11 @@ impl Resolver {
 
     /// Has the two that meet answer.
     fn answer(&mut self, world: &World, meeting: &Meeting, seconds: f32) -> [Turn; 2] {
-        let Meeting { pair, met: TimedContact { time, contact }, .. } = *meeting;
+        let Meeting {
+            pair,
+            met: TimedContact { time, contact },
+            ..
+        } = *meeting;
         if !(self.know(pair.a, world) && self.know(pair.b, world)) {
             return [Turn::Keeps; 2];
         }
@@ -162,22 +207,38 @@ impl Resolver {
         }
     }
 
-    /// The normal that counts for the velocities of the two: what is left of their ways may be too short to tell.
+    /// The normal that counts for the velocities of the two: what is left of their ways may be too
+    /// short to tell.
     fn normal(&mut self, index: &CollisionIndex, meeting: &Meeting, tests: &NarrowPhase) -> Vec3 {
-        let Meeting { pair, met: TimedContact { time, contact }, .. } = *meeting;
+        let Meeting {
+            pair,
+            met: TimedContact { time, contact },
+            ..
+        } = *meeting;
         let moving = [pair.a, pair.b].map(|id| self.moving(index, id, time));
-        let velocities = [pair.a, pair.b].map(|id| self.courses.get(&id).map_or(Vec3::ZERO, Course::velocity));
-        let [Some(a), Some(b)] = moving else { return contact.normal };
+        let velocities =
+            [pair.a, pair.b].map(|id| self.courses.get(&id).map_or(Vec3::ZERO, Course::velocity));
+        let [Some(a), Some(b)] = moving else {
+            return contact.normal;
+        };
         let (at_a, at_b) = (a.at(0.0), b.at(0.0));
         let placed = [Placed::new(a.shape(), &at_a), Placed::new(b.shape(), &at_b)];
         let velocity = velocities[0] - velocities[1];
-        tests.normal_in_passing(placed[0], placed[1], contact.normal, velocity, &mut self.workspace)
+        tests.normal_in_passing(
+            placed[0],
+            placed[1],
+            contact.normal,
+            velocity,
+            &mut self.workspace,
+        )
     }
 
     /// Begins to follow a body, unless that was done. False if it is gone.
     fn know(&mut self, id: ProxyId, world: &World) -> bool {
         if !self.courses.contains_key(&id) {
-            let Some(course) = Course::of(id, world) else { return false };
+            let Some(course) = Course::of(id, world) else {
+                return false;
+            };
             self.courses.insert(id, course);
         }
         true
@@ -188,7 +249,9 @@ impl Resolver {
         let children = |entity| world.get::<Children>(entity).into_iter().flatten().copied();
         let mut open: Vec<_> = children(entity).collect();
         while let Some(child) = open.pop() {
-            let id = world.get::<BroadPhaseProxy>(child).and_then(BroadPhaseProxy::id);
+            let id = world
+                .get::<BroadPhaseProxy>(child)
+                .and_then(BroadPhaseProxy::id);
             if let Some(id) = id.filter(|id| self.know(*id, world))
                 && let Some(course) = self.courses.get_mut(&id)
             {
@@ -209,7 +272,8 @@ impl Resolver {
         }
         self.diverted.update();
         for (index, id) in turned.iter().enumerate() {
-            // Those before it have looked at all that is on its way, and so at this one: a pair is sought once.
+            // Those before it have looked at all that is on its way, and so at this one: a pair is
+            // sought once.
             self.seek(world.resource(), *id, &turned[..index], &mut candidates);
             self.meet_all(world, *id, time, &tests, &mut candidates);
         }
@@ -219,16 +283,29 @@ impl Resolver {
 
     /// Files a body that changed course under the box of what is left of its way.
     fn file(&mut self, id: ProxyId, index: &CollisionIndex, time: f32, tests: &NarrowPhase) {
-        let Some(aabb) = self.moving(index, id, time).and_then(|moving| tests.swept_aabb(&moving).ok()) else { return };
-        let Some(course) = self.courses.get_mut(&id) else { return };
+        let Some(aabb) = self
+            .moving(index, id, time)
+            .and_then(|moving| tests.swept_aabb(&moving).ok())
+        else {
+            return;
+        };
+        let Some(course) = self.courses.get_mut(&id) else {
+            return;
+        };
         match course.diverted {
             // Boxes that are refused came from nothing finite.
             Some(handle) => {
-                debug_assert_eq!(self.diverted_ids[handle.index()], id, "a handle is that of one body");
+                debug_assert_eq!(
+                    self.diverted_ids[handle.index()],
+                    id,
+                    "a handle is that of one body"
+                );
                 let _ = self.diverted.set(handle, &aabb);
             }
             None => {
-                let Ok(handle) = self.diverted.insert(aabb) else { return };
+                let Ok(handle) = self.diverted.insert(aabb) else {
+                    return;
+                };
                 course.diverted = Some(handle);
                 if self.diverted_ids.len() <= handle.index() {
                     self.diverted_ids.resize(handle.index() + 1, id);
@@ -238,11 +315,19 @@ impl Resolver {
         }
     }
 
-    /// Who may be met by a body that is [filed](Self::file), `except` for some: those on a new course by that, all others by
-    /// their whole way.
-    fn seek(&self, index: &CollisionIndex, id: ProxyId, except: &[ProxyId], candidates: &mut Vec<ProxyId>) {
+    /// Who may be met by a body that is [filed](Self::file), `except` for some: those on a new
+    /// course by that, all others by their whole way.
+    fn seek(
+        &self,
+        index: &CollisionIndex,
+        id: ProxyId,
+        except: &[ProxyId],
+        candidates: &mut Vec<ProxyId>,
+    ) {
         let handle = self.courses.get(&id).and_then(|course| course.diverted);
-        let Some(&aabb) = handle.and_then(|handle| self.diverted.proxies().get(handle)) else { return };
+        let Some(&aabb) = handle.and_then(|handle| self.diverted.proxies().get(handle)) else {
+            return;
+        };
         let proxies = index.index().proxies();
         let mut consider = |other: ProxyId| {
             if other != id && !except.contains(&other) && proxies.admits(id, other) {
@@ -250,14 +335,22 @@ impl Resolver {
             }
         };
         index.index().for_each_overlapping(&aabb, |other| {
-            if self.courses.get(&other).is_none_or(|course| course.diverted.is_none()) {
+            if self
+                .courses
+                .get(&other)
+                .is_none_or(|course| course.diverted.is_none())
+            {
                 consider(other);
             }
         });
-        self.diverted.for_each_overlapping(&aabb, |other| consider(self.diverted_ids[other.index()]));
+        self.diverted
+            .for_each_overlapping(&aabb, |other| consider(self.diverted_ids[other.index()]));
         // Other than the order in which they are found, that of handles depends on no index.
         candidates.sort_unstable();
-        debug_assert!(candidates.is_sorted_by(|a, b| a < b), "each is in one of the two");
+        debug_assert!(
+            candidates.is_sorted_by(|a, b| a < b),
+            "each is in one of the two"
+        );
     }
 
     /// Takes note of when a body meets these, from a moment on, if lists and hooks let it.
@@ -287,29 +380,64 @@ impl Resolver {
     /// The way of a body from a moment on.
     fn moving<'a>(&self, index: &'a CollisionIndex, id: ProxyId, time: f32) -> Option<Moving<'a>> {
         let whole = index.moving(id)?;
-        Some(self.courses.get(&id).map_or_else(|| whole.after(time), |course| course.after(time, &whole)))
+        Some(
+            self.courses
+                .get(&id)
+                .map_or_else(|| whole.after(time), |course| course.after(time, &whole)),
+        )
     }
 
     /// When and how two meet, from a moment on.
-    fn meeting(&mut self, index: &CollisionIndex, pair: Pair, from: f32, tests: &NarrowPhase) -> Option<Meeting> {
-        let (a, b) = (self.moving(index, pair.a, from)?, self.moving(index, pair.b, from)?);
+    fn meeting(
+        &mut self,
+        index: &CollisionIndex,
+        pair: Pair,
+        from: f32,
+        tests: &NarrowPhase,
+    ) -> Option<Meeting> {
+        let (a, b) = (
+            self.moving(index, pair.a, from)?,
+            self.moving(index, pair.b, from)?,
+        );
         let versions = [pair.a, pair.b].map(|id| self.version(id));
-        if [pair.a, pair.b].iter().any(|id| self.is_on_its_way(index, *id)) {
+        if [pair.a, pair.b]
+            .iter()
+            .any(|id| self.is_on_its_way(index, *id))
+        {
             let met = tests.time_of_impact(&a, &b, &mut self.workspace)?;
             // The ways are those of what is left of the tick.
             let left = (1.0 - from).max(f32::MIN_POSITIVE);
             let closing = closing(&a, &b, &met) / left;
-            return Some(Meeting { pair, met: met.after(from), closing, versions, at_end: false });
+            return Some(Meeting {
+                pair,
+                met: met.after(from),
+                closing,
+                versions,
+                at_end: false,
+            });
         }
         let (at_a, at_b) = (a.at(1.0), b.at(1.0));
         let (a, b) = (Placed::new(a.shape(), &at_a), Placed::new(b.shape(), &at_b));
-        let met = TimedContact { time: 1.0, contact: tests.contact(a, b, &mut self.workspace)? };
-        Some(Meeting { pair, met, closing: 0.0, versions, at_end: true })
+        let met = TimedContact {
+            time: 1.0,
+            contact: tests.contact(a, b, &mut self.workspace)?,
+        };
+        Some(Meeting {
+            pair,
+            met,
+            closing: 0.0,
+            versions,
+            at_end: true,
+        })
     }
 
     /// Forgets all of it.
     fn end(&mut self) {
-        for handle in self.courses.drain().filter_map(|(_, course)| course.diverted) {
+        for handle in self
+            .courses
+            .drain()
+            .filter_map(|(_, course)| course.diverted)
+        {
             self.diverted.remove(handle);
         }
         self.diverted.update();

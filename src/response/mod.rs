@@ -31,10 +31,19 @@ impl Plugin for BouncePlugin {
             let some_impacts = |verdicts: Res<Verdicts>| !verdicts.impacts().is_empty();
             let some_outcomes = |outcomes: Res<Outcomes>| !outcomes.is_empty();
             // What was not applied in its tick comes too late.
-            let clear = clear_outcomes.after(CollisionSystems::BroadPhase).before(CollisionSystems::NarrowPhase);
-            let resolve = resolve_impacts.in_set(ImpactSystems).run_if(some_impacts).run_if(something_bounces);
+            let clear = clear_outcomes
+                .after(CollisionSystems::BroadPhase)
+                .before(CollisionSystems::NarrowPhase);
+            let resolve = resolve_impacts
+                .in_set(ImpactSystems)
+                .run_if(some_impacts)
+                .run_if(something_bounces);
             let at_rest = (reverse, reflect).chain().run_if(something_bounces);
-            let answer = (apply_outcomes.run_if(some_outcomes), at_rest, clear_outcomes.run_if(some_outcomes));
+            let answer = (
+                apply_outcomes.run_if(some_outcomes),
+                at_rest,
+                clear_outcomes.run_if(some_outcomes),
+            );
             let answer = answer.chain().in_set(CollisionSystems::Response);
             app.add_systems(schedule, (clear.run_if(some_outcomes), resolve, answer));
         });

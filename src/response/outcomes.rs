@@ -41,10 +41,19 @@ impl Outcome {
     fn of(course: &Course, to_own: impl FnOnce(Vec3) -> Option<Vec3>) -> Self {
         let in_world = (course.version > 0).then(|| course.position(1.0));
         let position = in_world.and_then(|in_world| {
-            let own = if course.has_turned { Some(to_own(in_world)?) } else { None };
+            let own = if course.has_turned {
+                Some(to_own(in_world)?)
+            } else {
+                None
+            };
             Some(Position { in_world, own })
         });
-        Self { entity: course.entity, velocity: course.own_velocity(), bounces: course.bounces, position }
+        Self {
+            entity: course.entity,
+            velocity: course.own_velocity(),
+            bounces: course.bounces,
+            position,
+        }
     }
 }
 
@@ -55,7 +64,9 @@ impl Outcomes {
 
     /// Has the velocity of this entity answered to an impact in this tick?
     pub(super) fn has_bounced(&self, entity: Entity) -> bool {
-        self.bodies.binary_search_by_key(&entity, |body| body.entity).is_ok_and(|index| self.bodies[index].bounces > 0)
+        self.bodies
+            .binary_search_by_key(&entity, |body| body.entity)
+            .is_ok_and(|index| self.bodies[index].bounces > 0)
     }
 
     /// Takes note of what has become of all who met something.
@@ -80,13 +91,19 @@ impl Outcomes {
                 let parent = world.get::<ChildOf>(course.entity)?.parent();
                 let look = |entity| {
                     let mut ancestor = Ancestor::of(entity, world)?;
-                    ancestor.transform.translation =
-                        positions.get(&entity).copied().unwrap_or(ancestor.transform.translation);
+                    ancestor.transform.translation = positions
+                        .get(&entity)
+                        .copied()
+                        .unwrap_or(ancestor.transform.translation);
                     Some(ancestor)
                 };
                 Frame::of(parent, look).own_position(in_world)
             });
-            positions.extend(outcome.position.and_then(|position| Some((course.entity, position.own?))));
+            positions.extend(
+                outcome
+                    .position
+                    .and_then(|position| Some((course.entity, position.own?))),
+            );
             self.bodies.push(outcome);
         }
         self.bodies.sort_unstable_by_key(|body| body.entity);
@@ -103,7 +120,9 @@ pub(super) fn apply_outcomes(
 ) {
     for outcome in &outcomes.bodies {
         // It may be gone.
-        let Ok((velocity, mut transform, mut proxy)) = bodies.get_mut(outcome.entity) else { continue };
+        let Ok((velocity, mut transform, mut proxy)) = bodies.get_mut(outcome.entity) else {
+            continue;
+        };
         if outcome.bounces > 0
             && let (Some(mut velocity), Some(answer)) = (velocity, outcome.velocity)
         {
@@ -121,7 +140,11 @@ pub(super) fn apply_outcomes(
             index.put(id, &pose, &tests);
         }
     }
-    if outcomes.bodies.iter().any(|outcome| outcome.position.is_some()) {
+    if outcomes
+        .bodies
+        .iter()
+        .any(|outcome| outcome.position.is_some())
+    {
         index.settle();
     }
 }

@@ -12,7 +12,8 @@ use super::{description::SceneDescription, error::SceneError};
 /// Teaches Bevy's asset system to load a [`SceneDescription`] from a file named `*.scene.ron`.
 ///
 /// It may come before `AssetPlugin` or after it: if before, it is at work once all plugins are
-/// [finished](App::finish). Does nothing in an app without an [`AssetServer`], which can call [`SceneDescription::load`].
+/// [finished](App::finish). Does nothing in an app without an [`AssetServer`], which can call
+/// [`SceneDescription::load`].
 ///
 /// ```
 /// use bevy::{asset::AssetPlugin, prelude::*};
@@ -43,7 +44,8 @@ fn register(app: &mut App) -> bool {
         return false;
     }
     if !app.world().contains_resource::<Assets<SceneDescription>>() {
-        app.init_asset::<SceneDescription>().register_asset_loader(SceneLoader);
+        app.init_asset::<SceneDescription>()
+            .register_asset_loader(SceneLoader);
     }
     true
 }
@@ -65,11 +67,14 @@ impl AssetLoader for SceneLoader {
         context: &mut LoadContext<'_>,
     ) -> Result<SceneDescription, SceneError> {
         let path = context.path().path();
-        let unreadable = |source| SceneError::Read { path: path.to_owned(), source };
+        let unreadable = |source| SceneError::Read {
+            path: path.to_owned(),
+            source,
+        };
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await.map_err(unreadable)?;
-        let text =
-            str::from_utf8(&bytes).map_err(|error| unreadable(io::Error::new(io::ErrorKind::InvalidData, error)))?;
+        let text = str::from_utf8(&bytes)
+            .map_err(|error| unreadable(io::Error::new(io::ErrorKind::InvalidData, error)))?;
         SceneDescription::parse_from(text, &path.display().to_string())
     }
 

@@ -7,9 +7,9 @@ use std::io;
 use serde::Serialize;
 use thiserror::Error;
 
-/// Collects the contacts of an animation tick by tick, and tells the animator which objects collide and when, so that
-/// nobody has to go through the clip frame by frame (Swan, *Fast Collision Detection with an N-Objects Octree*, 1994,
-/// section 1.1).
+/// Collects the contacts of an animation tick by tick, and tells the animator which objects collide
+/// and when, so that nobody has to go through the clip frame by frame (Swan, *Fast Collision
+/// Detection with an N-Objects Octree*, 1994, section 1.1).
 ///
 /// Memory grows with the number of contacts, not with how long they last.
 ///
@@ -38,8 +38,8 @@ use thiserror::Error;
 ///
 /// With the feature `reports`, it is written to files.
 ///
-/// Rows of pairs come in the order of their first contact, then of their names; rows of ticks in the order of the ticks,
-/// then of the names. Within a pair, `a` sorts before `b`.
+/// Rows of pairs come in the order of their first contact, then of their names; rows of ticks in
+/// the order of the ticks, then of the names. Within a pair, `a` sorts before `b`.
 ///
 /// | | a row for each | columns or fields |
 /// |---|---|---|
@@ -95,7 +95,8 @@ impl CollisionReport {
     ///
     /// # Errors
     ///
-    /// [`TickOutOfOrder`] if `tick` is not later than the tick before. The report stays as it is then.
+    /// [`TickOutOfOrder`] if `tick` is not later than the tick before. The report stays as it is
+    /// then.
     pub fn record<A: AsRef<str>, B: AsRef<str>>(
         &mut self,
         tick: u64,
@@ -137,12 +138,17 @@ impl CollisionReport {
         pairs
     }
 
-    /// Returns each tick that had contacts, in order, with the pairs that touched, in the order of names.
+    /// Returns each tick that had contacts, in order, with the pairs that touched, in the order of
+    /// names.
     pub fn ticks(&self) -> impl Iterator<Item = (u64, Vec<(&str, &str)>)> {
         let pairs = self.pairs();
         let mut starts: Vec<_> = pairs
             .iter()
-            .flat_map(|pair| pair.intervals.iter().map(|&(first, last)| (first, last, pair.a, pair.b)))
+            .flat_map(|pair| {
+                pair.intervals
+                    .iter()
+                    .map(|&(first, last)| (first, last, pair.a, pair.b))
+            })
             .collect();
         starts.sort_unstable();
         let mut starts = starts.into_iter().peekable();
@@ -185,10 +191,24 @@ impl CollisionReport {
     /// Those of the writer.
     pub fn write_csv(&self, writer: impl io::Write) -> io::Result<()> {
         let mut csv = csv::Writer::from_writer(writer);
-        csv.write_record(["a", "b", "first_contact", "last_contact", "ticks", "contacts"])?;
+        csv.write_record([
+            "a",
+            "b",
+            "first_contact",
+            "last_contact",
+            "ticks",
+            "contacts",
+        ])?;
         for pair in self.pairs() {
             let (first, last) = (pair.first_contact, pair.last_contact);
-            csv.serialize((pair.a, pair.b, first, last, pair.ticks, pair.intervals.len()))?;
+            csv.serialize((
+                pair.a,
+                pair.b,
+                first,
+                last,
+                pair.ticks,
+                pair.intervals.len(),
+            ))?;
         }
         csv.flush()
     }

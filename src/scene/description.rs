@@ -33,8 +33,8 @@ pub struct SceneDescription {
 #[reflect(Debug, PartialEq)]
 #[type_path = "bevy_octree"]
 pub enum Content {
-    /// The two planes of cubes of a test set, named `left_0`, `left_1`, … and `right_0`, `right_1`, …, from the centre
-    /// outward; opposite cubes have the same number.
+    /// The two planes of cubes of a test set, named `left_0`, `left_1`, … and `right_0`, `right_1`,
+    /// …, from the centre outward; opposite cubes have the same number.
     TestSet(TestSet),
     /// Objects one by one.
     Objects(Vec<ObjectDescription>),
@@ -44,8 +44,8 @@ pub enum Content {
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Debug, PartialEq)]
 #[type_path = "bevy_octree"]
-// Derives inherent functions, which the trait implementations below wrap: reading checks the object while the reader
-// still knows the line.
+// Derives inherent functions, which the trait implementations below wrap: reading checks the object
+// while the reader still knows the line.
 #[serde(deny_unknown_fields, remote = "Self")]
 pub struct ObjectDescription {
     /// The name, unique in the scene; `object_` and the index if there is none.
@@ -90,12 +90,16 @@ fn default_scale() -> Vec3 {
 }
 
 impl SceneDescription {
-    /// The default of [`ticks_per_second`](Self::ticks_per_second), which is also Bevy's default fixed timestep.
+    /// The default of [`ticks_per_second`](Self::ticks_per_second), which is also Bevy's default
+    /// fixed timestep.
     pub const TICKS_PER_SECOND: f64 = 64.0;
 
     /// Returns a scene of objects.
     #[must_use]
-    pub fn new(name: impl Into<String>, objects: impl IntoIterator<Item = ObjectDescription>) -> Self {
+    pub fn new(
+        name: impl Into<String>,
+        objects: impl IntoIterator<Item = ObjectDescription>,
+    ) -> Self {
         Self {
             name: name.into(),
             ticks_per_second: Self::TICKS_PER_SECOND,
@@ -122,10 +126,18 @@ impl SceneDescription {
             let name = object.name_at(index);
             if let Err(problem) = object.check() {
                 let name = name.into_owned();
-                return Err(SceneProblem::Object { index, name, problem });
+                return Err(SceneProblem::Object {
+                    index,
+                    name,
+                    problem,
+                });
             }
             if let Some(first) = indices.insert(name.clone(), index) {
-                return Err(SceneProblem::SameName { first, second: index, name: name.into_owned() });
+                return Err(SceneProblem::SameName {
+                    first,
+                    second: index,
+                    name: name.into_owned(),
+                });
             }
         }
         Ok(())
@@ -135,8 +147,8 @@ impl SceneDescription {
     ///
     /// # Errors
     ///
-    /// [`SceneProblem::TicksPerSecond`] if a tick would last less than a nanosecond, longer than a [`Duration`] can, or
-    /// a negative time.
+    /// [`SceneProblem::TicksPerSecond`] if a tick would last less than a nanosecond, longer than a
+    /// [`Duration`] can, or a negative time.
     pub fn tick_length(&self) -> Result<Duration, SceneProblem> {
         Duration::try_from_secs_f64(self.ticks_per_second.recip())
             .ok()
@@ -180,7 +192,11 @@ pub(super) fn register(app: &mut App) {
 impl From<TestSet> for SceneDescription {
     /// The scene of a test set, under the report's name for it.
     fn from(set: TestSet) -> Self {
-        Self { name: set.name(), ticks_per_second: Self::TICKS_PER_SECOND, content: Content::TestSet(set) }
+        Self {
+            name: set.name(),
+            ticks_per_second: Self::TICKS_PER_SECOND,
+            content: Content::TestSet(set),
+        }
     }
 }
 
@@ -188,7 +204,14 @@ impl ObjectDescription {
     /// Returns an unnamed object at rest at the origin.
     #[must_use]
     pub fn new(shape: ShapeDescription) -> Self {
-        Self { name: None, shape, position: Vec3::ZERO, rotation: Vec3::ZERO, scale: Vec3::ONE, motion: Motion::Static }
+        Self {
+            name: None,
+            shape,
+            position: Vec3::ZERO,
+            rotation: Vec3::ZERO,
+            scale: Vec3::ONE,
+            motion: Motion::Static,
+        }
     }
 
     /// Returns its name, given that it is the scene's object number `index`, from 0.
@@ -225,9 +248,12 @@ impl ObjectDescription {
             Motion::Velocity(velocity) => velocity,
             Motion::Static | Motion::Track(_) => Vec3::ZERO,
         };
-        for (field, value) in
-            [("position", self.position), ("rotation", self.rotation), ("scale", self.scale), ("velocity", velocity)]
-        {
+        for (field, value) in [
+            ("position", self.position),
+            ("rotation", self.rotation),
+            ("scale", self.scale),
+            ("velocity", velocity),
+        ] {
             if !value.is_finite() {
                 return Err(ObjectProblem::NotFinite { field, value });
             }

@@ -12,7 +12,8 @@ impl SceneDescription {
     ///
     /// # Errors
     ///
-    /// [`SceneError::Parse`] if `text` is not a scene, [`SceneError::Invalid`] if it is an invalid one.
+    /// [`SceneError::Parse`] if `text` is not a scene, [`SceneError::Invalid`] if it is an invalid
+    /// one.
     pub fn parse(text: &str) -> Result<Self, SceneError> {
         Self::parse_from(text, "scene text")
     }
@@ -21,10 +22,14 @@ impl SceneDescription {
     ///
     /// # Errors
     ///
-    /// As [`SceneDescription::parse`], naming the file; [`SceneError::Read`] if the file is missing or not UTF-8.
+    /// As [`SceneDescription::parse`], naming the file; [`SceneError::Read`] if the file is missing
+    /// or not UTF-8.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         let path = path.as_ref();
-        let text = fs::read_to_string(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
+        let text = fs::read_to_string(path).map_err(|source| SceneError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
         Self::parse_from(&text, &path.display().to_string())
     }
 
@@ -36,11 +41,21 @@ impl SceneDescription {
             let (line, column) = place(text, error.span);
             let mut message = error.code.to_string();
             if let Some(variant) = spelled_twice(text, line, column) {
-                message += &format!("; what is in `{variant}(…)` takes no name and no brackets of its own");
+                message += &format!(
+                    "; what is in `{variant}(…)` takes no name and no brackets of its own"
+                );
             }
-            SceneError::Parse { origin: origin.to_owned(), line, column, message }
+            SceneError::Parse {
+                origin: origin.to_owned(),
+                line,
+                column,
+                message,
+            }
         })?;
-        scene.validate().map_err(|problem| SceneError::Invalid { origin: origin.to_owned(), problem })?;
+        scene.validate().map_err(|problem| SceneError::Invalid {
+            origin: origin.to_owned(),
+            problem,
+        })?;
         Ok(scene)
     }
 
@@ -63,17 +78,21 @@ impl SceneDescription {
         let path = path.as_ref();
         let text = self.to_ron().map_err(io::Error::other);
         text.and_then(|text| fs::write(path, text))
-            .map_err(|source| SceneError::Write { path: path.to_owned(), source })
+            .map_err(|source| SceneError::Write {
+                path: path.to_owned(),
+                source,
+            })
     }
 }
 
 /// How scene files are read and written.
 fn ron_options() -> ron::Options {
-    ron::Options::default().with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME)
+    ron::Options::default()
+        .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME)
 }
 
-/// The variant, if what is at a place is its content in the brackets, or under the name, that standard RON has for a
-/// newtype: `Velocity((1, 0, 0))`, `TestSet(TestSet(rings: 3))`.
+/// The variant, if what is at a place is its content in the brackets, or under the name, that
+/// standard RON has for a newtype: `Velocity((1, 0, 0))`, `TestSet(TestSet(rings: 3))`.
 fn spelled_twice(text: &str, line: usize, column: usize) -> Option<&str> {
     let line = text.lines().nth(line.checked_sub(1)?)?;
     let place = line.char_indices().nth(column.checked_sub(1)?)?.0;
@@ -86,11 +105,19 @@ fn spelled_twice(text: &str, line: usize, column: usize) -> Option<&str> {
     (is_variant && at.trim_start_matches(is_name).trim_start().starts_with('(')).then_some(variant)
 }
 
-/// The line and column of the offending token: RON's span begins at the blanks and comments before it.
+/// The line and column of the offending token: RON's span begins at the blanks and comments before
+/// it.
 fn place(text: &str, span: Span) -> (usize, usize) {
-    let mut lines = text.lines().enumerate().skip(span.start.line.saturating_sub(1));
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .skip(span.start.line.saturating_sub(1));
     let token = lines.find_map(|(index, line)| {
-        let first = if index + 1 == span.start.line { span.start.col.saturating_sub(1) } else { 0 };
+        let first = if index + 1 == span.start.line {
+            span.start.col.saturating_sub(1)
+        } else {
+            0
+        };
         let code = line.split("//").next()?;
         let blanks = code.chars().skip(first).position(|c| !c.is_whitespace())?;
         Some((index + 1, first + blanks + 1))

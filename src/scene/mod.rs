@@ -1,15 +1,17 @@
 //! Scenes: which objects there are, where they start, and how they move.
 //!
-//! A [`SceneDescription`] is plain data. It is written by hand in a scene file, generated from a [`TestSet`] (the two
-//! planes of cubes of Swan, *Fast Collision Detection with an N-Objects Octree*, 1994, section 3.1), or put together in
-//! code; [`SceneDescription::spawn`] turns it into entities. A [`CollisionReport`] tells which of them touched, and when.
+//! A [`SceneDescription`] is plain data. It is written by hand in a scene file, generated from a
+//! [`TestSet`] (the two planes of cubes of Swan, *Fast Collision Detection with an N-Objects
+//! Octree*, 1994, section 3.1), or put together in code; [`SceneDescription::spawn`] turns it into
+//! entities. A [`CollisionReport`] tells which of them touched, and when.
 //!
 //! # Scene files
 //!
 //! With the feature `scene_files`, scenes are read from files and written to them.
 //!
-//! Scene files are [RON](https://docs.rs/ron) with the extensions `unwrap_variant_newtypes` and `implicit_some` switched
-//! on, and are named `*.scene.ron`. Fields not listed in the file take the default given here; unknown fields are errors.
+//! Scene files are [RON](https://docs.rs/ron) with the extensions `unwrap_variant_newtypes` and
+//! `implicit_some` switched on, and are named `*.scene.ron`. Fields not listed in the file take the
+//! default given here; unknown fields are errors.
 //!
 //! | field of the scene | type | default |
 //! |---|---|---|
@@ -28,9 +30,9 @@
 //! | `scale` | `(x, y, z)`, no component 0 | `(1, 1, 1)` |
 //! | `motion` | `Static`, `Velocity(x, y, z)` in units per second, or `Track(keyframes: [(tick, (x, y, z)), …])` | `Static` |
 //!
-//! The rotation turns about the object's own x axis first, then its own y, then its own z ([`EulerRot::XYZ`]).
-//! A track may also set `interpolation` (`Linear`, `Step`, `Smooth`, `Ease(QuadraticInOut)`, …) and `outside` (`Hold`, `Loop`); see
-//! [`PositionTrack`].
+//! The rotation turns about the object's own x axis first, then its own y, then its own z
+//! ([`EulerRot::XYZ`]). A track may also set `interpolation` (`Linear`, `Step`, `Smooth`,
+//! `Ease(QuadraticInOut)`, …) and `outside` (`Hold`, `Loop`); see [`PositionTrack`].
 //!
 //! ```
 //! use bevy_octree::scene::SceneDescription;

@@ -32,7 +32,8 @@ pub enum ShapeDescription {
     Mesh {
         /// The corners.
         vertices: Vec<Vec3>,
-        /// Each face, a convex polygon, as the indices of its corners, counter-clockwise seen from outside.
+        /// Each face, a convex polygon, as the indices of its corners, counter-clockwise seen from
+        /// outside.
         polygons: Vec<Vec<u32>>,
     },
 }
@@ -42,7 +43,8 @@ impl ShapeDescription {
     ///
     /// # Errors
     ///
-    /// Those of [`Shape::try_from_half_size`], [`Shape::try_sphere`], [`Shape::convex`] and [`Shape::mesh`].
+    /// Those of [`Shape::try_from_half_size`], [`Shape::try_sphere`], [`Shape::convex`] and
+    /// [`Shape::mesh`].
     pub fn build(&self) -> Result<Shape, ShapeError> {
         match self {
             Self::Cuboid { half_size } => Shape::try_from_half_size(*half_size),

@@ -14,19 +14,24 @@ type Body = (Name, Transform, CollisionShape);
 impl SceneDescription {
     /// Spawns an entity for each object, and returns them in the order of the objects.
     ///
-    /// Each gets a [`Name`], a [`Transform`], a [`CollisionShape`], and what makes it move: a [`Velocity`] and a
-    /// [`Bounce`], a [`PositionTrack`](crate::motion::PositionTrack), or neither.
+    /// Each gets a [`Name`], a [`Transform`], a [`CollisionShape`], and what makes it move: a
+    /// [`Velocity`] and a [`Bounce`], a [`PositionTrack`](crate::motion::PositionTrack), or
+    /// neither.
     ///
     /// # Errors
     ///
-    /// [`SceneError::Invalid`] if the scene is invalid or one of its shapes cannot be built. Nothing is spawned then.
+    /// [`SceneError::Invalid`] if the scene is invalid or one of its shapes cannot be built.
+    /// Nothing is spawned then.
     pub fn spawn(&self, commands: &mut Commands) -> Result<Vec<Entity>, SceneError> {
-        let objects = self
-            .build()
-            .map_err(|problem| SceneError::Invalid { origin: format!("scene \"{}\"", self.name), problem })?;
+        let objects = self.build().map_err(|problem| SceneError::Invalid {
+            origin: format!("scene \"{}\"", self.name),
+            problem,
+        })?;
         let entities = objects.into_iter().map(|(body, motion)| match motion {
             Motion::Static => commands.spawn(body).id(),
-            Motion::Velocity(velocity) => commands.spawn((body, Velocity(velocity), Bounce::default())).id(),
+            Motion::Velocity(velocity) => commands
+                .spawn((body, Velocity(velocity), Bounce::default()))
+                .id(),
             Motion::Track(track) => commands.spawn((body, track)).id(),
         });
         Ok(entities.collect())
@@ -35,7 +40,9 @@ impl SceneDescription {
     fn build(&self) -> Result<Vec<(Body, Motion)>, SceneProblem> {
         self.validate()?;
         let objects = self.objects().enumerate();
-        objects.map(|(index, object)| object.into_owned().build(index)).collect()
+        objects
+            .map(|(index, object)| object.into_owned().build(index))
+            .collect()
     }
 }
 
@@ -47,7 +54,11 @@ impl ObjectDescription {
                 let body = (Name::new(name), self.transform(), shape.into());
                 Ok((body, self.motion))
             }
-            Err(problem) => Err(SceneProblem::Object { index, name, problem: problem.into() }),
+            Err(problem) => Err(SceneProblem::Object {
+                index,
+                name,
+                problem: problem.into(),
+            }),
         }
     }
 }

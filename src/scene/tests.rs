@@ -64,7 +64,9 @@ fn every_field_is_read() {
                 },
                 ObjectDescription {
                     motion: Motion::Track(track),
-                    ..ObjectDescription::new(ShapeDescription::Cuboid { half_size: Vec3::ONE })
+                    ..ObjectDescription::new(ShapeDescription::Cuboid {
+                        half_size: Vec3::ONE,
+                    })
                 },
             ],
         )
@@ -85,7 +87,11 @@ fn what_is_written_reads_back() {
     let scene = SceneDescription::new(
         "text with \"quotes\"\n",
         [
-            ObjectDescription { name: Some("a".into()), motion: Motion::Track(track), ..ObjectDescription::new(mesh) },
+            ObjectDescription {
+                name: Some("a".into()),
+                motion: Motion::Track(track),
+                ..ObjectDescription::new(mesh)
+            },
             ObjectDescription {
                 position: Vec3::new(0.1, 1e-30, -1e30),
                 motion: Motion::Velocity(Vec3::X),
@@ -104,18 +110,54 @@ fn bad_texts_name_the_place_and_what_was_expected() {
     let bad = [
         (String::new(), "scene text:1:1: ", "Expected"),
         ("(name: \"x\"".into(), "scene text:1:9: ", "Expected comma"),
-        ("(name: \"x\")".into(), "scene text:1:11: ", "missing field named `content`"),
+        (
+            "(name: \"x\")".into(),
+            "scene text:1:11: ",
+            "missing field named `content`",
+        ),
         ("(name: 5)".into(), "scene text:1:8: ", "Expected string"),
-        ("(name: \"x\",\n content: Cubes(3))".into(), "scene text:2:11: ", "expected either `TestSet` or `Objects`"),
-        ("(name: \"x\",\n content: TestSet(rings: -1))".into(), "scene text:2:27: ", "out of bounds"),
-        ("(name: \"x\",\n content: // 3 objects\n  7)".into(), "scene text:3:3: ", "identifier \"7\""),
+        (
+            "(name: \"x\",\n content: Cubes(3))".into(),
+            "scene text:2:11: ",
+            "expected either `TestSet` or `Objects`",
+        ),
+        (
+            "(name: \"x\",\n content: TestSet(rings: -1))".into(),
+            "scene text:2:27: ",
+            "out of bounds",
+        ),
+        (
+            "(name: \"x\",\n content: // 3 objects\n  7)".into(),
+            "scene text:3:3: ",
+            "identifier \"7\"",
+        ),
         (object("mass: 3"), "scene text:2:30: ", "field named `mass`"),
         (object("position: (1, 2)"), "scene text:2:", "Expected"),
-        (object("position: (1, NaN, 2)"), "scene text:2:", "position is [1, NaN, 2], expected finite"),
-        (object("scale: (1, 0, 1)"), "scene text:2:", "expected no component to be 0"),
-        (object("motion: Velocity(inf, 0, 0)"), "scene text:2:", "velocity is [inf, 0, 0], expected finite"),
-        (object("motion: Fall"), "scene text:2:", "expected one of `Static`, `Velocity`, or `Track`"),
-        (object("motion: Track(keyframes: [])"), "scene text:2:", "no keyframes, expected at least one"),
+        (
+            object("position: (1, NaN, 2)"),
+            "scene text:2:",
+            "position is [1, NaN, 2], expected finite",
+        ),
+        (
+            object("scale: (1, 0, 1)"),
+            "scene text:2:",
+            "expected no component to be 0",
+        ),
+        (
+            object("motion: Velocity(inf, 0, 0)"),
+            "scene text:2:",
+            "velocity is [inf, 0, 0], expected finite",
+        ),
+        (
+            object("motion: Fall"),
+            "scene text:2:",
+            "expected one of `Static`, `Velocity`, or `Track`",
+        ),
+        (
+            object("motion: Track(keyframes: [])"),
+            "scene text:2:",
+            "no keyframes, expected at least one",
+        ),
         (
             object("motion: Track(keyframes: [(0, (0, 0, 0)),\n (0, (1, 0, 0))])"),
             "scene text:3:",
@@ -131,7 +173,10 @@ fn bad_texts_name_the_place_and_what_was_expected() {
         let error = SceneDescription::parse(&text).unwrap_err();
         assert!(matches!(error, SceneError::Parse { .. }), "{error:?}");
         let message = error.to_string();
-        assert!(message.starts_with(place) && message.contains(expected), "{text}\n{message}");
+        assert!(
+            message.starts_with(place) && message.contains(expected),
+            "{text}\n{message}"
+        );
     }
 }
 
@@ -143,7 +188,10 @@ fn a_newtype_that_is_spelled_twice_is_told_how_to_be_spelled() {
         (object("motion: Velocity((1, 0, 0))"), "Velocity"),
         (object("motion: Velocity( (1, 0, 0) )"), "Velocity"),
         (object(&format!("motion: Track(({track}))")), "Track"),
-        (object(&format!("motion: Track(PositionTrack({track}))")), "Track"),
+        (
+            object(&format!("motion: Track(PositionTrack({track}))")),
+            "Track",
+        ),
         (test_set("TestSet((rings: 3))"), "TestSet"),
         (test_set("TestSet(TestSet(rings: 3))"), "TestSet"),
     ] {
@@ -151,44 +199,90 @@ fn a_newtype_that_is_spelled_twice_is_told_how_to_be_spelled() {
         let hint = format!("what is in `{variant}(…)` takes no name and no brackets of its own");
         assert!(message.ends_with(&hint), "{text}\n{message}");
     }
-    for text in [object("motion: Velocity(x, 0, 0)"), test_set("TestSet(ring: 3)"), object("position: ((1, 0, 0))")] {
+    for text in [
+        object("motion: Velocity(x, 0, 0)"),
+        test_set("TestSet(ring: 3)"),
+        object("position: ((1, 0, 0))"),
+    ] {
         let message = SceneDescription::parse(&text).unwrap_err().to_string();
-        assert!(!message.contains("brackets of its own"), "{text}\n{message}");
+        assert!(
+            !message.contains("brackets of its own"),
+            "{text}\n{message}"
+        );
     }
 }
 
 #[test]
 fn a_byte_order_mark_is_passed_over() {
     let text = SceneDescription::from(TestSet::new(2)).to_ron().unwrap();
-    assert_eq!(SceneDescription::parse(&format!("\u{feff}{text}")).unwrap(), TestSet::new(2).into());
+    assert_eq!(
+        SceneDescription::parse(&format!("\u{feff}{text}")).unwrap(),
+        TestSet::new(2).into()
+    );
     let error = SceneDescription::parse("\u{feff}(name: 5)").unwrap_err();
-    assert!(error.to_string().starts_with("scene text:1:8: Expected string"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .starts_with("scene text:1:8: Expected string"),
+        "{error}"
+    );
 }
 
 #[test]
 fn bad_shapes_name_the_place_and_what_was_expected() {
     let bad = [
-        ("Cuboid(half_size: (1, -1, 1))", "must be finite and not negative, got [1, -1, 1]"),
-        ("Sphere(radius: -1)", "must be finite and not negative, got -1"),
-        ("Sphere(radius: NaN)", "must be finite and not negative, got NaN"),
+        (
+            "Cuboid(half_size: (1, -1, 1))",
+            "must be finite and not negative, got [1, -1, 1]",
+        ),
+        (
+            "Sphere(radius: -1)",
+            "must be finite and not negative, got -1",
+        ),
+        (
+            "Sphere(radius: NaN)",
+            "must be finite and not negative, got NaN",
+        ),
         ("Sphere(diameter: 1)", "field named `diameter`"),
-        ("Capsule(radius: 1)", "expected one of `Cuboid`, `Sphere`, `Convex`, or `Mesh`"),
-        ("Mesh(vertices: [(0, 0, 0)], polygons: [])", "needs at least one polygon"),
-        ("Convex(vertices: [(0, inf, 0)], polygons: [[0, 0, 0]])", "vertex 0 is not finite: [0, inf, 0]"),
-        ("Mesh(vertices: [(0, 0, 0)], polygons: [[0, 0]])", "polygon 0 has 2 corners, but needs at least 3"),
-        ("Mesh(vertices: [(0, 0, 0)], polygons: [[0, 0, 1]])", "polygon 0 names vertex 1, but there are only 1"),
+        (
+            "Capsule(radius: 1)",
+            "expected one of `Cuboid`, `Sphere`, `Convex`, or `Mesh`",
+        ),
+        (
+            "Mesh(vertices: [(0, 0, 0)], polygons: [])",
+            "needs at least one polygon",
+        ),
+        (
+            "Convex(vertices: [(0, inf, 0)], polygons: [[0, 0, 0]])",
+            "vertex 0 is not finite: [0, inf, 0]",
+        ),
+        (
+            "Mesh(vertices: [(0, 0, 0)], polygons: [[0, 0]])",
+            "polygon 0 has 2 corners, but needs at least 3",
+        ),
+        (
+            "Mesh(vertices: [(0, 0, 0)], polygons: [[0, 0, 1]])",
+            "polygon 0 names vertex 1, but there are only 1",
+        ),
     ];
     for (shape, expected) in bad {
-        let text = format!("(name: \"x\", content: Objects([\n  (name: \"box\", shape: {shape}),\n]))");
+        let text =
+            format!("(name: \"x\", content: Objects([\n  (name: \"box\", shape: {shape}),\n]))");
         let message = SceneDescription::parse(&text).unwrap_err().to_string();
-        assert!(message.starts_with("scene text:2:") && message.contains(expected), "{message}");
+        assert!(
+            message.starts_with("scene text:2:") && message.contains(expected),
+            "{message}"
+        );
     }
 }
 
 #[test]
 fn invalid_scenes_say_why() {
     let bad = [
-        ("(name: \"x\", content: Objects([]))", "scene text: the scene has no objects, expected at least one"),
+        (
+            "(name: \"x\", content: Objects([]))",
+            "scene text: the scene has no objects, expected at least one",
+        ),
         (
             "(name: \"x\", ticks_per_second: 0, content: TestSet(rings: 1))",
             "scene text: ticks_per_second is 0, expected a positive number",
@@ -220,8 +314,13 @@ fn invalid_scenes_say_why() {
 #[test]
 fn scenes_built_in_code_name_the_object() {
     let ball = ObjectDescription::new(ShapeDescription::Sphere { radius: 1.0 });
-    let bad = ObjectDescription { rotation: Vec3::NAN, ..ball.clone() };
-    let problem = SceneDescription::new("x", [ball, bad]).validate().unwrap_err();
+    let bad = ObjectDescription {
+        rotation: Vec3::NAN,
+        ..ball.clone()
+    };
+    let problem = SceneDescription::new("x", [ball, bad])
+        .validate()
+        .unwrap_err();
     let expected = "object 1 (\"object_1\"): rotation is [NaN, NaN, NaN], expected finite numbers";
     assert_eq!(problem.to_string(), expected);
 }
@@ -234,15 +333,28 @@ fn files_are_named_in_errors() {
 
     let error = SceneDescription::load(&file).unwrap_err();
     assert!(matches!(&error, SceneError::Read { path, .. } if *path == file));
-    assert!(error.to_string().starts_with(&format!("{}: cannot read", file.display())));
+    assert!(
+        error
+            .to_string()
+            .starts_with(&format!("{}: cannot read", file.display()))
+    );
 
     std::fs::write(&file, "(\n  name: \"x\",\n  contents: [],\n)").unwrap();
     let message = SceneDescription::load(&file).unwrap_err().to_string();
-    assert!(message.starts_with(&format!("{}:3:3: ", file.display())), "{message}");
-    assert!(message.contains("`contents`") && message.contains("`content`"), "{message}");
+    assert!(
+        message.starts_with(&format!("{}:3:3: ", file.display())),
+        "{message}"
+    );
+    assert!(
+        message.contains("`contents`") && message.contains("`content`"),
+        "{message}"
+    );
 
     std::fs::write(&file, b"(name: \"\xff\")").unwrap();
-    assert!(matches!(SceneDescription::load(&file), Err(SceneError::Read { .. })));
+    assert!(matches!(
+        SceneDescription::load(&file),
+        Err(SceneError::Read { .. })
+    ));
 
     let scene = SceneDescription::from(TestSet::new(2));
     scene.save(&file).unwrap();
@@ -284,7 +396,15 @@ fn every_asset_loads_under_its_name() {
         }
     }
     names.sort();
-    let expected = ["clip", "figures_5_7", "mixed_shapes", "t0", "t1", "t10", "t3"];
+    let expected = [
+        "clip",
+        "figures_5_7",
+        "mixed_shapes",
+        "t0",
+        "t1",
+        "t10",
+        "t3",
+    ];
     assert_eq!(names, expected);
 }
 
@@ -306,13 +426,20 @@ fn half_extents(object: &ObjectDescription) -> Vec3 {
 
 /// How many nodes an N-objects octree with N = 2 has, by the definition.
 fn node_count(min: Vec3, size: f32, boxes: &[(Vec3, Vec3)]) -> usize {
-    let inside: Vec<_> =
-        boxes.iter().filter(|(low, high)| high.cmpge(min).all() && low.cmplt(min + size).all()).copied().collect();
+    let inside: Vec<_> = boxes
+        .iter()
+        .filter(|(low, high)| high.cmpge(min).all() && low.cmplt(min + size).all())
+        .copied()
+        .collect();
     if inside.len() <= 2 {
         return 1;
     }
     let octants = (0..8).map(|octant| {
-        let corner = Vec3::new((octant & 1) as f32, (octant >> 1 & 1) as f32, (octant >> 2) as f32);
+        let corner = Vec3::new(
+            (octant & 1) as f32,
+            (octant >> 1 & 1) as f32,
+            (octant >> 2) as f32,
+        );
         node_count(min + corner * size * 0.5, size * 0.5, &inside)
     });
     1 + octants.sum::<usize>()
@@ -322,7 +449,9 @@ fn node_count(min: Vec3, size: f32, boxes: &[(Vec3, Vec3)]) -> usize {
 fn figures_5_7_split_and_merge() {
     let scene = asset("figures_5_7");
     let objects: Vec<_> = scene.objects().map(Cow::into_owned).collect();
-    let mut expected = [(0, 9), (19, 9), (20, 73), (26, 73), (32, 73), (33, 9)].into_iter().peekable();
+    let mut expected = [(0, 9), (19, 9), (20, 73), (26, 73), (32, 73), (33, 9)]
+        .into_iter()
+        .peekable();
     let mut positions: Vec<_> = objects.iter().map(|object| object.position).collect();
     let mut direction = 1.0;
     for tick in 0..=33 {
@@ -333,7 +462,11 @@ fn figures_5_7_split_and_merge() {
             .collect();
         if expected.peek().is_some_and(|&(next, _)| next == tick) {
             let (_, nodes) = expected.next().unwrap();
-            assert_eq!(node_count(Vec3::splat(-3.0), 6.0, &boxes), nodes, "tick {tick}");
+            assert_eq!(
+                node_count(Vec3::splat(-3.0), 6.0, &boxes),
+                nodes,
+                "tick {tick}"
+            );
         }
         let [left, centre, right] = boxes[..] else {
             panic!("three objects");
@@ -355,7 +488,9 @@ fn figures_5_7_split_and_merge() {
 /// The intervals of ticks within which the boxes of two objects overlap.
 fn overlaps(scene: &SceneDescription, a: &str, b: &str, end: u64) -> Vec<(u64, u64)> {
     let find = |name: &str| {
-        let object = scene.objects().find(|object| object.name.as_deref() == Some(name));
+        let object = scene
+            .objects()
+            .find(|object| object.name.as_deref() == Some(name));
         object.unwrap().into_owned()
     };
     let (a, b) = (find(a), find(b));
@@ -388,15 +523,30 @@ fn clip_touches_as_it_says() {
             assert_eq!(times(untouched, other), [], "{untouched} and {other}");
         }
     }
-    for (a, b) in [("arm", "bay_wall"), ("satellite", "floor"), ("floor", "bay_wall")] {
+    for (a, b) in [
+        ("arm", "bay_wall"),
+        ("satellite", "floor"),
+        ("floor", "bay_wall"),
+    ] {
         assert_eq!(times(a, b), [], "{a} and {b}");
     }
 }
 
 #[test]
 fn mixed_shapes_has_one_of_each() {
-    let shapes: Vec<_> = asset("mixed_shapes").objects().map(|object| object.shape.build().unwrap()).collect();
-    assert!(matches!(shapes[..], [Shape::Mesh(_), Shape::Convex(_), Shape::Sphere { .. }, Shape::Cuboid { .. }]));
+    let shapes: Vec<_> = asset("mixed_shapes")
+        .objects()
+        .map(|object| object.shape.build().unwrap())
+        .collect();
+    assert!(matches!(
+        shapes[..],
+        [
+            Shape::Mesh(_),
+            Shape::Convex(_),
+            Shape::Sphere { .. },
+            Shape::Cuboid { .. }
+        ]
+    ));
 }
 
 #[test]

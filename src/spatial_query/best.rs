@@ -2,8 +2,8 @@
 
 use crate::broad_phase::{Hit, ProxyId};
 
-/// The nearest answer so far, kept while the index looks for the nearest object, by the index's own rule: of several as far
-/// away, that of the lowest handle.
+/// The nearest answer so far, kept while the index looks for the nearest object, by the index's own
+/// rule: of several as far away, that of the lowest handle.
 pub(super) struct Best<T> {
     limit: f32,
     found: Option<(ProxyId, T)>,
@@ -22,7 +22,8 @@ impl<T> Best<T> {
 
     /// Keeps an answer, if it is the best so far. Returns its distance then, for the index.
     pub(super) fn offer(&mut self, id: ProxyId, distance: f32, answer: T) -> Option<f32> {
-        let is_as_near = distance == self.limit && self.found.as_ref().is_none_or(|(best, _)| id < *best);
+        let is_as_near =
+            distance == self.limit && self.found.as_ref().is_none_or(|(best, _)| id < *best);
         let is_better = distance < self.limit || is_as_near;
         if is_better {
             (self.limit, self.found) = (distance, Some((id, answer)));
@@ -32,7 +33,11 @@ impl<T> Best<T> {
 
     /// The answer about the object that the index has found to be nearest.
     pub(super) fn answer(self, nearest: Option<ProxyId>) -> Option<T> {
-        debug_assert_eq!(nearest, self.found.as_ref().map(|(id, _)| *id), "the index goes by the same rule");
+        debug_assert_eq!(
+            nearest,
+            self.found.as_ref().map(|(id, _)| *id),
+            "the index goes by the same rule"
+        );
         self.found.map(|(_, answer)| answer)
     }
 }
@@ -55,7 +60,8 @@ impl<'a, T> BestFew<'a, T> {
     /// Keeps an answer, if it is one of the best so far.
     pub(super) fn offer(&mut self, hit: Hit, answer: T) {
         if hit.distance <= self.limit {
-            let is_before = |(other, _): &(Hit, T)| (other.distance, other.proxy) < (hit.distance, hit.proxy);
+            let is_before =
+                |(other, _): &(Hit, T)| (other.distance, other.proxy) < (hit.distance, hit.proxy);
             let index = self.found.partition_point(is_before);
             if index < self.k {
                 self.found.truncate(self.k - 1);

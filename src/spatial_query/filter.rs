@@ -6,8 +6,8 @@ use bevy::{ecs::entity::EntityHashSet, prelude::*};
 
 use crate::{broad_phase::PairFilter, filters::LayerMask, worlds};
 
-/// Says which entities a query sees: all of the default world, unless told otherwise. Borrows what it is told, so that it
-/// costs nothing to make and to copy.
+/// Says which entities a query sees: all of the default world, unless told otherwise. Borrows what
+/// it is told, so that it costs nothing to make and to copy.
 ///
 /// Begin with [`DEFAULT`](Self::DEFAULT), or `default()`, and refine it:
 ///
@@ -49,23 +49,37 @@ impl Default for SpatialQueryFilter<'_> {
 type Predicate<'a> = &'a (dyn Fn(Entity) -> bool + Sync);
 
 impl<'a> SpatialQueryFilter<'a> {
-    /// The filter that lets all entities pass that are in no [`CollisionWorld`](crate::worlds::CollisionWorld), and so in the default world.
-    pub const DEFAULT: Self =
-        Self { world: Some(PairFilter::DEFAULT_WORLD), layers: None, except: None, excluded: None, predicate: None };
+    /// The filter that lets all entities pass that are in no
+    /// [`CollisionWorld`](crate::worlds::CollisionWorld), and so in the default world.
+    pub const DEFAULT: Self = Self {
+        world: Some(PairFilter::DEFAULT_WORLD),
+        layers: None,
+        except: None,
+        excluded: None,
+        predicate: None,
+    };
 
-    /// Lets those pass that are [in this world](crate::worlds::InCollisionWorld), instead of the default one.
+    /// Lets those pass that are [in this world](crate::worlds::InCollisionWorld), instead of the
+    /// default one.
     #[must_use]
     pub const fn in_world(self, world: Entity) -> Self {
-        Self { world: Some(worlds::number(world)), ..self }
+        Self {
+            world: Some(worlds::number(world)),
+            ..self
+        }
     }
 
     /// Lets those of all worlds pass, the default one included.
     #[must_use]
     pub const fn in_any_world(self) -> Self {
-        Self { world: None, ..self }
+        Self {
+            world: None,
+            ..self
+        }
     }
 
-    /// Lets only those pass that are on one of these layers: by default, an entity is on the first. Replaces earlier layers.
+    /// Lets only those pass that are on one of these layers: by default, an entity is on the first.
+    /// Replaces earlier layers.
     ///
     /// ```
     /// # use bevy_octree::prelude::*;
@@ -76,21 +90,30 @@ impl<'a> SpatialQueryFilter<'a> {
     #[must_use]
     #[doc(alias("layer mask", "from_mask"))]
     pub fn on(self, layers: impl Into<LayerMask>) -> Self {
-        Self { layers: Some(layers.into()), ..self }
+        Self {
+            layers: Some(layers.into()),
+            ..self
+        }
     }
 
-    /// Leaves out one entity: the one that asks, most of the time. Replaces an earlier one; for several, see
-    /// [`excluding`](Self::excluding).
+    /// Leaves out one entity: the one that asks, most of the time. Replaces an earlier one; for
+    /// several, see [`excluding`](Self::excluding).
     #[must_use]
     #[doc(alias("exclude", "ignore"))]
     pub const fn except(self, entity: Entity) -> Self {
-        Self { except: Some(entity), ..self }
+        Self {
+            except: Some(entity),
+            ..self
+        }
     }
 
     /// Leaves out the entities of a set. Replaces an earlier set.
     #[must_use]
     pub const fn excluding(self, entities: &'a EntityHashSet) -> Self {
-        Self { excluded: Some(entities), ..self }
+        Self {
+            excluded: Some(entities),
+            ..self
+        }
     }
 
     /// Lets only those pass for which `predicate` holds. Replaces an earlier predicate.
@@ -98,16 +121,24 @@ impl<'a> SpatialQueryFilter<'a> {
     /// It is asked before the exact tests, about no more entities than these would look at.
     #[must_use]
     pub const fn only(self, predicate: &'a (dyn Fn(Entity) -> bool + Sync)) -> Self {
-        Self { predicate: Some(predicate), ..self }
+        Self {
+            predicate: Some(predicate),
+            ..self
+        }
     }
 
-    /// Returns `true` if an entity passes that the broad phase knows as `object`. The cheapest questions come first.
+    /// Returns `true` if an entity passes that the broad phase knows as `object`. The cheapest
+    /// questions come first.
     #[must_use]
     pub fn accepts(&self, entity: Entity, object: &PairFilter) -> bool {
         self.world.is_none_or(|world| world == object.world)
-            && self.layers.is_none_or(|layers| layers.0 & object.memberships != 0)
+            && self
+                .layers
+                .is_none_or(|layers| layers.0 & object.memberships != 0)
             && self.except != Some(entity)
-            && self.excluded.is_none_or(|excluded| !excluded.contains(&entity))
+            && self
+                .excluded
+                .is_none_or(|excluded| !excluded.contains(&entity))
             && self.predicate.is_none_or(|predicate| predicate(entity))
     }
 }

@@ -5,13 +5,15 @@ use bevy::prelude::*;
 use crate::{bounds, filters, maintenance, swept};
 
 /// Computes the boxes of all entities that changed, and takes them up in the
-/// [`CollisionIndex`](crate::collision_index::CollisionIndex), now: entities spawned, moved, reshaped, reparented or put
-/// on other layers since the last tick are where they are from then on. No time passes, nothing moves, and no contact starts or ends: that is
-/// left to the next tick, whose results are the same with and without.
+/// [`CollisionIndex`](crate::collision_index::CollisionIndex), now: entities spawned, moved,
+/// reshaped, reparented or put on other layers since the last tick are where they are from then on.
+/// No time passes, nothing moves, and no contact starts or ends: that is left to the next tick,
+/// whose results are the same with and without.
 ///
-/// That holds at any moment, in the middle of a tick too, and however often. Only what is moved between the sets
-/// [`Maintenance`](crate::CollisionSystems::Maintenance) and [`NarrowPhase`](crate::CollisionSystems::NarrowPhase) is then
-/// looked at by the exact tests of that very tick where it is by now.
+/// That holds at any moment, in the middle of a tick too, and however often. Only what is moved
+/// between the sets [`Maintenance`](crate::CollisionSystems::Maintenance) and
+/// [`NarrowPhase`](crate::CollisionSystems::NarrowPhase) is then looked at by the exact tests of
+/// that very tick where it is by now.
 ///
 /// A system, a command, or a function to call:
 ///
@@ -34,10 +36,16 @@ use crate::{bounds, filters, maintenance, swept};
 /// app.update();
 /// ```
 ///
-/// Costs as much as the sets `Bounds` and `Maintenance` of a tick, linear in the entities that changed; the next tick
-/// then searches anew for all pairs, those of resting entities included. Does nothing without the plugins.
+/// Costs as much as the sets `Bounds` and `Maintenance` of a tick, linear in the entities that
+/// changed; the next tick then searches anew for all pairs, those of resting entities included.
+/// Does nothing without the plugins.
 pub fn update_spatial_index(world: &mut World) {
-    let stages = [bounds::refresh, swept::refresh, filters::refresh, maintenance::refresh];
+    let stages = [
+        bounds::refresh,
+        swept::refresh,
+        filters::refresh,
+        maintenance::refresh,
+    ];
     if let Err(error) = stages.into_iter().try_for_each(|refresh| refresh(world)) {
         tracing::warn!("the spatial index could not be brought up to date: {error}");
     }

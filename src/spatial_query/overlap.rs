@@ -20,9 +20,10 @@ use crate::{
 
 /// # What is in a part of space
 ///
-/// Each question comes in two forms. `for_each_…` calls `found` with each entity once, in no particular order; it may return
-/// a [`ControlFlow`](std::ops::ControlFlow) to stop. The plural fills a vector with all of them, by ascending [`Entity`];
-/// they replace what is in it, and it is yours to use again.
+/// Each question comes in two forms. `for_each_…` calls `found` with each entity once, in no
+/// particular order; it may return a [`ControlFlow`](std::ops::ControlFlow) to stop. The plural
+/// fills a vector with all of them, by ascending [`Entity`]; they replace what is in it, and it is
+/// yours to use again.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -40,7 +41,8 @@ use crate::{
 /// # bevy::ecs::system::assert_is_system(crowd);
 /// ```
 impl SpatialQuery<'_> {
-    /// Finds the entities whose shapes overlap a box along the world's axes. One that is inverted overlaps nothing.
+    /// Finds the entities whose shapes overlap a box along the world's axes. One that is inverted
+    /// overlaps nothing.
     #[doc(alias("aabb", "overlap box"))]
     pub fn for_each_box_intersection<F: Flow>(
         &self,
@@ -54,8 +56,15 @@ impl SpatialQuery<'_> {
     }
 
     /// Fills a vector as [`for_each_box_intersection`](Self::for_each_box_intersection) calls back.
-    pub fn box_intersections(&self, aabb: &Aabb3d, filter: &SpatialQueryFilter, entities: &mut Vec<Entity>) {
-        fill(entities, |found| self.for_each_box_intersection(aabb, filter, found));
+    pub fn box_intersections(
+        &self,
+        aabb: &Aabb3d,
+        filter: &SpatialQueryFilter,
+        entities: &mut Vec<Entity>,
+    ) {
+        fill(entities, |found| {
+            self.for_each_box_intersection(aabb, filter, found)
+        });
     }
 
     /// Finds the entities whose shapes overlap a ball. One with a negative radius overlaps nothing.
@@ -68,11 +77,17 @@ impl SpatialQuery<'_> {
         found: impl FnMut(Entity) -> F,
     ) {
         if let Ok(ball) = Shape::try_sphere(radius) {
-            self.for_each_shape_intersection(&ball, &Transform::from_translation(center), filter, found);
+            self.for_each_shape_intersection(
+                &ball,
+                &Transform::from_translation(center),
+                filter,
+                found,
+            );
         }
     }
 
-    /// Fills a vector as [`for_each_sphere_intersection`](Self::for_each_sphere_intersection) calls back.
+    /// Fills a vector as [`for_each_sphere_intersection`](Self::for_each_sphere_intersection) calls
+    /// back.
     pub fn sphere_intersections(
         &self,
         center: Vec3,
@@ -80,7 +95,9 @@ impl SpatialQuery<'_> {
         filter: &SpatialQueryFilter,
         entities: &mut Vec<Entity>,
     ) {
-        fill(entities, |found| self.for_each_sphere_intersection(center, radius, filter, found));
+        fill(entities, |found| {
+            self.for_each_sphere_intersection(center, radius, filter, found)
+        });
     }
 
     /// Finds the entities whose shapes hold a point, or are no farther from it than the tolerance.
@@ -94,14 +111,22 @@ impl SpatialQuery<'_> {
         self.for_each_sphere_intersection(point, 0.0, filter, found);
     }
 
-    /// Fills a vector as [`for_each_point_intersection`](Self::for_each_point_intersection) calls back.
-    pub fn point_intersections(&self, point: Vec3, filter: &SpatialQueryFilter, entities: &mut Vec<Entity>) {
-        fill(entities, |found| self.for_each_point_intersection(point, filter, found));
+    /// Fills a vector as [`for_each_point_intersection`](Self::for_each_point_intersection) calls
+    /// back.
+    pub fn point_intersections(
+        &self,
+        point: Vec3,
+        filter: &SpatialQueryFilter,
+        entities: &mut Vec<Entity>,
+    ) {
+        fill(entities, |found| {
+            self.for_each_point_intersection(point, filter, found)
+        });
     }
 
     /// Finds the entities whose shapes are in contact with a shape at a place, by
-    /// [`NarrowPhase::intersects`](crate::narrow_phase::NarrowPhase::intersects). A shape without bounds (some of
-    /// Rapier's) is tested against all entities.
+    /// [`NarrowPhase::intersects`](crate::narrow_phase::NarrowPhase::intersects). A shape without
+    /// bounds (some of Rapier's) is tested against all entities.
     #[doc(alias("overlap shape", "intersection test"))]
     pub fn for_each_shape_intersection<F: Flow>(
         &self,
@@ -118,13 +143,17 @@ impl SpatialQuery<'_> {
         };
         self.index.index().for_each_overlapping(&aabb, |id| {
             let met = self.candidate(id, filter).filter(|body| {
-                scratch::with(|scratch| self.tests().intersects(placed, body.placed(), &mut scratch.workspace))
+                scratch::with(|scratch| {
+                    self.tests()
+                        .intersects(placed, body.placed(), &mut scratch.workspace)
+                })
             });
             flow(met.is_none_or(|body| found(body.entity).goes_on()))
         });
     }
 
-    /// Fills a vector as [`for_each_shape_intersection`](Self::for_each_shape_intersection) calls back.
+    /// Fills a vector as [`for_each_shape_intersection`](Self::for_each_shape_intersection) calls
+    /// back.
     pub fn shape_intersections(
         &self,
         shape: &Shape,
@@ -132,11 +161,13 @@ impl SpatialQuery<'_> {
         filter: &SpatialQueryFilter,
         entities: &mut Vec<Entity>,
     ) {
-        fill(entities, |found| self.for_each_shape_intersection(shape, at, filter, found));
+        fill(entities, |found| {
+            self.for_each_shape_intersection(shape, at, filter, found)
+        });
     }
 
-    /// Finds the entities whose *boxes* are in a view frustum, as far as its planes tell: see [`Region`]. Those without an
-    /// end are in all of them.
+    /// Finds the entities whose *boxes* are in a view frustum, as far as its planes tell: see
+    /// [`Region`]. Those without an end are in all of them.
     #[doc(alias = "culling")]
     pub fn for_each_frustum_intersection<F: Flow>(
         &self,
@@ -147,17 +178,21 @@ impl SpatialQuery<'_> {
         self.for_each_box_in(frustum, filter, found);
     }
 
-    /// Fills a vector as [`for_each_frustum_intersection`](Self::for_each_frustum_intersection) calls back.
+    /// Fills a vector as [`for_each_frustum_intersection`](Self::for_each_frustum_intersection)
+    /// calls back.
     pub fn frustum_intersections(
         &self,
         frustum: &ViewFrustum,
         filter: &SpatialQueryFilter,
         entities: &mut Vec<Entity>,
     ) {
-        fill(entities, |found| self.for_each_frustum_intersection(frustum, filter, found));
+        fill(entities, |found| {
+            self.for_each_frustum_intersection(frustum, filter, found)
+        });
     }
 
-    /// Finds the entities whose *boxes* have a part on the inner side of each plane, and those without an end.
+    /// Finds the entities whose *boxes* have a part on the inner side of each plane, and those
+    /// without an end.
     pub fn for_each_half_space_intersection<F: Flow>(
         &self,
         planes: &[HalfSpace],
@@ -167,14 +202,17 @@ impl SpatialQuery<'_> {
         self.for_each_box_in(planes, filter, found);
     }
 
-    /// Fills a vector as [`for_each_half_space_intersection`](Self::for_each_half_space_intersection) calls back.
+    /// Fills a vector as
+    /// [`for_each_half_space_intersection`](Self::for_each_half_space_intersection) calls back.
     pub fn half_space_intersections(
         &self,
         planes: &[HalfSpace],
         filter: &SpatialQueryFilter,
         entities: &mut Vec<Entity>,
     ) {
-        fill(entities, |found| self.for_each_half_space_intersection(planes, filter, found));
+        fill(entities, |found| {
+            self.for_each_half_space_intersection(planes, filter, found)
+        });
     }
 
     fn for_each_box_in<F: Flow>(

@@ -27,17 +27,20 @@ pub struct PairHit {
 
 /// # Pairs of two groups
 impl SpatialQuery<'_> {
-    /// Calls `found` with every pair of an entity that the first filter lets pass, and one that the second does, whose
-    /// shapes are no farther apart than `distance`; it may return a [`ControlFlow`](std::ops::ControlFlow) to stop. Exact:
-    /// see [`NarrowPhase::closest_points`](crate::narrow_phase::NarrowPhase::closest_points).
+    /// Calls `found` with every pair of an entity that the first filter lets pass, and one that the
+    /// second does, whose shapes are no farther apart than `distance`; it may return a
+    /// [`ControlFlow`](std::ops::ControlFlow) to stop. Exact: see
+    /// [`NarrowPhase::closest_points`](crate::narrow_phase::NarrowPhase::closest_points).
     ///
-    /// The two groups may share members. No entity makes a pair with itself, and a pair that could be told in either order
-    /// is told once, by its lower handle in the [`CollisionIndex`](crate::collision_index::CollisionIndex) first. Layers
-    /// and ignore lists are not asked: filters are.
+    /// The two groups may share members. No entity makes a pair with itself, and a pair that could
+    /// be told in either order is told once, by its lower handle in the
+    /// [`CollisionIndex`](crate::collision_index::CollisionIndex) first. Layers and ignore lists
+    /// are not asked: filters are.
     ///
-    /// In the order of the handles of the first group; the partners of one as the broad phase comes upon them, which
-    /// depends on the history of the index alone. One search for each member of the first group, which had better be the
-    /// smaller one; the exact test where boxes are within the distance. A distance that is negative or NaN finds nothing.
+    /// In the order of the handles of the first group; the partners of one as the broad phase comes
+    /// upon them, which depends on the history of the index alone. One search for each member of
+    /// the first group, which had better be the smaller one; the exact test where boxes are within
+    /// the distance. A distance that is negative or NaN finds nothing.
     ///
     /// ```
     /// # use bevy::prelude::*;
@@ -64,14 +67,20 @@ impl SpatialQuery<'_> {
         mut found: impl FnMut(PairHit) -> F,
     ) {
         let passes = |filter| move |id: ProxyId| self.candidate(id, filter).is_some();
-        self.index.index().for_each_pair_within(distance, passes(first), passes(second), |a, b, _| {
-            let near = self.near(a, b).filter(|near| near.distance <= distance);
-            flow(near.is_none_or(|near| found(near).goes_on()))
-        });
+        self.index.index().for_each_pair_within(
+            distance,
+            passes(first),
+            passes(second),
+            |a, b, _| {
+                let near = self.near(a, b).filter(|near| near.distance <= distance);
+                flow(near.is_none_or(|near| found(near).goes_on()))
+            },
+        );
     }
 
-    /// Fills a vector as [`for_each_pair_within`](Self::for_each_pair_within) calls back: nearest first, those as near by
-    /// ascending entities. They replace what is in `pairs`, which is yours to use again.
+    /// Fills a vector as [`for_each_pair_within`](Self::for_each_pair_within) calls back: nearest
+    /// first, those as near by ascending entities. They replace what is in `pairs`, which is yours
+    /// to use again.
     pub fn pairs_within(
         &self,
         distance: f32,
@@ -81,15 +90,27 @@ impl SpatialQuery<'_> {
     ) {
         pairs.clear();
         self.for_each_pair_within(distance, first, second, |near| pairs.push(near));
-        pairs.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then((a.a, a.b).cmp(&(b.a, b.b))));
+        pairs.sort_unstable_by(|a, b| {
+            a.distance
+                .total_cmp(&b.distance)
+                .then((a.a, a.b).cmp(&(b.a, b.b)))
+        });
     }
 
     fn near(&self, a: ProxyId, b: ProxyId) -> Option<PairHit> {
         let (a, b) = (self.index.body(a)?, self.index.body(b)?);
         let closest = |scratch: &mut scratch::Scratch| {
-            self.tests().closest_points(a.placed(), b.placed(), &mut scratch.workspace)
+            self.tests()
+                .closest_points(a.placed(), b.placed(), &mut scratch.workspace)
         };
-        let Proximity { distance, points, .. } = scratch::with(closest)?;
-        Some(PairHit { a: a.entity, b: b.entity, distance, points })
+        let Proximity {
+            distance, points, ..
+        } = scratch::with(closest)?;
+        Some(PairHit {
+            a: a.entity,
+            b: b.entity,
+            distance,
+            points,
+        })
     }
 }

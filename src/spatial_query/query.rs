@@ -11,8 +11,8 @@ use crate::{
     narrow_phase::{NarrowPhase, Shape},
 };
 
-/// Asks about entities with a [`CollisionShape`](crate::components::CollisionShape): what a ray or a moving shape meets,
-/// what is in a part of space, what is near.
+/// Asks about entities with a [`CollisionShape`](crate::components::CollisionShape): what a ray or
+/// a moving shape meets, what is in a part of space, what is near.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -31,26 +31,35 @@ use crate::{
 ///
 /// # Exactness
 ///
-/// All answers but those about frustums are about the shapes themselves, not their boxes: oriented cuboids, spheres,
-/// convex and general meshes as they are, Rapier colliders by what they consist of. What touches counts as met: see
-/// [`NarrowPhase::intersects`], [`cast_ray`](NarrowPhase::cast_ray), [`sweep`](NarrowPhase::sweep),
-/// [`closest_point`](NarrowPhase::closest_point). Solids are solid: a ray that starts inside one meets it at a distance
-/// of 0.
+/// All answers but those about frustums are about the shapes themselves, not their boxes: oriented
+/// cuboids, spheres, convex and general meshes as they are, Rapier colliders by what they consist
+/// of. What touches counts as met: see [`NarrowPhase::intersects`],
+/// [`cast_ray`](NarrowPhase::cast_ray), [`sweep`](NarrowPhase::sweep),
+/// [`closest_point`](NarrowPhase::closest_point). Solids are solid: a ray that starts inside one
+/// meets it at a distance of 0.
 ///
 /// # What is seen
 ///
-/// Entities where they were at the last tick: after the set [`Maintenance`](crate::CollisionSystems::Maintenance), that
-/// of this tick. [`update_spatial_index`](super::update_spatial_index) brings the index up to date at any other moment: in
-/// the frame of a spawn, or while time is paused. Despawned and disabled entities, and those without a valid box, are never
-/// found.
+/// Entities where they were at the last tick: after the set
+/// [`Maintenance`](crate::CollisionSystems::Maintenance), that of this tick.
+/// [`update_spatial_index`](super::update_spatial_index) brings the index up to date at any other
+/// moment: in the frame of a spawn, or while time is paused. Despawned and disabled entities, and
+/// those without a valid box, are never found.
 ///
 /// # Cost
 ///
-/// Nothing is allocated per query, but for what a caller's vector grows by, and buffers for meshes that stay with the
-/// thread. Bad input (what is not finite, negative distances and radii, inverted boxes) finds nothing, and does not panic.
-/// What several entities are equally far from is decided by the order of their handles in the [`CollisionIndex`].
+/// Nothing is allocated per query, but for what a caller's vector grows by, and buffers for meshes
+/// that stay with the thread. Bad input (what is not finite, negative distances and radii, inverted
+/// boxes) finds nothing, and does not panic. What several entities are equally far from is decided
+/// by the order of their handles in the [`CollisionIndex`].
 #[derive(SystemParam)]
-#[doc(alias("raycast", "shapecast", "scene query", "overlap", "spatial query pipeline"))]
+#[doc(alias(
+    "raycast",
+    "shapecast",
+    "scene query",
+    "overlap",
+    "spatial query pipeline"
+))]
 pub struct SpatialQuery<'w> {
     pub(super) index: Res<'w, CollisionIndex>,
     tests: Res<'w, NarrowPhase>,
@@ -70,12 +79,18 @@ impl SpatialQuery<'_> {
     /// What is behind a handle, if the filter lets it pass.
     pub(super) fn candidate(&self, id: ProxyId, filter: &SpatialQueryFilter) -> Option<&Body> {
         let object = self.index.index().proxies().filter(id);
-        self.index.body(id).filter(|body| filter.accepts(body.entity, &object))
+        self.index
+            .body(id)
+            .filter(|body| filter.accepts(body.entity, &object))
     }
 }
 
 pub(super) fn flow(goes_on: bool) -> ControlFlow<()> {
-    if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    if goes_on {
+        ControlFlow::Continue(())
+    } else {
+        ControlFlow::Break(())
+    }
 }
 
 /// A box along the world's axes as a shape, if it is a box.

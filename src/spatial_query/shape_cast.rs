@@ -28,11 +28,12 @@ pub struct ShapeHit {
 
 /// # Moving shapes
 impl SpatialQuery<'_> {
-    /// Returns the first entity that a shape touches as it moves from `start` along `direction`, for `max_distance` at most: the
-    /// first time of impact, at one unit of length per unit of time. The shape does not turn on its way.
+    /// Returns the first entity that a shape touches as it moves from `start` along `direction`,
+    /// for `max_distance` at most: the first time of impact, at one unit of length per unit of
+    /// time. The shape does not turn on its way.
     ///
-    /// Exact: see [`NarrowPhase::sweep`](crate::narrow_phase::NarrowPhase::sweep). A shape without bounds (some of
-    /// Rapier's) meets nothing.
+    /// Exact: see [`NarrowPhase::sweep`](crate::narrow_phase::NarrowPhase::sweep). A shape without
+    /// bounds (some of Rapier's) meets nothing.
     #[must_use]
     #[doc(alias("shapecast", "shape cast", "sweep", "ccd"))]
     pub fn cast_shape(
@@ -48,18 +49,35 @@ impl SpatialQuery<'_> {
         let aabb = self.tests().world_aabb(moving).ok()?;
         let cast = AabbCast3d::new(aabb, Vec3::ZERO, direction, max_distance);
         let sweep = |target: Placed, limit: f32| {
-            scratch::with(|scratch| self.tests().sweep(moving, direction, limit, target, &mut scratch.workspace))
+            scratch::with(|scratch| {
+                self.tests()
+                    .sweep(moving, direction, limit, target, &mut scratch.workspace)
+            })
         };
         let mut best = Best::within(max_distance);
         let nearest = self.index.index().cast_with(&cast, |id, _| {
             let body = self.candidate(id, filter)?;
-            let Impact { distance, point, normal } = sweep(body.placed(), best.limit())?;
-            best.offer(id, distance, ShapeHit { entity: body.entity, distance, point, normal })
+            let Impact {
+                distance,
+                point,
+                normal,
+            } = sweep(body.placed(), best.limit())?;
+            best.offer(
+                id,
+                distance,
+                ShapeHit {
+                    entity: body.entity,
+                    distance,
+                    point,
+                    normal,
+                },
+            )
         });
         best.answer(nearest.map(|hit| hit.proxy))
     }
 
-    /// Casts a box along the world's axes as [`cast_shape`](Self::cast_shape) does. One that is inverted meets nothing.
+    /// Casts a box along the world's axes as [`cast_shape`](Self::cast_shape) does. One that is
+    /// inverted meets nothing.
     #[must_use]
     pub fn cast_box(
         &self,
@@ -72,7 +90,8 @@ impl SpatialQuery<'_> {
         self.cast_shape(&cuboid, &at, direction, max_distance, filter)
     }
 
-    /// Casts a ball as [`cast_shape`](Self::cast_shape) does. One with a negative radius meets nothing.
+    /// Casts a ball as [`cast_shape`](Self::cast_shape) does. One with a negative radius meets
+    /// nothing.
     #[must_use]
     pub fn cast_sphere(
         &self,
@@ -83,6 +102,12 @@ impl SpatialQuery<'_> {
         filter: &SpatialQueryFilter,
     ) -> Option<ShapeHit> {
         let ball = Shape::try_sphere(radius).ok()?;
-        self.cast_shape(&ball, &Transform::from_translation(center), direction, max_distance, filter)
+        self.cast_shape(
+            &ball,
+            &Transform::from_translation(center),
+            direction,
+            max_distance,
+            filter,
+        )
     }
 }

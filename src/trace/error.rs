@@ -106,5 +106,7 @@ pub enum TraceProblem {
 
 fn size(objects: u32, frames: u32) -> String {
     let bytes = file_bytes(objects, frames);
-    format!("{bytes} bytes for {objects} objects and {frames} frames: 304 + 32 · {objects} · ({frames} + 1)")
+    format!(
+        "{bytes} bytes for {objects} objects and {frames} frames: 304 + 32 · {objects} · ({frames} + 1)"
+    )
 }

@@ -1,8 +1,9 @@
 //! Trace files: the boxes of all objects, frame by frame, in the `.aabbs` format of Broadmark.
 //!
-//! Broadmark (Serpa and Rodrigues, *Broadmark: A Testing Framework for Broad-Phase Collision Detection Algorithms*,
-//! 2020) records scenes once and replays them through each algorithm. A [`TraceReader`] streams such a file through one
-//! buffer, whatever its length; a [`TraceWriter`] writes one.
+//! Broadmark (Serpa and Rodrigues, *Broadmark: A Testing Framework for Broad-Phase Collision
+//! Detection Algorithms*, 2020) records scenes once and replays them through each algorithm. A
+//! [`TraceReader`] streams such a file through one buffer, whatever its length; a [`TraceWriter`]
+//! writes one.
 //!
 //! ```
 //! use std::io::Cursor;
@@ -43,9 +44,10 @@
 //! | 304 | N boxes | the initial box set, in the order of the objects |
 //! | 304 + 32·N·f | N boxes | frame f, for f from 1 to F |
 //!
-//! A box is 8 × `f32`: min x, y, z, 0, max x, y, z, 0. The zeros are written and not read. A box that is not finite, or
-//! whose minimum lies above its maximum, is an error, in reading as in writing. The file ends with the last box. Without
-//! objects, there are at most 65 536 frames: they take no space, and a file must not take longer to read than it is long.
+//! A box is 8 × `f32`: min x, y, z, 0, max x, y, z, 0. The zeros are written and not read. A box
+//! that is not finite, or whose minimum lies above its maximum, is an error, in reading as in
+//! writing. The file ends with the last box. Without objects, there are at most 65 536 frames: they
+//! take no space, and a file must not take longer to read than it is long.
 
 mod error;
 mod reader;

@@ -9,8 +9,8 @@ use std::{
 use bevy::math::{Vec3A, bounding::Aabb3d};
 
 use super::{
-    BOX_BYTES, BOXES_AT_ONCE, COUNTS_OFFSET, HEADER_BYTES, MOST_EMPTY_FRAMES, TEXT_BYTES, TraceError, TraceHeader,
-    TraceProblem, WORLD_OFFSET,
+    BOX_BYTES, BOXES_AT_ONCE, COUNTS_OFFSET, HEADER_BYTES, MOST_EMPTY_FRAMES, TEXT_BYTES,
+    TraceError, TraceHeader, TraceProblem, WORLD_OFFSET,
 };
 use crate::broad_phase::check_box;
 
@@ -36,35 +36,66 @@ impl TraceReader<File> {
     /// If the file cannot be read, or its header or size is not that of a trace.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, TraceError> {
         let path = path.as_ref();
-        let io = |error: io::Error| TraceError { file: path.to_owned(), offset: 0, problem: error.into() };
+        let io = |error: io::Error| TraceError {
+            file: path.to_owned(),
+            offset: 0,
+            problem: error.into(),
+        };
         let file = File::open(path).map_err(io)?;
         let metadata = file.metadata().map_err(io)?;
         let reader = Self::new(file, path)?;
         let expected = reader.header.file_bytes();
         // A pipe or a device has no size; its end is noticed when it comes.
         if metadata.is_file() && u128::from(metadata.len()) != expected {
-            let TraceHeader { objects, frames, .. } = reader.header;
+            let TraceHeader {
+                objects, frames, ..
+            } = reader.header;
             let (offset, problem) = match u64::try_from(expected) {
-                Ok(end) if end < metadata.len() => (end, TraceProblem::TrailingBytes { objects, frames }),
-                _ => (metadata.len(), TraceProblem::EndsInBoxes { objects, frames }),
+                Ok(end) if end < metadata.len() => {
+                    (end, TraceProblem::TrailingBytes { objects, frames })
+                }
+                _ => (
+                    metadata.len(),
+                    TraceProblem::EndsInBoxes { objects, frames },
+                ),
             };
-            return Err(TraceError { file: path.to_owned(), offset, problem });
+            return Err(TraceError {
+                file: path.to_owned(),
+                offset,
+                problem,
+            });
         }
         Ok(reader)
     }
 }
 
 impl<R: Read> TraceReader<R> {
-    /// Reads the header of a trace from anything that can be read. The source need not be buffered. Errors speak of it
-    /// as `name`.
+    /// Reads the header of a trace from anything that can be read. The source need not be buffered.
+    /// Errors speak of it as `name`.
     ///
     /// # Errors
     /// If the source cannot be read, or does not begin with the header of a trace.
     pub fn new(source: R, name: impl Into<PathBuf>) -> Result<Self, TraceError> {
-        let world = Aabb3d { min: Vec3A::ZERO, max: Vec3A::ZERO };
-        let header = TraceHeader { scene: String::new(), object_type: String::new(), objects: 0, frames: 0, world };
-        let mut reader =
-            Self { source, name: name.into(), header, offset: 0, read: 0, bytes: Vec::new(), boxes: Vec::new() };
+        let world = Aabb3d {
+            min: Vec3A::ZERO,
+            max: Vec3A::ZERO,
+        };
+        let header = TraceHeader {
+            scene: String::new(),
+            object_type: String::new(),
+            objects: 0,
+            frames: 0,
+            world,
+        };
+        let mut reader = Self {
+            source,
+            name: name.into(),
+            header,
+            offset: 0,
+            read: 0,
+            bytes: Vec::new(),
+            boxes: Vec::new(),
+        };
         let length = reader.fill(HEADER_BYTES)?;
         if length < HEADER_BYTES {
             return Err(reader.error(length as u64, TraceProblem::EndsInHeader));
@@ -76,9 +107,14 @@ impl<R: Read> TraceReader<R> {
             frames: reader.count(COUNTS_OFFSET + 4, "frames")?,
             world: to_box(&std::array::from_fn(|i| reader.bytes[WORLD_OFFSET + i])),
         };
-        let TraceHeader { objects, frames, .. } = reader.header;
+        let TraceHeader {
+            objects, frames, ..
+        } = reader.header;
         if objects == 0 && frames > MOST_EMPTY_FRAMES {
-            return Err(reader.error(COUNTS_OFFSET as u64 + 4, TraceProblem::TooManyEmptyFrames(frames)));
+            return Err(reader.error(
+                COUNTS_OFFSET as u64 + 4,
+                TraceProblem::TooManyEmptyFrames(frames),
+            ));
         }
         reader.offset = HEADER_BYTES as u64;
         Ok(reader)
@@ -93,10 +129,12 @@ impl<R: Read> TraceReader<R> {
     /// Returns the boxes of the next frame, the initial box set first; `None` after the last.
     ///
     /// # Errors
-    /// If the source cannot be read, ends early, goes on after the last frame, or has a box that is not finite or is
-    /// inverted. After an error, no further frame can be relied on.
+    /// If the source cannot be read, ends early, goes on after the last frame, or has a box that is
+    /// not finite or is inverted. After an error, no further frame can be relied on.
     pub fn next_frame(&mut self) -> Result<Option<&[Aabb3d]>, TraceError> {
-        let TraceHeader { objects, frames, .. } = self.header;
+        let TraceHeader {
+            objects, frames, ..
+        } = self.header;
         if self.read == self.header.box_sets() {
             return match self.fill(1)? {
                 0 => Ok(None),
@@ -115,7 +153,11 @@ impl<R: Read> TraceReader<R> {
             for bytes in self.bytes.as_chunks().0 {
                 let aabb = to_box(bytes);
                 if let Err(error) = check_box(&aabb) {
-                    let problem = TraceProblem::Box { frame: self.read, object: self.boxes.len(), error };
+                    let problem = TraceProblem::Box {
+                        frame: self.read,
+                        object: self.boxes.len(),
+                        error,
+                    };
                     return Err(self.error(self.offset, problem));
                 }
                 self.boxes.push(aabb);
@@ -142,26 +184,43 @@ impl<R: Read> TraceReader<R> {
     }
 
     fn text(&self, offset: usize, field: &'static str) -> Result<String, TraceError> {
-        let text = self.bytes[offset..offset + TEXT_BYTES].split(|byte| *byte == 0).next().unwrap_or_default();
+        let text = self.bytes[offset..offset + TEXT_BYTES]
+            .split(|byte| *byte == 0)
+            .next()
+            .unwrap_or_default();
         match text.iter().enumerate().find(|(_, byte)| !byte.is_ascii()) {
-            Some((index, &byte)) => Err(self.error((offset + index) as u64, TraceProblem::NotAscii { field, byte })),
+            Some((index, &byte)) => Err(self.error(
+                (offset + index) as u64,
+                TraceProblem::NotAscii { field, byte },
+            )),
             None => Ok(text.iter().copied().map(char::from).collect()),
         }
     }
 
     fn count(&self, offset: usize, field: &'static str) -> Result<u32, TraceError> {
         let value = i32::from_le_bytes(std::array::from_fn(|i| self.bytes[offset + i]));
-        u32::try_from(value).map_err(|_| self.error(offset as u64, TraceProblem::NegativeCount { field, value }))
+        u32::try_from(value)
+            .map_err(|_| self.error(offset as u64, TraceProblem::NegativeCount { field, value }))
     }
 
     fn error(&self, offset: u64, problem: TraceProblem) -> TraceError {
-        TraceError { file: self.name.clone(), offset, problem }
+        TraceError {
+            file: self.name.clone(),
+            offset,
+            problem,
+        }
     }
 }
 
 fn to_box(bytes: &[u8; BOX_BYTES]) -> Aabb3d {
     let numbers = bytes.as_chunks().0;
-    let corner =
-        |first: usize| Vec3A::from_array(std::array::from_fn(|axis| f32::from_le_bytes(numbers[first + axis])));
-    Aabb3d { min: corner(0), max: corner(4) }
+    let corner = |first: usize| {
+        Vec3A::from_array(std::array::from_fn(|axis| {
+            f32::from_le_bytes(numbers[first + axis])
+        }))
+    };
+    Aabb3d {
+        min: corner(0),
+        max: corner(4),
+    }
 }

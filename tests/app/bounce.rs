@@ -11,7 +11,13 @@ const REFLECT: fn(f32) -> Bounce = |restitution| Bounce::Reflect { restitution }
 /// A unit cube on the x axis that moves along it, by `step` per tick.
 fn mover(app: &mut App, x: f32, step: f32) -> Entity {
     let velocity = Velocity(Vec3::X * step * TICKS_PER_SECOND);
-    app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0), velocity)).id()
+    app.world_mut()
+        .spawn((
+            CollisionShape::default(),
+            Transform::from_xyz(x, 0.0, 0.0),
+            velocity,
+        ))
+        .id()
 }
 
 fn bouncer(app: &mut App, x: f32, step: f32, bounce: Bounce) -> Entity {
@@ -21,7 +27,9 @@ fn bouncer(app: &mut App, x: f32, step: f32, bounce: Bounce) -> Entity {
 }
 
 fn wall(app: &mut App, x: f32) -> Entity {
-    app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0))).id()
+    app.world_mut()
+        .spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0)))
+        .id()
 }
 
 fn x(app: &App, entity: Entity) -> f32 {
@@ -42,17 +50,29 @@ fn bounces(app: &App) -> u64 {
 fn two_cubes_bounce_off_each_other() {
     let mut app = app(BroadPhaseMethod::default());
     let start = 2.0 + 1.0 / 32.0;
-    let cubes = [-1.0, 1.0].map(|side: f32| bouncer(&mut app, side * start, -side / 16.0, Bounce::Reverse));
+    let cubes =
+        [-1.0, 1.0].map(|side: f32| bouncer(&mut app, side * start, -side / 16.0, Bounce::Reverse));
     for n in 1..=60 {
         tick(&mut app, 1);
         let covered = if n <= 25 { n } else { 50 - n } as f32 / 16.0;
-        assert_eq!(cubes.map(|cube| x(&app, cube)), [covered - start, start - covered], "tick {n}");
+        assert_eq!(
+            cubes.map(|cube| x(&app, cube)),
+            [covered - start, start - covered],
+            "tick {n}"
+        );
         let outward = if n < 25 { -1.0 } else { 1.0 } / 16.0;
-        assert_eq!(cubes.map(|cube| step(&app, cube)), [-outward, outward], "tick {n}");
+        assert_eq!(
+            cubes.map(|cube| step(&app, cube)),
+            [-outward, outward],
+            "tick {n}"
+        );
         assert_eq!(contacts(&app).len(), usize::from(n == 25), "tick {n}");
     }
     let log = app.world().resource::<Log>();
-    assert_eq!((&log.started, &log.ended), (&vec![(25, cubes)], &vec![(26, cubes)]));
+    assert_eq!(
+        (&log.started, &log.ended),
+        (&vec![(25, cubes)], &vec![(26, cubes)])
+    );
     assert_eq!(bounces(&app), 2);
 }
 
@@ -77,7 +97,10 @@ fn a_static_wall_stays_and_throws_back() {
     tick(&mut app, 5);
     assert_eq!((x(&app, cube), step(&app, cube)), (0.0, -0.25));
     assert_eq!(x(&app, wall), 2.125);
-    assert_eq!((messages_about(&app, [cube, wall]), bounces(&app)), ((1, 1), 1));
+    assert_eq!(
+        (messages_about(&app, [cube, wall]), bounces(&app)),
+        ((1, 1), 1)
+    );
 }
 
 #[test]
@@ -85,10 +108,16 @@ fn without_bounce_they_pass_through_and_are_reported() {
     let mut app = app(BroadPhaseMethod::default());
     let cubes = [-1.0, 1.0].map(|side: f32| mover(&mut app, side * 2.03125, -side / 16.0));
     tick(&mut app, 60);
-    assert_eq!(cubes.map(|cube| step(&app, cube)), [1.0 / 16.0, -1.0 / 16.0]);
+    assert_eq!(
+        cubes.map(|cube| step(&app, cube)),
+        [1.0 / 16.0, -1.0 / 16.0]
+    );
     let log = app.world().resource::<Log>();
     // Within one side of each other: from 25 to 40 steps of 1/8 out of 4 1/16.
-    assert_eq!((&log.started, &log.ended), (&vec![(25, cubes)], &vec![(41, cubes)]));
+    assert_eq!(
+        (&log.started, &log.ended),
+        (&vec![(25, cubes)], &vec![(41, cubes)])
+    );
     assert_eq!(bounces(&app), 0);
 }
 
@@ -111,10 +140,14 @@ fn two_contacts_at_once_reverse_once() {
     tick(&mut app, 4);
     assert_eq!(contacts(&app), ground.map(|block| pair(cube, block)));
     assert_eq!(counters(&app).bounces, 1);
-    assert_eq!(*get::<Velocity>(&app, cube), Velocity(Vec3::Y * 0.25 * TICKS_PER_SECOND));
+    assert_eq!(
+        *get::<Velocity>(&app, cube),
+        Velocity(Vec3::Y * 0.25 * TICKS_PER_SECOND)
+    );
 }
 
-/// Steps before and after a head-on contact; `None` has no `Bounce`, `0.0` and `None` is a static wall.
+/// Steps before and after a head-on contact; `None` has no `Bounce`, `0.0` and `None` is a static
+/// wall.
 #[test]
 fn reflection_keeps_what_restitution_says() {
     let r = |restitution| Some(REFLECT(restitution));
@@ -143,8 +176,14 @@ fn reflection_keeps_what_restitution_says() {
         let mut app = app(BroadPhaseMethod::default());
         let entities = [0, 1].map(|i| {
             let (start, (step, bounce)) = ([-0.6, 0.6][i], movers[i]);
-            let entity = if step == 0.0 { wall(&mut app, start) } else { mover(&mut app, start, step) };
-            app.world_mut().entity_mut(entity).insert_if_new(Velocity::default());
+            let entity = if step == 0.0 {
+                wall(&mut app, start)
+            } else {
+                mover(&mut app, start, step)
+            };
+            app.world_mut()
+                .entity_mut(entity)
+                .insert_if_new(Velocity::default());
             if let Some(bounce) = bounce {
                 app.world_mut().entity_mut(entity).insert(bounce);
             }
@@ -154,7 +193,11 @@ fn reflection_keeps_what_restitution_says() {
             tick(&mut app, 1);
         }
         for (entity, expected) in entities.into_iter().zip(expected) {
-            assert!((step(&app, entity) - expected).abs() < 1e-5, "case {number}: {}", step(&app, entity));
+            assert!(
+                (step(&app, entity) - expected).abs() < 1e-5,
+                "case {number}: {}",
+                step(&app, entity)
+            );
         }
     }
 }
@@ -170,11 +213,13 @@ fn reflection_acts_on_approaching_objects_only() {
     assert_eq!((messages_about(&app, cubes), bounces(&app)), ((1, 1), 0));
 }
 
-/// With half the speed back they are still in each other one tick after the bounce, and must not bounce again.
+/// With half the speed back they are still in each other one tick after the bounce, and must not
+/// bounce again.
 #[test]
 fn a_slow_return_is_one_bounce() {
     let mut app = app(BroadPhaseMethod::default());
-    let cubes = [-1.0, 1.0].map(|side: f32| bouncer(&mut app, side * 0.75, -side * 0.1875, REFLECT(0.5)));
+    let cubes =
+        [-1.0, 1.0].map(|side: f32| bouncer(&mut app, side * 0.75, -side * 0.1875, REFLECT(0.5)));
     tick(&mut app, 20);
     assert_eq!((messages_about(&app, cubes), bounces(&app)), ((1, 1), 2));
     assert!(x(&app, cubes[1]) > 1.5);

@@ -48,14 +48,22 @@ const NOTHING: CollisionGizmos = CollisionGizmos {
 /// An app that draws, nothing so far.
 fn drawing(method: BroadPhaseMethod) -> App {
     let mut app = app(method);
-    app.add_plugins((AssetPlugin::default(), MeshPlugin, GizmoPlugin, CollisionDebugPlugin))
-        .insert_gizmo_config(NOTHING, GizmoConfig::default());
+    app.add_plugins((
+        AssetPlugin::default(),
+        MeshPlugin,
+        GizmoPlugin,
+        CollisionDebugPlugin,
+    ))
+    .insert_gizmo_config(NOTHING, GizmoConfig::default());
     app
 }
 
 /// Changes what is drawn, from the next frame on.
 fn set(app: &mut App, gizmos: CollisionGizmos) {
-    *app.world_mut().resource_mut::<GizmoConfigStore>().config_mut::<CollisionGizmos>().1 = gizmos;
+    *app.world_mut()
+        .resource_mut::<GizmoConfigStore>()
+        .config_mut::<CollisionGizmos>()
+        .1 = gizmos;
 }
 
 /// A frame with this drawn; no tick if time stands still.
@@ -66,26 +74,52 @@ fn draw(app: &mut App, gizmos: CollisionGizmos) {
 
 /// The lines in a colour, each from point to point.
 fn lines(app: &App, color: Color) -> Vec<[Vec3; 2]> {
-    let paths = paths(app).into_iter().filter(|path| path.color == LinearRgba::from(color));
-    paths.flat_map(|path| path.points.windows(2).map(|line| [line[0], line[1]]).collect::<Vec<_>>()).collect()
+    let paths = paths(app)
+        .into_iter()
+        .filter(|path| path.color == LinearRgba::from(color));
+    paths
+        .flat_map(|path| {
+            path.points
+                .windows(2)
+                .map(|line| [line[0], line[1]])
+                .collect::<Vec<_>>()
+        })
+        .collect()
 }
 
 /// The boxes, and their colours. Each has one strip of lines, and nothing else has.
 fn boxes(app: &App) -> Vec<(Aabb3d, LinearRgba)> {
     let strips = paths(app).into_iter().filter(|path| path.points.len() > 2);
-    strips.map(|path| (Aabb3d::from_point_cloud(Isometry3d::IDENTITY, path.points.into_iter()), path.color)).collect()
+    strips
+        .map(|path| {
+            (
+                Aabb3d::from_point_cloud(Isometry3d::IDENTITY, path.points.into_iter()),
+                path.color,
+            )
+        })
+        .collect()
 }
 
 /// The boxes of these colours, in the order of their centres along x.
 fn boxes_in(app: &App, colors: &[Color]) -> Vec<Aabb3d> {
-    let wanted = |color: &LinearRgba| colors.iter().any(|wanted| LinearRgba::from(*wanted) == *color);
-    let mut boxes: Vec<_> = boxes(app).into_iter().filter(|(_, color)| wanted(color)).map(|(aabb, _)| aabb).collect();
+    let wanted = |color: &LinearRgba| {
+        colors
+            .iter()
+            .any(|wanted| LinearRgba::from(*wanted) == *color)
+    };
+    let mut boxes: Vec<_> = boxes(app)
+        .into_iter()
+        .filter(|(_, color)| wanted(color))
+        .map(|(aabb, _)| aabb)
+        .collect();
     boxes.sort_by(|a, b| a.center().x.total_cmp(&b.center().x));
     boxes
 }
 
 fn spawn(app: &mut App, x: f32) -> Entity {
-    app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0))).id()
+    app.world_mut()
+        .spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0)))
+        .id()
 }
 
 fn aabb(app: &App, entity: Entity) -> Aabb3d {
@@ -97,21 +131,43 @@ fn boxes_are_those_of_the_entities_and_tell_which_moved() {
     let mut app = drawing(BroadPhaseMethod::default());
     let [wall, ball] = [0.0, 8.0].map(|x| spawn(&mut app, x));
     app.world_mut().entity_mut(ball).insert(Velocity(Vec3::Y));
-    set(&mut app, CollisionGizmos { moving: Some(MOVING), resting: Some(RESTING), ..NOTHING });
+    set(
+        &mut app,
+        CollisionGizmos {
+            moving: Some(MOVING),
+            resting: Some(RESTING),
+            ..NOTHING
+        },
+    );
     tick(&mut app, 1);
     // What has just come has moved.
-    assert_eq!(boxes_in(&app, &[MOVING]), [aabb(&app, wall), aabb(&app, ball)]);
+    assert_eq!(
+        boxes_in(&app, &[MOVING]),
+        [aabb(&app, wall), aabb(&app, ball)]
+    );
     tick(&mut app, 1);
     assert_eq!(boxes_in(&app, &[MOVING]), [aabb(&app, ball)]);
     assert_eq!(boxes_in(&app, &[RESTING]), [aabb(&app, wall)]);
     assert_eq!(lines(&app, RESTING).len(), 12, "the edges of a box");
 
-    draw(&mut app, CollisionGizmos { resting: Some(RESTING), ..NOTHING });
+    draw(
+        &mut app,
+        CollisionGizmos {
+            resting: Some(RESTING),
+            ..NOTHING
+        },
+    );
     assert_eq!(boxes(&app).len(), 1);
     assert_eq!(boxes_in(&app, &[RESTING]).len(), 1);
     draw(&mut app, NOTHING);
     assert!(paths(&app).is_empty());
-    draw(&mut app, CollisionGizmos { moving: Some(MOVING), ..NOTHING });
+    draw(
+        &mut app,
+        CollisionGizmos {
+            moving: Some(MOVING),
+            ..NOTHING
+        },
+    );
     assert_eq!((boxes(&app).len(), boxes_in(&app, &[MOVING]).len()), (1, 1));
     app.world_mut().despawn(ball);
     app.update();
@@ -122,18 +178,36 @@ fn boxes_are_those_of_the_entities_and_tell_which_moved() {
 fn an_entity_may_have_a_colour_of_its_own_or_be_hidden() {
     let mut app = drawing(BroadPhaseMethod::default());
     let [plain, own, hidden] = [0.0, 8.0, 16.0].map(|x| spawn(&mut app, x));
-    app.world_mut().entity_mut(own).insert(DebugDraw::Color(OWN));
+    app.world_mut()
+        .entity_mut(own)
+        .insert(DebugDraw::Color(OWN));
     app.world_mut().entity_mut(hidden).insert(DebugDraw::Hidden);
     tick(&mut app, 2);
     for (resting, expected) in [(Some(RESTING), vec![plain]), (None, vec![])] {
         draw(&mut app, CollisionGizmos { resting, ..NOTHING });
-        assert_eq!(boxes_in(&app, &[OWN]), [aabb(&app, own)], "whether or not others are drawn");
-        assert_eq!(boxes_in(&app, &[RESTING]), expected.iter().map(|e| aabb(&app, *e)).collect::<Vec<_>>());
+        assert_eq!(
+            boxes_in(&app, &[OWN]),
+            [aabb(&app, own)],
+            "whether or not others are drawn"
+        );
+        assert_eq!(
+            boxes_in(&app, &[RESTING]),
+            expected.iter().map(|e| aabb(&app, *e)).collect::<Vec<_>>()
+        );
         assert_eq!(boxes(&app).len(), 1 + expected.len());
     }
     app.world_mut().entity_mut(hidden).remove::<DebugDraw>();
-    draw(&mut app, CollisionGizmos { resting: Some(RESTING), ..NOTHING });
-    assert_eq!(boxes_in(&app, &[RESTING]), [aabb(&app, plain), aabb(&app, hidden)]);
+    draw(
+        &mut app,
+        CollisionGizmos {
+            resting: Some(RESTING),
+            ..NOTHING
+        },
+    );
+    assert_eq!(
+        boxes_in(&app, &[RESTING]),
+        [aabb(&app, plain), aabb(&app, hidden)]
+    );
 }
 
 /// The leaves as the broad phase tells them.
@@ -143,15 +217,25 @@ fn leaves(app: &App) -> Vec<Leaf> {
     leaves
 }
 
-/// Nine objects in a root of 16 around the origin, five of them in a cluster in one octant, so that it splits again.
+/// Nine objects in a root of 16 around the origin, five of them in a cluster in one octant, so that
+/// it splits again.
 fn clustered(method: BroadPhaseMethod) -> App {
     let mut app = drawing(method);
-    for at in [[-4.0, 4.0, 4.0], [4.0, -4.0, 4.0], [4.0, 4.0, -4.0], [-4.0, -4.0, -4.0]] {
-        app.world_mut().spawn((CollisionShape::default(), Transform::from_translation(at.into())));
+    for at in [
+        [-4.0, 4.0, 4.0],
+        [4.0, -4.0, 4.0],
+        [4.0, 4.0, -4.0],
+        [-4.0, -4.0, -4.0],
+    ] {
+        app.world_mut().spawn((
+            CollisionShape::default(),
+            Transform::from_translation(at.into()),
+        ));
     }
     for i in 0..5_u16 {
         let at = Vec3::splat(1.0 + f32::from(i) * 1.5);
-        app.world_mut().spawn((CollisionShape::default(), Transform::from_translation(at)));
+        app.world_mut()
+            .spawn((CollisionShape::default(), Transform::from_translation(at)));
     }
     tick(&mut app, 1);
     app
@@ -159,30 +243,56 @@ fn clustered(method: BroadPhaseMethod) -> App {
 
 #[test]
 fn leaves_of_the_octree_are_cells_within_the_root() {
-    let root = RootPolicy::Cube { center: Vec3::ZERO, half_size: 8.0 };
-    let settings = ObjectOctreeSettings { root, ..ObjectOctreeSettings::with_max_objects(2) };
+    let root = RootPolicy::Cube {
+        center: Vec3::ZERO,
+        half_size: 8.0,
+    };
+    let settings = ObjectOctreeSettings {
+        root,
+        ..ObjectOctreeSettings::with_max_objects(2)
+    };
     let mut app = clustered(BroadPhaseMethod::ObjectOctree(settings));
     let leaves = leaves(&app);
-    let (depth, fullest) =
-        leaves.iter().fold((0, 0), |(depth, full), leaf| (depth.max(leaf.generation), full.max(leaf.objects)));
+    let (depth, fullest) = leaves.iter().fold((0, 0), |(depth, full), leaf| {
+        (depth.max(leaf.generation), full.max(leaf.objects))
+    });
     assert!(depth >= 2 && fullest == 2, "{leaves:?}");
     let volume = |aabb: &Aabb3d| (aabb.max - aabb.min).to_array().iter().product::<f32>();
-    assert_eq!(leaves.iter().map(|leaf| volume(&leaf.bounds)).sum::<f32>(), 16.0 * 16.0 * 16.0);
+    assert_eq!(
+        leaves.iter().map(|leaf| volume(&leaf.bounds)).sum::<f32>(),
+        16.0 * 16.0 * 16.0
+    );
 
     assert!(paths(&app).is_empty());
     for (colors, of, most) in [
-        (LeafColors::Generation, (|leaf| leaf.generation) as fn(&Leaf) -> u32, depth),
+        (
+            LeafColors::Generation,
+            (|leaf| leaf.generation) as fn(&Leaf) -> u32,
+            depth,
+        ),
         (LeafColors::Fill, |leaf| leaf.objects, fullest),
     ] {
-        draw(&mut app, CollisionGizmos { leaves: Some(colors), ..NOTHING });
+        draw(
+            &mut app,
+            CollisionGizmos {
+                leaves: Some(colors),
+                ..NOTHING
+            },
+        );
         let drawn = boxes(&app);
-        assert_eq!(drawn.iter().map(|(aabb, _)| *aabb).collect::<Vec<_>>(), cells(&leaves));
+        assert_eq!(
+            drawn.iter().map(|(aabb, _)| *aabb).collect::<Vec<_>>(),
+            cells(&leaves)
+        );
         for (leaf, (_, color)) in leaves.iter().zip(drawn) {
             let shade = Oklaba::from(LEAST).mix(&Oklaba::from(MOST), of(leaf) as f32 / most as f32);
             assert_eq!(color, LinearRgba::from(Color::from(shade)), "{leaf:?}");
         }
     }
-    let root = index(&app).engine_as::<ObjectOctree>().and_then(ObjectOctree::root_cell).unwrap();
+    let root = index(&app)
+        .engine_as::<ObjectOctree>()
+        .and_then(ObjectOctree::root_cell)
+        .unwrap();
     assert!(boxes(&app).iter().all(|(aabb, _)| root.contains(aabb)));
 }
 
@@ -193,7 +303,13 @@ fn cells(leaves: &[Leaf]) -> Vec<Aabb3d> {
 #[test]
 fn leaves_of_the_linear_octree_hold_its_objects() {
     let mut app = clustered(BroadPhaseMethod::LinearOctree);
-    draw(&mut app, CollisionGizmos { leaves: Some(LeafColors::Fill), ..NOTHING });
+    draw(
+        &mut app,
+        CollisionGizmos {
+            leaves: Some(LeafColors::Fill),
+            ..NOTHING
+        },
+    );
     let drawn: Vec<_> = boxes(&app).into_iter().map(|(aabb, _)| aabb).collect();
     assert_eq!(drawn, cells(&leaves(&app)));
     for (_, aabb) in index(&app).proxies().iter() {
@@ -205,7 +321,13 @@ fn leaves_of_the_linear_octree_hold_its_objects() {
 fn without_a_tree_there_are_no_leaves() {
     for method in [BroadPhaseMethod::default(), BroadPhaseMethod::Exhaustive] {
         let mut app = clustered(method);
-        draw(&mut app, CollisionGizmos { leaves: Some(LeafColors::Generation), ..NOTHING });
+        draw(
+            &mut app,
+            CollisionGizmos {
+                leaves: Some(LeafColors::Generation),
+                ..NOTHING
+            },
+        );
         assert!(paths(&app).is_empty());
     }
 }
@@ -214,16 +336,25 @@ fn without_a_tree_there_are_no_leaves() {
 fn contacts_have_their_normal_where_it_is_known_and_a_line_else() {
     for geometry in [EventScope::All, EventScope::Enabled] {
         let mut app = drawing(BroadPhaseMethod::default());
-        app.world_mut().resource_mut::<CollisionEventSettings>().geometry = geometry;
+        app.world_mut()
+            .resource_mut::<CollisionEventSettings>()
+            .geometry = geometry;
         let [a, b] = [0.0, 0.75].map(|x| spawn(&mut app, x));
         spawn(&mut app, 9.0);
         tick(&mut app, 1);
         assert!(paths(&app).is_empty());
-        draw(&mut app, CollisionGizmos { contacts: Some(CONTACTS), ..NOTHING });
+        draw(
+            &mut app,
+            CollisionGizmos {
+                contacts: Some(CONTACTS),
+                ..NOTHING
+            },
+        );
         let drawn = lines(&app, CONTACTS);
         assert_eq!(paths(&app).len(), drawn.len());
         let contact = app.world().resource::<Contacts>().iter().next().unwrap();
-        let centers: [Vec3; 2] = [contact.a, contact.b].map(|entity| aabb(&app, entity).center().into());
+        let centers: [Vec3; 2] =
+            [contact.a, contact.b].map(|entity| aabb(&app, entity).center().into());
         if geometry == EventScope::Enabled {
             assert_eq!(drawn, [centers]);
             continue;
@@ -235,7 +366,10 @@ fn contacts_have_their_normal_where_it_is_known_and_a_line_else() {
         (flat.contacts, flat.normal_length) = (Some(CONTACTS), 0.0);
         draw(&mut app, flat);
         let drawn = lines(&app, CONTACTS);
-        assert!(drawn.len() == 3 && drawn.iter().flatten().all(|point| point.is_finite()), "{drawn:?}");
+        assert!(
+            drawn.len() == 3 && drawn.iter().flatten().all(|point| point.is_finite()),
+            "{drawn:?}"
+        );
         // An entity that is gone may have a contact until the next tick.
         app.world_mut().despawn(a);
         app.update();
@@ -252,18 +386,33 @@ fn a_ray_is_drawn_to_what_it_hits() {
     let cast = |spatial: SpatialQuery, mut gizmos: Gizmos<CollisionGizmos>| {
         for direction in [Dir3::X, Dir3::NEG_X] {
             let ray = Ray3d::new(Vec3::ZERO, direction);
-            gizmos.ray_hit(ray, spatial.cast_ray(ray, f32::MAX, &SpatialQueryFilter::DEFAULT));
+            gizmos.ray_hit(
+                ray,
+                spatial.cast_ray(ray, f32::MAX, &SpatialQueryFilter::DEFAULT),
+            );
         }
     };
-    app.add_systems(Update, cast.run_if(|contacts: Res<CollisionIndex>| !contacts.index().proxies().is_empty()));
+    app.add_systems(
+        Update,
+        cast.run_if(|contacts: Res<CollisionIndex>| !contacts.index().proxies().is_empty()),
+    );
     tick(&mut app, 2);
     assert!(paths(&app).is_empty());
-    draw(&mut app, CollisionGizmos { rays: Some(RAYS), ..NOTHING });
+    draw(
+        &mut app,
+        CollisionGizmos {
+            rays: Some(RAYS),
+            ..NOTHING
+        },
+    );
     let drawn = lines(&app, RAYS);
     let met = drawn[0][1];
     assert!(met.distance(Vec3::X * 3.5) < 1e-3, "{met}");
     assert!(drawn.contains(&[met, met + 2.0 * Vec3::NEG_X]), "{drawn:?}");
-    assert!(drawn.contains(&[Vec3::ZERO, 50.0 * Vec3::NEG_X]), "{drawn:?}");
+    assert!(
+        drawn.contains(&[Vec3::ZERO, 50.0 * Vec3::NEG_X]),
+        "{drawn:?}"
+    );
     assert_eq!(drawn.len(), 1 + 3 + 5 + 1);
 }
 
@@ -271,10 +420,18 @@ fn a_ray_is_drawn_to_what_it_hits() {
 fn a_swept_box_is_two_boxes_and_what_is_between() {
     let mut app = drawing(BroadPhaseMethod::default());
     let [start, end] = [Vec3::ZERO, Vec3::X * 9.0].map(|at| Aabb3d::new(at, Vec3::ONE));
-    app.add_systems(Update, move |mut gizmos: Gizmos<CollisionGizmos>| gizmos.swept_box(&start, &end));
+    app.add_systems(Update, move |mut gizmos: Gizmos<CollisionGizmos>| {
+        gizmos.swept_box(&start, &end)
+    });
     app.update();
     assert!(paths(&app).is_empty());
-    draw(&mut app, CollisionGizmos { sweeps: Some(SWEEPS), ..NOTHING });
+    draw(
+        &mut app,
+        CollisionGizmos {
+            sweeps: Some(SWEEPS),
+            ..NOTHING
+        },
+    );
     assert_eq!(boxes_in(&app, &[SWEEPS]), [start, end]);
     assert_eq!(lines(&app, SWEEPS).len(), 12 + 12 + 8);
 }
@@ -284,8 +441,13 @@ fn a_swept_box_is_two_boxes_and_what_is_between() {
 fn the_way_of_a_swept_entity_is_drawn() {
     let mut app = drawing(BroadPhaseMethod::default());
     let bullet = spawn(&mut app, 0.0);
-    app.world_mut().entity_mut(bullet).insert((Swept::default(), Velocity(Vec3::X * 9.0 * TICKS_PER_SECOND)));
-    let sweeps = CollisionGizmos { sweeps: Some(SWEEPS), ..NOTHING };
+    app.world_mut()
+        .entity_mut(bullet)
+        .insert((Swept::default(), Velocity(Vec3::X * 9.0 * TICKS_PER_SECOND)));
+    let sweeps = CollisionGizmos {
+        sweeps: Some(SWEEPS),
+        ..NOTHING
+    };
     draw(&mut app, sweeps);
     draw(&mut app, sweeps);
     let way = [9.0, 18.0].map(|x| Aabb3d::new(Vec3::X * x, Vec3::splat(0.5)));
@@ -293,7 +455,10 @@ fn the_way_of_a_swept_entity_is_drawn() {
     app.world_mut().entity_mut(bullet).insert(DebugDraw::Hidden);
     draw(&mut app, sweeps);
     assert!(paths(&app).is_empty());
-    app.world_mut().entity_mut(bullet).remove::<DebugDraw>().insert(Velocity::default());
+    app.world_mut()
+        .entity_mut(bullet)
+        .remove::<DebugDraw>()
+        .insert(Velocity::default());
     draw(&mut app, sweeps);
     assert!(paths(&app).is_empty());
 }
@@ -309,12 +474,17 @@ fn a_group_that_is_disabled_draws_nothing() {
     draw(&mut app, gizmos);
     assert_eq!(boxes(&app).len(), 2);
     assert_eq!(lines(&app, gizmos.contacts.unwrap()).len(), 1);
-    app.world_mut().resource_mut::<GizmoConfigStore>().config_mut::<CollisionGizmos>().0.enabled = false;
+    app.world_mut()
+        .resource_mut::<GizmoConfigStore>()
+        .config_mut::<CollisionGizmos>()
+        .0
+        .enabled = false;
     app.update();
     assert!(paths(&app).is_empty());
 }
 
-/// What the last tick found stays to be seen in frames without a tick, whatever the schedule of the ticks.
+/// What the last tick found stays to be seen in frames without a tick, whatever the schedule of the
+/// ticks.
 #[test]
 fn every_frame_shows_the_last_tick() {
     let plugins = (AssetPlugin::default(), MeshPlugin, GizmoPlugin);
@@ -337,7 +507,9 @@ fn every_frame_shows_the_last_tick() {
 fn without_gizmos_the_plugin_does_nothing() {
     let mut app = app(BroadPhaseMethod::default());
     app.add_plugins(CollisionDebugPlugin)
-        .add_systems(Update, |gizmos: Option<Gizmos<CollisionGizmos>>| assert!(gizmos.is_none()));
+        .add_systems(Update, |gizmos: Option<Gizmos<CollisionGizmos>>| {
+            assert!(gizmos.is_none())
+        });
     spawn(&mut app, 0.0);
     tick(&mut app, 2);
     assert_eq!(counters(&app).objects, 1);

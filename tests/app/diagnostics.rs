@@ -24,7 +24,11 @@ use bevy_octree::{
 use common::{warnings::warnings, *};
 
 fn value(app: &App, path: &DiagnosticPath) -> Option<f64> {
-    app.world().resource::<DiagnosticsStore>().get(path).expect("it is registered").value()
+    app.world()
+        .resource::<DiagnosticsStore>()
+        .get(path)
+        .expect("it is registered")
+        .value()
 }
 
 #[test]
@@ -38,7 +42,10 @@ fn diagnostics_are_the_counters_of_the_last_tick() {
         app.add_plugins(Paths);
         assert_eq!(value(&app, &Paths::OBJECTS), None);
         for x in 0..40 {
-            app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(0.9 * x as f32, 0.0, 0.0)));
+            app.world_mut().spawn((
+                CollisionShape::default(),
+                Transform::from_xyz(0.9 * x as f32, 0.0, 0.0),
+            ));
         }
         for (moved, events) in [(40.0, 39.0), (0.0, 0.0)] {
             tick(&mut app, 1);
@@ -73,22 +80,29 @@ fn time_goes_to_the_stage_that_took_it() {
         tick(&mut app, 1);
         let times = app.world().resource::<StageTimes>();
         assert!(times.get(stage).unwrap() >= NAP, "{stage:?}: {times:?}");
-        assert_eq!(times.iter().map(|(_, time)| time).sum::<Duration>(), times.sum());
+        assert_eq!(
+            times.iter().map(|(_, time)| time).sum::<Duration>(),
+            times.sum()
+        );
         let milliseconds = times.get(stage).unwrap().as_secs_f64() * 1e3;
         assert_eq!(value(&app, &path), Some(milliseconds), "{stage:?}");
         assert_eq!(times.get(CollisionSystems::Last), None);
     }
 }
 
-/// Eight cubes in the octants of the root, one to a leaf; a ninth between two of them is an entry of both.
+/// Eight cubes in the octants of the root, one to a leaf; a ninth between two of them is an entry
+/// of both.
 #[test]
 fn fill_counts_an_object_once_for_each_leaf_that_lists_it() {
-    let mut app = app(BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(2)));
+    let mut app = app(BroadPhaseMethod::ObjectOctree(
+        ObjectOctreeSettings::with_max_objects(2),
+    ));
     app.add_plugins(Paths);
     tick(&mut app, 1);
     assert_eq!(value(&app, &Paths::FILL), Some(0.0));
     let mut spawn = |at: Vec3| {
-        app.world_mut().spawn((CollisionShape::default(), Transform::from_translation(at)));
+        app.world_mut()
+            .spawn((CollisionShape::default(), Transform::from_translation(at)));
     };
     for octant in 0..8 {
         let side = |bit: u32| if octant & bit == 0 { -4.0 } else { 4.0 };
@@ -96,7 +110,10 @@ fn fill_counts_an_object_once_for_each_leaf_that_lists_it() {
     }
     spawn(Vec3::new(0.0, 4.0, 4.0));
     tick(&mut app, 1);
-    assert_eq!((value(&app, &Paths::LEAVES), value(&app, &Paths::FILL)), (Some(8.0), Some(10.0 / 8.0)));
+    assert_eq!(
+        (value(&app, &Paths::LEAVES), value(&app, &Paths::FILL)),
+        (Some(8.0), Some(10.0 / 8.0))
+    );
 }
 
 /// Finds nothing, and counts how often it is asked for its figures.
@@ -125,21 +142,37 @@ impl BroadPhase for Asked {
 /// The figures of the tree are asked for once a tick, and not at all if nobody wants them.
 #[test]
 fn figures_that_nobody_wants_cost_nothing() {
-    const OF_THE_TREE: [DiagnosticPath; 5] = [Paths::NODES, Paths::LEAVES, Paths::DEPTH, Paths::FILL, Paths::BYTES];
+    const OF_THE_TREE: [DiagnosticPath; 5] = [
+        Paths::NODES,
+        Paths::LEAVES,
+        Paths::DEPTH,
+        Paths::FILL,
+        Paths::BYTES,
+    ];
     let mut app = app(BroadPhaseMethod::default());
     let engine = Asked::default();
     let asked = engine.0.clone();
     let times = || asked.swap(0, Ordering::Relaxed);
-    app.world_mut().resource_mut::<CollisionIndex>().set_engine(Box::new(engine));
+    app.world_mut()
+        .resource_mut::<CollisionIndex>()
+        .set_engine(Box::new(engine));
     tick(&mut app, 1);
     assert_eq!(times(), 0, "without the plugin");
     app.add_plugins(Paths);
     tick(&mut app, 1);
     assert_eq!(times(), 1);
     for (disabled, path) in (1..).zip(&OF_THE_TREE) {
-        app.world_mut().resource_mut::<DiagnosticsStore>().get_mut(path).unwrap().is_enabled = false;
+        app.world_mut()
+            .resource_mut::<DiagnosticsStore>()
+            .get_mut(path)
+            .unwrap()
+            .is_enabled = false;
         tick(&mut app, 1);
-        assert_eq!(times(), usize::from(disabled < OF_THE_TREE.len()), "{disabled} are disabled");
+        assert_eq!(
+            times(),
+            usize::from(disabled < OF_THE_TREE.len()),
+            "{disabled} are disabled"
+        );
     }
 }
 
@@ -150,7 +183,10 @@ fn a_disabled_diagnostic_is_not_measured() {
     let mut store = app.world_mut().resource_mut::<DiagnosticsStore>();
     store.get_mut(&Paths::NODES).unwrap().is_enabled = false;
     tick(&mut app, 3);
-    assert_eq!((value(&app, &Paths::NODES), value(&app, &Paths::OBJECTS)), (None, Some(0.0)));
+    assert_eq!(
+        (value(&app, &Paths::NODES), value(&app, &Paths::OBJECTS)),
+        (None, Some(0.0))
+    );
 }
 
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
@@ -159,7 +195,11 @@ struct Elsewhere;
 #[test]
 fn the_plugin_may_be_added_first_and_goes_where_the_ticks_are() {
     let mut app = App::new();
-    app.init_schedule(Elsewhere).add_plugins((Paths, MinimalPlugins, OctreePlugins::new(Elsewhere)));
+    app.init_schedule(Elsewhere).add_plugins((
+        Paths,
+        MinimalPlugins,
+        OctreePlugins::new(Elsewhere),
+    ));
     assert_eq!(warnings(|| app.finish()), 0);
     app.world_mut().spawn(CollisionShape::default());
     for _ in 0..2 {

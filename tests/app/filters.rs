@@ -28,7 +28,9 @@ fn cubes(app: &mut App, count: usize, parts: impl Bundle + Clone) -> Vec<Entity>
 
 /// A cube in the place of all others.
 fn cube(app: &mut App, parts: impl Bundle) -> Entity {
-    app.world_mut().spawn((CollisionShape::default(), parts)).id()
+    app.world_mut()
+        .spawn((CollisionShape::default(), parts))
+        .id()
 }
 
 fn contacts(app: &mut App) -> usize {
@@ -63,18 +65,31 @@ collision_layers! {
 }
 
 /// Masks are made where constants are.
-const RED: CollisionLayers = CollisionLayers { memberships: Team::Red.mask(), filters: LayerMask::layer(5) };
+const RED: CollisionLayers = CollisionLayers {
+    memberships: Team::Red.mask(),
+    filters: LayerMask::layer(5),
+};
 
 #[test]
 fn an_enum_of_layers_needs_no_code_of_its_own() {
-    assert_eq!([Team::Neutral, Team::Red, Team::Blue].map(Team::mask), [1, 1 << 4, 1 << 5].map(LayerMask));
+    assert_eq!(
+        [Team::Neutral, Team::Red, Team::Blue].map(Team::mask),
+        [1, 1 << 4, 1 << 5].map(LayerMask)
+    );
     assert!(Team::Neutral < Team::Red);
     assert_eq!(RED, CollisionLayers::new(Team::Red, Team::Blue));
-    assert_eq!(Team::Red | Team::Blue, LayerMask::from([Team::Blue, Team::Red]));
+    assert_eq!(
+        Team::Red | Team::Blue,
+        LayerMask::from([Team::Blue, Team::Red])
+    );
     assert_eq!(Team::Neutral.mask(), CollisionLayers::default().memberships);
     let mut app = app();
     cubes(&mut app, 2, RED);
-    cubes(&mut app, 3, CollisionLayers::new(Team::Blue, Team::Red | Team::Neutral));
+    cubes(
+        &mut app,
+        3,
+        CollisionLayers::new(Team::Blue, Team::Red | Team::Neutral),
+    );
     assert_eq!(contacts(&mut app), 6);
 }
 
@@ -127,7 +142,11 @@ fn static_entities_do_not_meet_each_other_however_they_move() {
     cube(&mut app, StaticShape);
     let mover = cube(&mut app, Velocity(Vec3::ZERO));
     assert_eq!(contacts(&mut app), 2);
-    app.world_mut().get_mut::<Transform>(wall).unwrap().translation.x += 0.25;
+    app.world_mut()
+        .get_mut::<Transform>(wall)
+        .unwrap()
+        .translation
+        .x += 0.25;
     assert_eq!(contacts(&mut app), 2);
     app.world_mut().despawn(mover);
     assert_eq!(contacts(&mut app), 0);
@@ -135,10 +154,16 @@ fn static_entities_do_not_meet_each_other_however_they_move() {
     assert_eq!(contacts(&mut app), 1);
 }
 
-const NO_PAIRS: PairKinds = PairKinds { moving_moving: false, moving_static: false, static_static: false };
+const NO_PAIRS: PairKinds = PairKinds {
+    moving_moving: false,
+    moving_static: false,
+    static_static: false,
+};
 
 fn with_kinds(app: &mut App, pair_kinds: PairKinds) -> usize {
-    app.world_mut().resource_mut::<BroadPhaseSettings>().pair_kinds = pair_kinds;
+    app.world_mut()
+        .resource_mut::<BroadPhaseSettings>()
+        .pair_kinds = pair_kinds;
     contacts(app)
 }
 
@@ -151,17 +176,60 @@ fn kinds_of_pairs_come_and_go_though_nothing_moves() {
         (default(), 60),
     ] {
         let mut app = app();
-        app.insert_resource(BroadPhaseSettings { method, ..default() });
+        app.insert_resource(BroadPhaseSettings {
+            method,
+            ..default()
+        });
         cubes(&mut app, count, StaticShape);
         cubes(&mut app, 3, ());
         let (fixed, mixed, moving) = (count * (count - 1) / 2, 3 * count, 3);
         for _ in 0..2 {
             assert_eq!(with_kinds(&mut app, PairKinds::default()), mixed + moving);
-            assert_eq!(with_kinds(&mut app, PairKinds { static_static: true, ..NO_PAIRS }), fixed);
-            assert_eq!(with_kinds(&mut app, PairKinds { static_static: true, ..default() }), fixed + mixed + moving);
-            assert_eq!(contacts(&mut app), fixed + mixed + moving, "nothing changes while nothing does");
-            assert_eq!(with_kinds(&mut app, PairKinds { moving_static: false, ..default() }), moving);
-            assert_eq!(with_kinds(&mut app, PairKinds { moving_moving: false, ..default() }), mixed);
+            assert_eq!(
+                with_kinds(
+                    &mut app,
+                    PairKinds {
+                        static_static: true,
+                        ..NO_PAIRS
+                    }
+                ),
+                fixed
+            );
+            assert_eq!(
+                with_kinds(
+                    &mut app,
+                    PairKinds {
+                        static_static: true,
+                        ..default()
+                    }
+                ),
+                fixed + mixed + moving
+            );
+            assert_eq!(
+                contacts(&mut app),
+                fixed + mixed + moving,
+                "nothing changes while nothing does"
+            );
+            assert_eq!(
+                with_kinds(
+                    &mut app,
+                    PairKinds {
+                        moving_static: false,
+                        ..default()
+                    }
+                ),
+                moving
+            );
+            assert_eq!(
+                with_kinds(
+                    &mut app,
+                    PairKinds {
+                        moving_moving: false,
+                        ..default()
+                    }
+                ),
+                mixed
+            );
             assert_eq!(with_kinds(&mut app, NO_PAIRS), 0);
         }
     }
@@ -174,8 +242,26 @@ fn kinds_count_where_nothing_else_is_filtered() {
         cubes(&mut app, count, ());
         let all = count * (count - 1) / 2;
         assert_eq!(contacts(&mut app), all);
-        assert_eq!(with_kinds(&mut app, PairKinds { moving_moving: false, ..default() }), 0);
-        assert_eq!(with_kinds(&mut app, PairKinds { moving_static: false, ..default() }), all);
+        assert_eq!(
+            with_kinds(
+                &mut app,
+                PairKinds {
+                    moving_moving: false,
+                    ..default()
+                }
+            ),
+            0
+        );
+        assert_eq!(
+            with_kinds(
+                &mut app,
+                PairKinds {
+                    moving_static: false,
+                    ..default()
+                }
+            ),
+            all
+        );
     }
 }
 
@@ -192,7 +278,9 @@ fn what_is_removed_many_frames_before_the_next_tick_is_gone() {
     let layers = cube(&mut app, CollisionLayers::NONE);
     let walls = cubes(&mut app, 2, StaticShape);
     assert_eq!(tick(&mut app), 0);
-    app.world_mut().entity_mut(layers).remove::<CollisionLayers>();
+    app.world_mut()
+        .entity_mut(layers)
+        .remove::<CollisionLayers>();
     app.world_mut().entity_mut(walls[0]).remove::<StaticShape>();
     for _ in 0..5 {
         app.update();
@@ -207,13 +295,20 @@ struct Ticks;
 fn entities_that_are_ignored_do_not_meet_while_they_are() {
     let mut app = app();
     let owner = cube(&mut app, ());
-    let bullet = cube(&mut app, IgnoreCollisions::from([owner, Entity::PLACEHOLDER]));
+    let bullet = cube(
+        &mut app,
+        IgnoreCollisions::from([owner, Entity::PLACEHOLDER]),
+    );
     cube(&mut app, ());
     assert_eq!(contacts(&mut app), 2);
     assert_eq!(contacts(&mut app), 2, "nothing moved");
-    app.world_mut().entity_mut(bullet).remove::<IgnoreCollisions>();
+    app.world_mut()
+        .entity_mut(bullet)
+        .remove::<IgnoreCollisions>();
     assert_eq!(contacts(&mut app), 3);
-    app.world_mut().entity_mut(owner).insert(IgnoreCollisions::from([bullet]));
+    app.world_mut()
+        .entity_mut(owner)
+        .insert(IgnoreCollisions::from([bullet]));
     assert_eq!(contacts(&mut app), 2, "a list in a contact ends it");
     app.world_mut().despawn(owner);
     assert_eq!(contacts(&mut app), 1);
@@ -222,16 +317,24 @@ fn entities_that_are_ignored_do_not_meet_while_they_are() {
 #[test]
 fn nothing_bounces_off_a_sensor() {
     let mut app = app();
-    app.insert_resource(MotionSettings { step: Step::Seconds(1.0) });
+    app.insert_resource(MotionSettings {
+        step: Step::Seconds(1.0),
+    });
     for bounce in [Bounce::Reverse, Bounce::Reflect { restitution: 1.0 }] {
         let sensor = cube(&mut app, (Sensor, Velocity(Vec3::ZERO), bounce));
         let at = Transform::from_xyz(-0.75, 0.0, 0.0);
         let ball = cube(&mut app, (Velocity(Vec3::X * 0.125), bounce, at));
         assert_eq!(contacts(&mut app), 1, "it is reported");
-        assert_eq!(app.world().get::<Velocity>(ball).unwrap().0, Vec3::X * 0.125);
+        assert_eq!(
+            app.world().get::<Velocity>(ball).unwrap().0,
+            Vec3::X * 0.125
+        );
         app.world_mut().entity_mut(sensor).remove::<Sensor>();
         app.update();
-        assert!(app.world().get::<Velocity>(ball).unwrap().0.x <= 0.0, "{bounce:?}");
+        assert!(
+            app.world().get::<Velocity>(ball).unwrap().0.x <= 0.0,
+            "{bounce:?}"
+        );
         app.world_mut().despawn(ball);
         app.world_mut().despawn(sensor);
     }
@@ -253,7 +356,11 @@ struct Elsewhere;
 fn a_hook_may_be_added_first_and_goes_where_the_ticks_are() {
     let mut app = App::new();
     app.init_schedule(Elsewhere);
-    app.add_plugins((PairHookPlugin::<NoGhosts>::default(), MinimalPlugins, OctreePlugins::new(Elsewhere)));
+    app.add_plugins((
+        PairHookPlugin::<NoGhosts>::default(),
+        MinimalPlugins,
+        OctreePlugins::new(Elsewhere),
+    ));
     assert_eq!(warnings(|| app.finish()), 0);
     cube(&mut app, Ghost);
     cubes(&mut app, 3, ());
@@ -274,10 +381,16 @@ impl PairHook for Anyone {
 #[test]
 fn hooks_and_lists_leave_no_order_open() {
     let mut app = App::new();
-    app.add_plugins((PairHookPlugin::<NoGhosts>::default(), PairHookPlugin::<Anyone>::default()));
+    app.add_plugins((
+        PairHookPlugin::<NoGhosts>::default(),
+        PairHookPlugin::<Anyone>::default(),
+    ));
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Elsewhere)));
     app.edit_schedule(Elsewhere, |ticks| {
-        ticks.set_build_settings(ScheduleBuildSettings { ambiguity_detection: LogLevel::Error, ..default() });
+        ticks.set_build_settings(ScheduleBuildSettings {
+            ambiguity_detection: LogLevel::Error,
+            ..default()
+        });
     });
     let ghost = cube(&mut app, Ghost);
     cube(&mut app, IgnoreCollisions::from([ghost]));

@@ -1,5 +1,5 @@
-//! Ticks that others interfere with: updates of the index at any moment, sets that are skipped, resources that are missing.
-//! Whenever the index is updated, no change is lost to the next search.
+//! Ticks that others interfere with: updates of the index at any moment, sets that are skipped,
+//! resources that are missing. Whenever the index is updated, no change is lost to the next search.
 
 use crate::common;
 
@@ -25,7 +25,10 @@ struct Plan(Vec<(usize, Act)>);
 
 impl Plan {
     fn add(app: &mut App, gap: usize, act: impl FnMut(&mut World) + Send + Sync + 'static) {
-        app.world_mut().resource_mut::<Self>().0.push((gap, Box::new(act)));
+        app.world_mut()
+            .resource_mut::<Self>()
+            .0
+            .push((gap, Box::new(act)));
     }
 
     /// Does what is planned for a gap.
@@ -55,9 +58,14 @@ fn planned_app() -> App {
 /// An app in which any set can be [skipped](Skipped), with what it tells of contacts.
 fn skipping_app() -> App {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, OctreePlugins::new(Update))).init_resource::<Skipped>().init_resource::<Told>();
+    app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
+        .init_resource::<Skipped>()
+        .init_resource::<Told>();
     for set in SETS {
-        app.configure_sets(Update, set.run_if(move |skipped: Res<Skipped>| !skipped.0.contains(&set)));
+        app.configure_sets(
+            Update,
+            set.run_if(move |skipped: Res<Skipped>| !skipped.0.contains(&set)),
+        );
     }
     app.add_systems(Update, Told::follow.in_set(CollisionSystems::Last));
     app
@@ -72,7 +80,9 @@ fn skip(app: &mut App, sets: &[CollisionSystems]) {
 }
 
 fn block(app: &mut App, x: f32) -> Entity {
-    app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0))).id()
+    app.world_mut()
+        .spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0)))
+        .id()
 }
 
 fn place(app: &mut App, entity: Entity, x: f32) {
@@ -82,11 +92,21 @@ fn place(app: &mut App, entity: Entity, x: f32) {
 /// A swept ball that bounces in each tick, far from everything.
 fn bouncing_elsewhere(app: &mut App) {
     for x in [95.0, 105.0] {
-        app.world_mut()
-            .spawn((CollisionShape::from_half_size(Vec3::new(0.1, 5.0, 5.0)), Transform::from_xyz(x, 0.0, 0.0)));
+        app.world_mut().spawn((
+            CollisionShape::from_half_size(Vec3::new(0.1, 5.0, 5.0)),
+            Transform::from_xyz(x, 0.0, 0.0),
+        ));
     }
-    let moving = (Velocity(Vec3::X * 7.0 * TICKS_PER_SECOND), ELASTIC, Swept::default());
-    app.world_mut().spawn((CollisionShape::sphere(0.1), moving, Transform::from_xyz(100.0, 0.0, 0.0)));
+    let moving = (
+        Velocity(Vec3::X * 7.0 * TICKS_PER_SECOND),
+        ELASTIC,
+        Swept::default(),
+    );
+    app.world_mut().spawn((
+        CollisionShape::sphere(0.1),
+        moving,
+        Transform::from_xyz(100.0, 0.0, 0.0),
+    ));
 }
 
 /// Ways in which a contact of two ends though nothing moves.
@@ -137,9 +157,15 @@ fn updates_between_the_search_and_the_exact_tests_change_nothing() {
             let [a, b, c, d, e] = [0.0, 0.9, 20.0, 40.0, 40.9].map(|x| block(&mut app, x));
             tick(&mut app, 2);
             place(&mut app, b, 19.5);
-            Plan::add(&mut app, gap, move |world| (0..flushes).for_each(|_| update_spatial_index(world)));
+            Plan::add(&mut app, gap, move |world| {
+                (0..flushes).for_each(|_| update_spatial_index(world))
+            });
             tick(&mut app, 1);
-            assert_eq!(contacts(&app), [[b, c], [d, e]], "{flushes} flushes in gap {gap}");
+            assert_eq!(
+                contacts(&app),
+                [[b, c], [d, e]],
+                "{flushes} flushes in gap {gap}"
+            );
             tick(&mut app, 2);
             let told = [[a, b], [b, c], [d, e]].map(|pair| messages_about(&app, pair));
             assert_eq!(told, [(1, 1), (1, 0), (1, 0)]);
@@ -156,7 +182,10 @@ fn a_handle_that_is_used_again_in_the_middle_of_a_tick_brings_no_contact_with_it
     Plan::add(&mut app, AFTER_BROAD_PHASE, move |world| {
         world.despawn(a);
         (0..3).for_each(|_| update_spatial_index(world));
-        world.spawn((CollisionShape::default(), Transform::from_xyz(500.0, 0.0, 0.0)));
+        world.spawn((
+            CollisionShape::default(),
+            Transform::from_xyz(500.0, 0.0, 0.0),
+        ));
         (0..2).for_each(|_| update_spatial_index(world));
     });
     tick(&mut app, 1);
@@ -172,21 +201,28 @@ fn a_shape_that_changes_at_any_moment_counts_by_the_next_tick() {
             let mut app = planned_app();
             let [a, b] = [0.0, 3.0].map(|x| block(&mut app, x));
             if moves {
-                app.world_mut().entity_mut(a).insert(Velocity(Vec3::Y * 0.01));
+                app.world_mut()
+                    .entity_mut(a)
+                    .insert(Velocity(Vec3::Y * 0.01));
             }
             for (half_size, expected) in [(2.6, vec![[a, b]]), (0.5, vec![])] {
                 tick(&mut app, 2);
                 Plan::add(&mut app, gap, move |world| {
-                    world.get_mut::<CollisionShape>(a).unwrap().0 = Shape::from_half_size(Vec3::splat(half_size));
+                    world.get_mut::<CollisionShape>(a).unwrap().0 =
+                        Shape::from_half_size(Vec3::splat(half_size));
                 });
                 tick(&mut app, 2);
                 let what = (moves, gap, half_size);
                 assert_eq!(contacts(&app), expected, "{what:?}");
                 let look = |spatial: SpatialQuery| {
                     let mut found = Vec::new();
-                    spatial.for_each_point_intersection(Vec3::X * 2.0, &SpatialQueryFilter::DEFAULT, |entity| {
-                        found.push(entity);
-                    });
+                    spatial.for_each_point_intersection(
+                        Vec3::X * 2.0,
+                        &SpatialQueryFilter::DEFAULT,
+                        |entity| {
+                            found.push(entity);
+                        },
+                    );
                     found
                 };
                 let found = app.world_mut().run_system_once(look).unwrap();
@@ -218,7 +254,11 @@ fn what_changes_while_a_set_is_skipped_counts_once_it_runs() {
             skip(&mut app, &[]);
             tick(&mut app, 1);
             let expected = if is_contact { vec![[a, b]] } else { vec![] };
-            assert_eq!((contacts(&app), told(&app)), (expected.clone(), expected), "{set:?}");
+            assert_eq!(
+                (contacts(&app), told(&app)),
+                (expected.clone(), expected),
+                "{set:?}"
+            );
             tick(&mut app, 2);
         }
     }
@@ -255,14 +295,25 @@ fn contacts_that_are_gone_for_a_tick_or_from_another_time_are_made_anew() {
     }
 }
 
-/// A bounce that is not answered in its tick is not answered in the next one either, when the ball is elsewhere.
+/// A bounce that is not answered in its tick is not answered in the next one either, when the ball
+/// is elsewhere.
 #[test]
 fn what_a_skipped_response_was_to_do_is_not_done_later() {
     let mut app = skipping_app();
-    app.insert_resource(MotionSettings { step: Step::Seconds(1.0) });
-    let wall = (CollisionShape::from_half_size(Vec3::new(0.1, 5.0, 5.0)), Transform::from_xyz(2.5, 0.0, 0.0));
+    app.insert_resource(MotionSettings {
+        step: Step::Seconds(1.0),
+    });
+    let wall = (
+        CollisionShape::from_half_size(Vec3::new(0.1, 5.0, 5.0)),
+        Transform::from_xyz(2.5, 0.0, 0.0),
+    );
     app.world_mut().spawn(wall);
-    let ball = (CollisionShape::sphere(0.1), Velocity(Vec3::X), ELASTIC, Swept::default());
+    let ball = (
+        CollisionShape::sphere(0.1),
+        Velocity(Vec3::X),
+        ELASTIC,
+        Swept::default(),
+    );
     let ball = app.world_mut().spawn((ball, Transform::default())).id();
     tick(&mut app, 2);
     skip(&mut app, &[CollisionSystems::Response]);
@@ -273,14 +324,17 @@ fn what_a_skipped_response_was_to_do_is_not_done_later() {
     assert_eq!(get::<Velocity>(&app, ball).0, Vec3::X);
 }
 
-/// Skipped sets at random: whenever all have run, contacts are those of brute force, and all is told.
+/// Skipped sets at random: whenever all have run, contacts are those of brute force, and all is
+/// told.
 #[test]
 fn any_sets_may_be_skipped_in_any_tick() {
     let mut seen = 0;
     for seed in 0..60 {
         let mut rng = Rng::with_seed(seed);
         let mut app = skipping_app();
-        let blocks: Vec<_> = (0..12).map(|place| block(&mut app, place as f32 * 0.7)).collect();
+        let blocks: Vec<_> = (0..12)
+            .map(|place| block(&mut app, place as f32 * 0.7))
+            .collect();
         for round in 0..40 {
             for _ in 0..rng.u8(0..4) {
                 place(&mut app, blocks[rng.usize(0..12)], rng.f32() * 8.0);
@@ -292,7 +346,11 @@ fn any_sets_may_be_skipped_in_any_tick() {
             tick(&mut app, 1);
             if skipped.is_empty() {
                 let found = contacts(&app);
-                assert_eq!(found, brute_force_contacts(&mut app), "seed {seed}, round {round}");
+                assert_eq!(
+                    found,
+                    brute_force_contacts(&mut app),
+                    "seed {seed}, round {round}"
+                );
                 seen += found.len();
             }
             if !skipped.contains(&CollisionSystems::Report) {
@@ -314,7 +372,11 @@ impl Told {
         mut ended: MessageReader<CollisionEnded>,
     ) {
         for pair in ended.read().map(|message| pair(message.a, message.b)) {
-            let place = told.0.iter().position(|other| *other == pair).expect("what ends has started");
+            let place = told
+                .0
+                .iter()
+                .position(|other| *other == pair)
+                .expect("what ends has started");
             told.0.swap_remove(place);
         }
         for pair in started.read().map(|message| pair(message.a, message.b)) {
@@ -331,23 +393,33 @@ fn told(app: &App) -> Vec<EntityPair> {
     pairs
 }
 
-/// What one tick of a history was like: contacts, what was told, and places, with numbers for entities.
+/// What one tick of a history was like: contacts, what was told, and places, with numbers for
+/// entities.
 type Seen = (Vec<[usize; 2]>, Vec<[usize; 2]>, Vec<[usize; 2]>, Vec<Vec3>);
 
-/// A random history in which things change before ticks, with or without updates of the index anywhere in them.
+/// A random history in which things change before ticks, with or without updates of the index
+/// anywhere in them.
 ///
-/// Where things come and go, nothing bounces, for the order of contacts is that of handles, and an update may have a handle
-/// used again earlier.
+/// Where things come and go, nothing bounces, for the order of contacts is that of handles, and an
+/// update may have a handle used again earlier.
 fn history(seed: u64, flush: bool, bounces: bool) -> Vec<Seen> {
     const COUNT: usize = 16;
     let mut rng = Rng::with_seed(seed);
     let mut flushes = Rng::with_seed(seed + 1_000);
     let mut app = planned_app();
-    let vector = |rng: &mut Rng, reach: f32| Vec3::from_array([0; 3].map(|_| (rng.f32() * 2.0 - 1.0) * reach));
+    let vector = |rng: &mut Rng, reach: f32| {
+        Vec3::from_array([0; 3].map(|_| (rng.f32() * 2.0 - 1.0) * reach))
+    };
     let mut objects: Vec<Entity> = Vec::new();
     let spawn = |app: &mut App, rng: &mut Rng| {
-        let shape = if rng.bool() { CollisionShape::sphere(0.4) } else { CollisionShape::default() };
-        let mut object = app.world_mut().spawn((shape, Transform::from_translation(vector(rng, 2.5))));
+        let shape = if rng.bool() {
+            CollisionShape::sphere(0.4)
+        } else {
+            CollisionShape::default()
+        };
+        let mut object = app
+            .world_mut()
+            .spawn((shape, Transform::from_translation(vector(rng, 2.5))));
         if bounces && rng.u8(0..3) > 0 {
             object.insert((Velocity(vector(rng, 1.0) * TICKS_PER_SECOND), ELASTIC));
         }
@@ -362,7 +434,9 @@ fn history(seed: u64, flush: bool, bounces: bool) -> Vec<Seen> {
     if bounces {
         for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
             for side in [-1.0, 1.0] {
-                let shape = CollisionShape::from_half_size(Vec3::splat(5.0) * (Vec3::ONE - axis) + axis * 0.5);
+                let shape = CollisionShape::from_half_size(
+                    Vec3::splat(5.0) * (Vec3::ONE - axis) + axis * 0.5,
+                );
                 let wall = (shape, Transform::from_translation(axis * side * 4.0));
                 objects.push(app.world_mut().spawn(wall).id());
             }
@@ -382,7 +456,10 @@ fn history(seed: u64, flush: bool, bounces: bool) -> Vec<Seen> {
                 0 => object.get_mut::<Transform>().unwrap().translation = to,
                 1 => object.get_mut::<Transform>().unwrap().set_changed(),
                 2 => _ = object.insert((Swept::default(), Transform::from_translation(to))),
-                3 => object.get_mut::<CollisionShape>().unwrap().0 = Shape::from_half_size(to.abs() * 0.3 + 0.1),
+                3 => {
+                    object.get_mut::<CollisionShape>().unwrap().0 =
+                        Shape::from_half_size(to.abs() * 0.3 + 0.1)
+                }
                 4 => _ = object.insert(IgnoreCollisions::from([other])),
                 5 => _ = object.remove::<IgnoreCollisions>(),
                 6 => _ = object.insert(CollisionLayers::from_bits(1, 2)),
@@ -404,7 +481,9 @@ fn history(seed: u64, flush: bool, bounces: bool) -> Vec<Seen> {
         if flush {
             for gap in GAPS {
                 let count = flushes.u8(0..8).saturating_sub(4);
-                Plan::add(&mut app, gap, move |world| (0..count).for_each(|_| update_spatial_index(world)));
+                Plan::add(&mut app, gap, move |world| {
+                    (0..count).for_each(|_| update_spatial_index(world))
+                });
             }
             (0..flushes.u8(0..3)).for_each(|_| update_spatial_index(app.world_mut()));
         }
@@ -413,7 +492,10 @@ fn history(seed: u64, flush: bool, bounces: bool) -> Vec<Seen> {
         tick(&mut app, 1);
         let number = |entity: Entity| objects.iter().position(|object| *object == entity).unwrap();
         let numbers = |pairs: &mut dyn Iterator<Item = EntityPair>| {
-            let mut pairs: Vec<_> = pairs.map(|pair| pair.map(number)).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+            let mut pairs: Vec<_> = pairs
+                .map(|pair| pair.map(number))
+                .map(|[a, b]| [a.min(b), a.max(b)])
+                .collect();
             pairs.sort_unstable();
             pairs
         };
@@ -421,7 +503,10 @@ fn history(seed: u64, flush: bool, bounces: bool) -> Vec<Seen> {
         let touching = numbers(&mut contacts(&app).into_iter());
         let started = numbers(&mut log.started.iter().map(|(_, pair)| *pair));
         let ended = numbers(&mut log.ended.iter().map(|(_, pair)| *pair));
-        let places = objects.iter().filter_map(|object| app.world().get::<Transform>(*object)).map(|at| at.translation);
+        let places = objects
+            .iter()
+            .filter_map(|object| app.world().get::<Transform>(*object))
+            .map(|at| at.translation);
         seen.push((touching, started, ended, places.collect()));
     }
     seen
@@ -434,16 +519,22 @@ fn results_are_the_same_with_and_without_updates_anywhere() {
         for bounces in [false, true] {
             let (without, with) = (history(seed, false, bounces), history(seed, true, bounces));
             for (number, (without, with)) in without.iter().zip(&with).enumerate() {
-                assert_eq!(without, with, "seed {seed}, bounces {bounces}, tick {number}");
+                assert_eq!(
+                    without, with,
+                    "seed {seed}, bounces {bounces}, tick {number}"
+                );
             }
-            contacts += without.iter().map(|(touching, ..)| touching.len()).sum::<usize>();
+            contacts += without
+                .iter()
+                .map(|(touching, ..)| touching.len())
+                .sum::<usize>();
         }
     }
     assert!(contacts > 5_000, "{contacts}");
 }
 
-/// Things move, come and go between any two sets, and the index is updated in the same tick: after a tick in which nothing
-/// changed, contacts are those of brute force.
+/// Things move, come and go between any two sets, and the index is updated in the same tick: after
+/// a tick in which nothing changed, contacts are those of brute force.
 #[test]
 fn whatever_happens_in_a_tick_the_next_one_is_right() {
     let mut seen = 0;
@@ -459,10 +550,16 @@ fn whatever_happens_in_a_tick_the_next_one_is_right() {
         tick(&mut app, 1);
         for round in 0..20 {
             for _ in 0..rng.usize(1..5) {
-                let (gap, which, x, kind, flushes) =
-                    (rng.usize(GAPS), rng.usize(0..12), rng.f32() * 8.0, rng.u8(0..5), rng.u8(0..3));
+                let (gap, which, x, kind, flushes) = (
+                    rng.usize(GAPS),
+                    rng.usize(0..12),
+                    rng.f32() * 8.0,
+                    rng.u8(0..5),
+                    rng.u8(0..3),
+                );
                 Plan::add(&mut app, gap, move |world| {
-                    let blocks = world.query_filtered::<Entity, (With<CollisionShape>, Without<Velocity>)>();
+                    let blocks =
+                        world.query_filtered::<Entity, (With<CollisionShape>, Without<Velocity>)>();
                     let blocks: Vec<_> = blocks.iter_manual(world).collect();
                     let block = blocks[which % blocks.len()];
                     // The walls of another place stay.
@@ -472,14 +569,20 @@ fn whatever_happens_in_a_tick_the_next_one_is_right() {
                             1 => world.get_mut::<Transform>(block).unwrap().set_changed(),
                             2 => {
                                 let half_size = Vec3::splat(0.3 + x * 0.1);
-                                world.get_mut::<CollisionShape>(block).unwrap().0 = Shape::from_half_size(half_size);
+                                world.get_mut::<CollisionShape>(block).unwrap().0 =
+                                    Shape::from_half_size(half_size);
                             }
                             3 => {
                                 world.despawn(block);
-                                world.spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0)));
+                                world.spawn((
+                                    CollisionShape::default(),
+                                    Transform::from_xyz(x, 0.0, 0.0),
+                                ));
                             }
                             _ => {
-                                world.entity_mut(block).insert(IgnoreCollisions(EntityHashSet::default()));
+                                world
+                                    .entity_mut(block)
+                                    .insert(IgnoreCollisions(EntityHashSet::default()));
                             }
                         }
                     }
@@ -487,9 +590,15 @@ fn whatever_happens_in_a_tick_the_next_one_is_right() {
                 });
             }
             tick(&mut app, 2);
-            let found: Vec<_> = contacts(&app).into_iter().filter(|pair| is_near(&app, *pair)).collect();
+            let found: Vec<_> = contacts(&app)
+                .into_iter()
+                .filter(|pair| is_near(&app, *pair))
+                .collect();
             let expected = brute_force_contacts(&mut app);
-            let expected: Vec<_> = expected.into_iter().filter(|pair| is_near(&app, *pair)).collect();
+            let expected: Vec<_> = expected
+                .into_iter()
+                .filter(|pair| is_near(&app, *pair))
+                .collect();
             assert_eq!(found, expected, "seed {seed}, round {round}");
             seen += found.len();
         }
@@ -497,6 +606,10 @@ fn whatever_happens_in_a_tick_the_next_one_is_right() {
     assert!(seen > 5_000, "{seen}");
 
     fn is_near(app: &App, pair: EntityPair) -> bool {
-        pair.into_iter().all(|entity| app.world().get::<Transform>(entity).is_some_and(|at| at.translation.x < 90.0))
+        pair.into_iter().all(|entity| {
+            app.world()
+                .get::<Transform>(entity)
+                .is_some_and(|at| at.translation.x < 90.0)
+        })
     }
 }

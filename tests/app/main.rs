@@ -1,5 +1,6 @@
-//! What the crate promises to those who use it: a file for each promise, all of them in one program, which is quicker to
-//! build than a program each. `cargo test --test app -- swept::` runs one of them.
+//! What the crate promises to those who use it: a file for each promise, all of them in one
+//! program, which is quicker to build than a program each. `cargo test --test app -- swept::` runs
+//! one of them.
 
 mod bounce;
 #[path = "../common/mod.rs"]

@@ -22,7 +22,14 @@ use common::*;
 fn picking() -> (App, Entity) {
     let mut app = app(BroadPhaseMethod::default());
     app.add_plugins(CollisionPickingPlugin);
-    let camera = point(&mut app, Camera { order: 3, ..default() }, Dir3::X);
+    let camera = point(
+        &mut app,
+        Camera {
+            order: 3,
+            ..default()
+        },
+        Dir3::X,
+    );
     (app, camera)
 }
 
@@ -30,28 +37,47 @@ fn picking() -> (App, Entity) {
 fn point(app: &mut App, camera: Camera, direction: Dir3) -> Entity {
     let camera = app.world_mut().spawn(camera).id();
     let ray = Ray3d::new(Vec3::ZERO, direction);
-    app.world_mut().resource_mut::<RayMap>().map.insert(RayId::new(camera, PointerId::Mouse), ray);
+    app.world_mut()
+        .resource_mut::<RayMap>()
+        .map
+        .insert(RayId::new(camera, PointerId::Mouse), ray);
     camera
 }
 
 /// A cube of side 1 along the ray.
 fn spawn(app: &mut App, x: f32, bundle: impl Bundle) -> Entity {
-    app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0), bundle)).id()
+    app.world_mut()
+        .spawn((
+            CollisionShape::default(),
+            Transform::from_xyz(x, 0.0, 0.0),
+            bundle,
+        ))
+        .id()
 }
 
 /// What is written by the next frame, given that the index knows of all that was spawned.
 fn hits(app: &mut App) -> Vec<PointerHits> {
-    app.world_mut().run_system_cached(update_spatial_index).unwrap();
-    app.world_mut().resource_mut::<Messages<PointerHits>>().clear();
+    app.world_mut()
+        .run_system_cached(update_spatial_index)
+        .unwrap();
+    app.world_mut()
+        .resource_mut::<Messages<PointerHits>>()
+        .clear();
     app.update();
-    app.world_mut().resource_mut::<Messages<PointerHits>>().drain().collect()
+    app.world_mut()
+        .resource_mut::<Messages<PointerHits>>()
+        .drain()
+        .collect()
 }
 
 /// The entities that are picked, nearest first, by the only pointer.
 fn picked(app: &mut App) -> Vec<Entity> {
     let hits = hits(app);
     assert!(hits.len() <= 1, "{hits:?}");
-    hits.iter().flat_map(|hits| &hits.picks).map(|(entity, _)| *entity).collect()
+    hits.iter()
+        .flat_map(|hits| &hits.picks)
+        .map(|(entity, _)| *entity)
+        .collect()
 }
 
 #[test]
@@ -62,10 +88,26 @@ fn the_nearest_is_picked_with_its_place_and_normal() {
     let near = spawn(&mut app, 4.0, ());
     let ball = CollisionShape::sphere(1.0);
     // The ray meets the box of this one, and not the ball.
-    app.world_mut().spawn((ball, Transform::from_xyz(2.0, 0.9, 0.9)));
+    app.world_mut()
+        .spawn((ball, Transform::from_xyz(2.0, 0.9, 0.9)));
     let hits = hits(&mut app);
-    let [PointerHits { pointer: PointerId::Mouse, picks, order: 3.0 }] = &hits[..] else { panic!("{hits:?}") };
-    assert_eq!(picks[..], [(near, HitData::new(camera, 3.5, Some(Vec3::X * 3.5), Some(Vec3::NEG_X)))]);
+    let [
+        PointerHits {
+            pointer: PointerId::Mouse,
+            picks,
+            order: 3.0,
+        },
+    ] = &hits[..]
+    else {
+        panic!("{hits:?}")
+    };
+    assert_eq!(
+        picks[..],
+        [(
+            near,
+            HitData::new(camera, 3.5, Some(Vec3::X * 3.5), Some(Vec3::NEG_X))
+        )]
+    );
 }
 
 #[test]
@@ -74,11 +116,21 @@ fn each_ray_picks_for_itself() {
     let [ahead, behind] = [4.0, -4.0].map(|x| spawn(&mut app, x, ()));
     let second = point(&mut app, Camera::default(), Dir3::NEG_X);
     point(&mut app, Camera::default(), Dir3::Y);
-    point(&mut app, Camera { is_active: false, ..default() }, Dir3::X);
+    point(
+        &mut app,
+        Camera {
+            is_active: false,
+            ..default()
+        },
+        Dir3::X,
+    );
     let gone = point(&mut app, Camera::default(), Dir3::X);
     app.world_mut().despawn(gone);
-    let mut found: Vec<_> =
-        hits(&mut app).iter().flat_map(|hits| &hits.picks).map(|(entity, hit)| (hit.camera, *entity)).collect();
+    let mut found: Vec<_> = hits(&mut app)
+        .iter()
+        .flat_map(|hits| &hits.picks)
+        .map(|(entity, hit)| (hit.camera, *entity))
+        .collect();
     found.sort_unstable();
     let mut expected = [(first, ahead), (second, behind)];
     expected.sort_unstable();
@@ -87,8 +139,14 @@ fn each_ray_picks_for_itself() {
 
 #[test]
 fn what_does_not_block_lets_others_be_picked_behind_it() {
-    const GLASS: Pickable = Pickable { should_block_lower: false, is_hoverable: true };
-    const FOG: Pickable = Pickable { should_block_lower: true, is_hoverable: false };
+    const GLASS: Pickable = Pickable {
+        should_block_lower: false,
+        is_hoverable: true,
+    };
+    const FOG: Pickable = Pickable {
+        should_block_lower: true,
+        is_hoverable: false,
+    };
     let (mut app, _) = picking();
     spawn(&mut app, 2.0, Pickable::IGNORE);
     let glass = [4.0, 6.0].map(|x| spawn(&mut app, x, GLASS));
@@ -99,7 +157,9 @@ fn what_does_not_block_lets_others_be_picked_behind_it() {
     // It cannot be hovered, but hides the wall: Bevy has to be told.
     let fog = spawn(&mut app, 7.0, FOG);
     assert_eq!(picked(&mut app), [glass[0], glass[1], fog]);
-    app.world_mut().entity_mut(glass[0]).insert(Pickable::default());
+    app.world_mut()
+        .entity_mut(glass[0])
+        .insert(Pickable::default());
     assert_eq!(picked(&mut app), [glass[0]]);
 }
 
@@ -109,7 +169,9 @@ fn markers_are_asked_for_if_required() {
     let plain = spawn(&mut app, 2.0, ());
     let marked = spawn(&mut app, 4.0, CollisionPickable);
     assert_eq!(picked(&mut app), [plain]);
-    app.world_mut().resource_mut::<CollisionPickingSettings>().require_markers = true;
+    app.world_mut()
+        .resource_mut::<CollisionPickingSettings>()
+        .require_markers = true;
     assert!(picked(&mut app).is_empty());
     app.world_mut().entity_mut(camera).insert(CollisionPickable);
     assert_eq!(picked(&mut app), [marked]);
@@ -139,10 +201,14 @@ fn a_camera_picks_in_all_worlds_or_in_its_own() {
     let far = spawn(&mut app, 4.0, InCollisionWorld(second));
     let farther = spawn(&mut app, 6.0, ());
     assert_eq!(picked(&mut app), [near]);
-    app.world_mut().entity_mut(camera).insert(InCollisionWorld(second));
+    app.world_mut()
+        .entity_mut(camera)
+        .insert(InCollisionWorld(second));
     assert_eq!(picked(&mut app), [far]);
     app.world_mut().despawn(first);
-    app.world_mut().entity_mut(camera).remove::<InCollisionWorld>();
+    app.world_mut()
+        .entity_mut(camera)
+        .remove::<InCollisionWorld>();
     app.world_mut().despawn(far);
     assert_eq!(picked(&mut app), [farther]);
 }
@@ -156,7 +222,9 @@ fn what_is_gone_or_elsewhere_is_not_picked() {
     assert_eq!(picked(&mut app), [cubes[1]]);
     get_mut::<Transform>(&mut app, cubes[1]).translation.y = 3.0;
     assert_eq!(picked(&mut app), [cubes[2]]);
-    app.world_mut().entity_mut(cubes[2]).remove::<CollisionShape>();
+    app.world_mut()
+        .entity_mut(cubes[2])
+        .remove::<CollisionShape>();
     assert!(picked(&mut app).is_empty());
 }
 
@@ -165,11 +233,18 @@ fn what_is_gone_or_elsewhere_is_not_picked() {
 fn what_is_picked_is_hovered() {
     let (mut app, _) = picking();
     // There is no window to make rays from.
-    app.insert_resource(PickingSettings { is_input_enabled: false, is_window_picking_enabled: false, ..default() })
-        .add_plugins((PickingPlugin, InteractionPlugin));
+    app.insert_resource(PickingSettings {
+        is_input_enabled: false,
+        is_window_picking_enabled: false,
+        ..default()
+    })
+    .add_plugins((PickingPlugin, InteractionPlugin));
     app.world_mut().spawn(PointerId::Mouse);
     let cube = spawn(&mut app, 4.0, ());
     hits(&mut app);
     let hovered = app.world().resource::<HoverMap>().get(&PointerId::Mouse);
-    assert_eq!(hovered.map(|hits| hits.keys().copied().collect::<Vec<_>>()), Some(vec![cube]));
+    assert_eq!(
+        hovered.map(|hits| hits.keys().copied().collect::<Vec<_>>()),
+        Some(vec![cube])
+    );
 }

@@ -1,5 +1,5 @@
-//! Random scenes of all kinds of objects, on both paths: the same contacts tick by tick, and those that the exact tests
-//! find without any broad phase.
+//! Random scenes of all kinds of objects, on both paths: the same contacts tick by tick, and those
+//! that the exact tests find without any broad phase.
 
 use crate::common;
 
@@ -20,7 +20,11 @@ struct Scene {
 
 impl Scene {
     fn new(method: BroadPhaseMethod, seed: u64) -> Self {
-        let mut scene = Self { app: app(method), rng: Rng::with_seed(seed), objects: Vec::new() };
+        let mut scene = Self {
+            app: app(method),
+            rng: Rng::with_seed(seed),
+            objects: Vec::new(),
+        };
         for _ in 0..OBJECTS {
             scene.spawn();
         }
@@ -28,7 +32,9 @@ impl Scene {
     }
 
     fn vector(&mut self, reach: f32) -> Vec3 {
-        Vec3::from_array(std::array::from_fn(|_| (self.rng.f32() * 2.0 - 1.0) * reach))
+        Vec3::from_array(std::array::from_fn(|_| {
+            (self.rng.f32() * 2.0 - 1.0) * reach
+        }))
     }
 
     fn rotation(&mut self) -> Quat {
@@ -65,7 +71,11 @@ impl Scene {
         let object = (self.shape(), self.transform());
         let mut entity = self.app.world_mut().spawn(object);
         self.objects.push(entity.id());
-        let bounce = [None, Some(Bounce::Reverse), Some(Bounce::Reflect { restitution: 0.5 })][self.rng.usize(0..3)];
+        let bounce = [
+            None,
+            Some(Bounce::Reverse),
+            Some(Bounce::Reflect { restitution: 0.5 }),
+        ][self.rng.usize(0..3)];
         if let Some(bounce) = bounce {
             entity.insert(bounce);
         }
@@ -106,7 +116,10 @@ impl Scene {
     }
 
     fn transforms(&self) -> Vec<Transform> {
-        self.objects.iter().map(|object| *get(&self.app, *object)).collect()
+        self.objects
+            .iter()
+            .map(|object| *get(&self.app, *object))
+            .collect()
     }
 }
 
@@ -125,34 +138,61 @@ fn all_paths_find_the_contacts_of_brute_force() {
             linear.step();
             let found = contacts(&octree.app);
             assert_eq!(found, contacts(&linear.app), "seed {seed}, tick {number}");
-            assert_eq!(found, contacts(&exhaustive.app), "seed {seed}, tick {number}");
-            assert_eq!(found, brute_force_contacts(&mut octree.app), "seed {seed}, tick {number}");
-            assert_eq!(octree.transforms(), exhaustive.transforms(), "seed {seed}, tick {number}");
+            assert_eq!(
+                found,
+                contacts(&exhaustive.app),
+                "seed {seed}, tick {number}"
+            );
+            assert_eq!(
+                found,
+                brute_force_contacts(&mut octree.app),
+                "seed {seed}, tick {number}"
+            );
+            assert_eq!(
+                octree.transforms(),
+                exhaustive.transforms(),
+                "seed {seed}, tick {number}"
+            );
             mirror.follow(&mut octree.app);
             seen += found.len();
         }
-        assert_eq!(octree.app.world().resource::<Log>(), linear.app.world().resource::<Log>(), "seed {seed}");
-        assert_eq!(octree.app.world().resource::<Log>(), exhaustive.app.world().resource::<Log>(), "seed {seed}");
+        assert_eq!(
+            octree.app.world().resource::<Log>(),
+            linear.app.world().resource::<Log>(),
+            "seed {seed}"
+        );
+        assert_eq!(
+            octree.app.world().resource::<Log>(),
+            exhaustive.app.world().resource::<Log>(),
+            "seed {seed}"
+        );
     }
     assert!(seen > 40 * TICKS, "the scenes have contacts: {seen}");
 }
 
-/// Cubes on a lattice, so that faces, edges and corners touch, and borders of cells are met exactly.
+/// Cubes on a lattice, so that faces, edges and corners touch, and borders of cells are met
+/// exactly.
 #[test]
 fn all_paths_agree_on_touching_cubes() {
     for seed in 0..20 {
         let octree = BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(2));
-        let [mut octree, mut exhaustive, mut linear] =
-            [octree, BroadPhaseMethod::Exhaustive, BroadPhaseMethod::LinearOctree].map(|method| {
-                let mut rng = Rng::with_seed(seed);
-                let mut app = app(method);
-                for _ in 0..60 {
-                    let mut place = || Vec3::from_array(std::array::from_fn(|_| f32::from(rng.i8(-4..5)) * 0.5));
-                    let (position, velocity) = (place(), Velocity(place() * 0.25 * TICKS_PER_SECOND));
-                    app.world_mut().spawn((Cube, Transform::from_translation(position), velocity));
-                }
-                app
-            });
+        let [mut octree, mut exhaustive, mut linear] = [
+            octree,
+            BroadPhaseMethod::Exhaustive,
+            BroadPhaseMethod::LinearOctree,
+        ]
+        .map(|method| {
+            let mut rng = Rng::with_seed(seed);
+            let mut app = app(method);
+            for _ in 0..60 {
+                let mut place =
+                    || Vec3::from_array(std::array::from_fn(|_| f32::from(rng.i8(-4..5)) * 0.5));
+                let (position, velocity) = (place(), Velocity(place() * 0.25 * TICKS_PER_SECOND));
+                app.world_mut()
+                    .spawn((Cube, Transform::from_translation(position), velocity));
+            }
+            app
+        });
         for number in 1..=TICKS {
             tick(&mut octree, 1);
             tick(&mut exhaustive, 1);
@@ -160,7 +200,11 @@ fn all_paths_agree_on_touching_cubes() {
             let found = contacts(&octree);
             assert_eq!(found, contacts(&linear), "seed {seed}, tick {number}");
             assert_eq!(found, contacts(&exhaustive), "seed {seed}, tick {number}");
-            assert_eq!(found, brute_force_contacts(&mut octree), "seed {seed}, tick {number}");
+            assert_eq!(
+                found,
+                brute_force_contacts(&mut octree),
+                "seed {seed}, tick {number}"
+            );
         }
     }
 }

@@ -1,5 +1,5 @@
-//! Side by side with `bevy_rapier3d`: shapes that follow colliders, contacts that are those of Rapier, bounces of
-//! Rapier's bodies, and shapes without an end.
+//! Side by side with `bevy_rapier3d`: shapes that follow colliders, contacts that are those of
+//! Rapier, bounces of Rapier's bodies, and shapes without an end.
 
 use crate::common;
 
@@ -25,10 +25,20 @@ fn app_in(rapier: impl ScheduleLabel, ours: impl ScheduleLabel + Clone) -> App {
     app_of(rapier, ours.clone(), RapierInteropPlugin::default())
 }
 
-fn app_of(rapier: impl ScheduleLabel, ours: impl ScheduleLabel + Clone, interop: RapierInteropPlugin) -> App {
-    let mut app = app_with((TransformPlugin, OctreePlugins::new(ours.clone()), interop), ours);
-    app.insert_resource(rapier::TimestepMode::Fixed { dt: STEP, substeps: 1 })
-        .add_plugins(RapierPhysicsPlugin::<()>::default().in_schedule(rapier));
+fn app_of(
+    rapier: impl ScheduleLabel,
+    ours: impl ScheduleLabel + Clone,
+    interop: RapierInteropPlugin,
+) -> App {
+    let mut app = app_with(
+        (TransformPlugin, OctreePlugins::new(ours.clone()), interop),
+        ours,
+    );
+    app.insert_resource(rapier::TimestepMode::Fixed {
+        dt: STEP,
+        substeps: 1,
+    })
+    .add_plugins(RapierPhysicsPlugin::<()>::default().in_schedule(rapier));
     app.finish();
     app.cleanup();
     app
@@ -40,7 +50,14 @@ fn fixed_app() -> App {
 }
 
 fn spawn(app: &mut App, collider: Collider, at: Vec3, more: impl Bundle) -> Entity {
-    app.world_mut().spawn((collider, ShapeFromRapier, Transform::from_translation(at), more)).id()
+    app.world_mut()
+        .spawn((
+            collider,
+            ShapeFromRapier,
+            Transform::from_translation(at),
+            more,
+        ))
+        .id()
 }
 
 /// What this crate and Rapier say about the same places.
@@ -55,35 +72,66 @@ impl Verdicts {
         let world = app.world_mut();
         let mut colliders = world.query::<(Entity, &Collider, &Transform)>();
         let pose = |at: &Transform| Pose::from_parts(at.translation, at.rotation);
-        let placed = colliders.iter(world).map(|(id, collider, at)| (id, collider.clone(), pose(at))).collect();
+        let placed = colliders
+            .iter(world)
+            .map(|(id, collider, at)| (id, collider.clone(), pose(at)))
+            .collect();
         Self { ours, placed }
     }
 
-    /// Compares them with what Rapier found for the same places, in its next step. Where the two differ, the shapes do
-    /// no more than touch: parry finds them no further apart, and no deeper in each other, than twice the tolerance.
+    /// Compares them with what Rapier found for the same places, in its next step. Where the two
+    /// differ, the shapes do no more than touch: parry finds them no further apart, and no deeper
+    /// in each other, than twice the tolerance.
     fn compare(&self, app: &mut App) {
         let theirs = |context: ReadRapierContext| {
             let context = context.single().expect("there is one context");
             let pairs = context.simulation.intersection_pairs(context.colliders);
-            pairs.filter(|(.., meet)| *meet).map(|(a, b, _)| pair(a, b)).collect::<BTreeSet<_>>()
+            pairs
+                .filter(|(.., meet)| *meet)
+                .map(|(a, b, _)| pair(a, b))
+                .collect::<BTreeSet<_>>()
         };
-        let theirs = app.world_mut().run_system_once(theirs).expect("the system runs");
-        let find = |entity| self.placed.iter().find(|placed| placed.0 == entity).expect("it was there");
+        let theirs = app
+            .world_mut()
+            .run_system_once(theirs)
+            .expect("the system runs");
+        let find = |entity| {
+            self.placed
+                .iter()
+                .find(|placed| placed.0 == entity)
+                .expect("it was there")
+        };
         for [a, b] in self.ours.symmetric_difference(&theirs) {
             let ((_, a, at_a), (_, b, at_b)) = (find(*a), find(*b));
-            let contact = query::contact(at_a, &*a.raw, at_b, &*b.raw, 1.0).expect("the pair is supported");
+            let contact =
+                query::contact(at_a, &*a.raw, at_b, &*b.raw, 1.0).expect("the pair is supported");
             let distance = contact.map_or(f32::INFINITY, |contact| contact.dist);
             // Rapier asks what overlaps a height field for balls alone.
-            let is_unasked = [a, b].iter().any(|collider| collider.raw.as_heightfield().is_some());
-            let distance = if is_unasked { distance.max(0.0) } else { distance };
-            assert!(distance.abs() <= 2e-4, "{a:?} and {b:?} are {distance} apart");
+            let is_unasked = [a, b]
+                .iter()
+                .any(|collider| collider.raw.as_heightfield().is_some());
+            let distance = if is_unasked {
+                distance.max(0.0)
+            } else {
+                distance
+            };
+            assert!(
+                distance.abs() <= 2e-4,
+                "{a:?} and {b:?} are {distance} apart"
+            );
         }
     }
 }
 
 fn some_shapes() -> Vec<Collider> {
     let tetrahedron = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_ONE];
-    let halves = [-0.5, 0.5].map(|x| (Vec3::X * x, Quat::from_rotation_z(x), Collider::cuboid(0.4, 0.2, 0.3)));
+    let halves = [-0.5, 0.5].map(|x| {
+        (
+            Vec3::X * x,
+            Quat::from_rotation_z(x),
+            Collider::cuboid(0.4, 0.2, 0.3),
+        )
+    });
     vec![
         Collider::ball(0.6),
         Collider::cuboid(0.5, 0.4, 0.7),
@@ -103,12 +151,21 @@ fn spawn_scene(app: &mut App) {
     let sensor = || (rapier::Sensor, rapier::ActiveCollisionTypes::all());
     let mut place = |app: &mut App, collider, more: &mut dyn FnMut(&mut EntityWorldMut, Vec3)| {
         let turned = Quat::from_scaled_axis(unit() * 3.0);
-        let transform = Transform::from_translation(unit() * Vec3::new(4.0, 3.0, 4.0)).with_rotation(turned);
-        let mut entity = app.world_mut().spawn((collider, ShapeFromRapier, transform, sensor()));
+        let transform =
+            Transform::from_translation(unit() * Vec3::new(4.0, 3.0, 4.0)).with_rotation(turned);
+        let mut entity = app
+            .world_mut()
+            .spawn((collider, ShapeFromRapier, transform, sensor()));
         more(&mut entity, unit());
     };
-    for collider in some_shapes().into_iter().flat_map(|collider| vec![collider; 3]) {
-        let velocity = |v: Vec3| rapier::Velocity { linear: v * 3.0, angular: v.zxy() * 4.0 };
+    for collider in some_shapes()
+        .into_iter()
+        .flat_map(|collider| vec![collider; 3])
+    {
+        let velocity = |v: Vec3| rapier::Velocity {
+            linear: v * 3.0,
+            angular: v.zxy() * 4.0,
+        };
         place(app, collider.clone(), &mut |body, v| {
             body.insert((RigidBody::Dynamic, velocity(v), rapier::GravityScale(0.2)));
         });
@@ -119,9 +176,19 @@ fn spawn_scene(app: &mut App) {
             body.insert((RigidBody::KinematicPositionBased, Driven(v * STEP)));
         });
     }
-    let grid: Vec<_> =
-        (0..36).map(|i| Vec3::new((i % 6) as f32 - 2.5, (i % 5) as f32 * 0.1, (i / 6) as f32 - 2.5)).collect();
-    let triangles = (0..30).filter(|i| i % 6 != 5).flat_map(|i| [[i, i + 6, i + 1], [i + 1, i + 6, i + 7]]).collect();
+    let grid: Vec<_> = (0..36)
+        .map(|i| {
+            Vec3::new(
+                (i % 6) as f32 - 2.5,
+                (i % 5) as f32 * 0.1,
+                (i / 6) as f32 - 2.5,
+            )
+        })
+        .collect();
+    let triangles = (0..30)
+        .filter(|i| i % 6 != 5)
+        .flat_map(|i| [[i, i + 6, i + 1], [i + 1, i + 6, i + 7]])
+        .collect();
     let mesh = Collider::trimesh(grid, triangles).expect("the mesh is fine");
     let heights = (0..25).map(|i| (i % 7) as f32 * 0.1).collect();
     let field = Collider::heightfield(heights, 5, 5, Vec3::new(6.0, 1.0, 6.0));
@@ -136,7 +203,8 @@ fn spawn_scene(app: &mut App) {
     }
     let slope = Transform::from_xyz(0.0, -3.0, 0.0).with_rotation(Quat::from_rotation_z(0.3));
     let ground = Collider::halfspace(Vec3::Y).expect("the normal has a length");
-    app.world_mut().spawn((ground, ShapeFromRapier, slope, RigidBody::Fixed, sensor()));
+    app.world_mut()
+        .spawn((ground, ShapeFromRapier, slope, RigidBody::Fixed, sensor()));
     app.add_systems(PreUpdate, |mut driven: Query<(&Driven, &mut Transform)>| {
         for (by, mut transform) in &mut driven {
             transform.translation += by.0;
@@ -151,7 +219,11 @@ struct Driven(Vec3);
 
 #[test]
 fn each_tick_contacts_are_those_of_rapier() {
-    let apps = [app_in(PostUpdate, PostUpdate), app_in(FixedUpdate, FixedUpdate), fixed_app()];
+    let apps = [
+        app_in(PostUpdate, PostUpdate),
+        app_in(FixedUpdate, FixedUpdate),
+        fixed_app(),
+    ];
     for mut app in apps {
         spawn_scene(&mut app);
         // Rapier's bodies begin to move in the first step, and it looks for contacts before.
@@ -164,15 +236,27 @@ fn each_tick_contacts_are_those_of_rapier() {
             verdicts.compare(&mut app);
             changes += counters(&app).started + counters(&app).ended;
         }
-        assert!(seen > 120 * 20 && changes > 200, "much happens: {seen} contacts, {changes} changes");
+        assert!(
+            seen > 120 * 20 && changes > 200,
+            "much happens: {seen} contacts, {changes} changes"
+        );
     }
 }
 
 #[test]
 fn a_shape_comes_changes_and_goes_with_its_collider() {
     let mut app = fixed_app();
-    let probe = app.world_mut().spawn((CollisionShape::sphere(0.1), Transform::from_xyz(2.0, 0.0, 0.0))).id();
-    let stranger = app.world_mut().spawn((Collider::ball(3.0), Transform::default())).id();
+    let probe = app
+        .world_mut()
+        .spawn((
+            CollisionShape::sphere(0.1),
+            Transform::from_xyz(2.0, 0.0, 0.0),
+        ))
+        .id();
+    let stranger = app
+        .world_mut()
+        .spawn((Collider::ball(3.0), Transform::default()))
+        .id();
     let entity = spawn(&mut app, Collider::ball(1.0), Vec3::ZERO, ());
     let touches = |app: &mut App| {
         tick(app, 1);
@@ -182,12 +266,16 @@ fn a_shape_comes_changes_and_goes_with_its_collider() {
     assert!(!touches(&mut app));
     assert!(app.world().get::<CollisionShape>(entity).is_some());
     // Another collider.
-    app.world_mut().entity_mut(entity).insert(Collider::ball(2.5));
+    app.world_mut()
+        .entity_mut(entity)
+        .insert(Collider::ball(2.5));
     assert!(touches(&mut app));
     // Another scale: of the entity, and of the collider alone.
     get_mut::<Transform>(&mut app, entity).scale = Vec3::splat(0.5);
     assert!(!touches(&mut app));
-    app.world_mut().entity_mut(entity).insert(rapier::ColliderScale::Absolute(Vec3::ONE));
+    app.world_mut()
+        .entity_mut(entity)
+        .insert(rapier::ColliderScale::Absolute(Vec3::ONE));
     assert!(touches(&mut app));
     // Another shape, written in place.
     get_mut::<Collider>(&mut app, entity).raw = Collider::cuboid(1.0, 1.0, 1.0).raw;
@@ -199,17 +287,25 @@ fn a_shape_comes_changes_and_goes_with_its_collider() {
     assert!(app.world().get::<CollisionShape>(entity).is_none());
     assert_eq!(index(&app).proxies().len(), 1);
     assert!(!touches(&mut app));
-    app.world_mut().entity_mut(entity).insert(Collider::ball(2.5));
+    app.world_mut()
+        .entity_mut(entity)
+        .insert(Collider::ball(2.5));
     assert!(touches(&mut app));
     // Changed while it is disabled.
-    app.world_mut().entity_mut(entity).insert((Disabled, Collider::ball(1.0)));
+    app.world_mut()
+        .entity_mut(entity)
+        .insert((Disabled, Collider::ball(1.0)));
     assert!(!touches(&mut app));
     app.world_mut().entity_mut(entity).remove::<Disabled>();
     assert!(!touches(&mut app));
-    app.world_mut().entity_mut(entity).insert(Collider::ball(2.5));
+    app.world_mut()
+        .entity_mut(entity)
+        .insert(Collider::ball(2.5));
     assert!(touches(&mut app));
     // The marker decides.
-    app.world_mut().entity_mut(entity).remove::<ShapeFromRapier>();
+    app.world_mut()
+        .entity_mut(entity)
+        .remove::<ShapeFromRapier>();
     assert!(app.world().get::<CollisionShape>(entity).is_none());
     assert!(!touches(&mut app));
     app.world_mut().entity_mut(entity).insert(ShapeFromRapier);
@@ -231,9 +327,16 @@ fn a_collider_that_is_as_it_was_is_no_change() {
 
 #[test]
 fn every_collider_takes_part_if_told_so() {
-    let mut app = app_of(PostUpdate, PostUpdate, RapierInteropPlugin::default().for_all_colliders());
-    let [a, b, c] =
-        [0.0, 1.0, 1.5].map(|x| app.world_mut().spawn((Collider::ball(1.0), Transform::from_xyz(x, 0.0, 0.0))).id());
+    let mut app = app_of(
+        PostUpdate,
+        PostUpdate,
+        RapierInteropPlugin::default().for_all_colliders(),
+    );
+    let [a, b, c] = [0.0, 1.0, 1.5].map(|x| {
+        app.world_mut()
+            .spawn((Collider::ball(1.0), Transform::from_xyz(x, 0.0, 0.0)))
+            .id()
+    });
     app.world_mut().entity_mut(c).remove::<ShapeFromRapier>();
     tick(&mut app, 1);
     assert_eq!(contacts(&app), [pair(a, b)]);
@@ -243,21 +346,39 @@ fn every_collider_takes_part_if_told_so() {
 fn no_collider_is_taken_up_before_rapier_has_scaled_it() {
     // This crate comes before Rapier.
     let mut app = app_in(PostUpdate, FixedPostUpdate);
-    let entity = app.world_mut().spawn((Collider::cuboid(1.0, 1.0, 1.0), ShapeFromRapier)).id();
-    app.world_mut().entity_mut(entity).insert(Transform::from_scale(Vec3::new(3.0, 1.0, 1.0)));
+    let entity = app
+        .world_mut()
+        .spawn((Collider::cuboid(1.0, 1.0, 1.0), ShapeFromRapier))
+        .id();
+    app.world_mut()
+        .entity_mut(entity)
+        .insert(Transform::from_scale(Vec3::new(3.0, 1.0, 1.0)));
     tick(&mut app, 1);
     assert!(app.world().get::<CollisionShape>(entity).is_none());
     tick(&mut app, 1);
     let aabb = get::<WorldAabb>(&app, entity);
-    assert!((Vec3::from(aabb.max) - Vec3::new(3.0, 1.0, 1.0)).length() < 1e-3, "{aabb:?}");
+    assert!(
+        (Vec3::from(aabb.max) - Vec3::new(3.0, 1.0, 1.0)).length() < 1e-3,
+        "{aabb:?}"
+    );
 }
 
 #[test]
 fn in_another_schedule_contacts_are_a_frame_late() {
     for (mut app, late) in [(fixed_app(), 0), (app_in(PostUpdate, FixedPostUpdate), 1)] {
         let speed = rapier::Velocity::linear(Vec3::X * TICKS_PER_SECOND);
-        spawn(&mut app, Collider::ball(0.4), Vec3::ZERO, (RigidBody::KinematicVelocityBased, speed));
-        spawn(&mut app, Collider::ball(0.4), Vec3::X * 5.0, RigidBody::Fixed);
+        spawn(
+            &mut app,
+            Collider::ball(0.4),
+            Vec3::ZERO,
+            (RigidBody::KinematicVelocityBased, speed),
+        );
+        spawn(
+            &mut app,
+            Collider::ball(0.4),
+            Vec3::X * 5.0,
+            RigidBody::Fixed,
+        );
         // Five steps of length 1.
         tick(&mut app, 4 + late);
         assert!(contacts(&app).is_empty());
@@ -269,17 +390,27 @@ fn in_another_schedule_contacts_are_a_frame_late() {
 #[test]
 fn a_bounce_changes_the_velocity_that_rapier_moves_by() {
     let reflect = Bounce::Reflect { restitution: 0.5 };
-    for (bounce, after) in [(Bounce::Reverse, Vec3::new(-1.0, -0.5, 0.0)), (reflect, Vec3::new(-0.5, 0.5, 0.0))] {
+    for (bounce, after) in [
+        (Bounce::Reverse, Vec3::new(-1.0, -0.5, 0.0)),
+        (reflect, Vec3::new(-0.5, 0.5, 0.0)),
+    ] {
         for mut app in [app_in(PostUpdate, PostUpdate), fixed_app()] {
             let wall = CollisionShape::from_half_size(Vec3::new(1.0, 9.0, 9.0));
-            app.world_mut().spawn((wall, Transform::from_xyz(3.0, 0.0, 0.0)));
-            let velocity = rapier::Velocity { linear: Vec3::new(1.0, 0.5, 0.0) * 16.0, angular: Vec3::Y };
+            app.world_mut()
+                .spawn((wall, Transform::from_xyz(3.0, 0.0, 0.0)));
+            let velocity = rapier::Velocity {
+                linear: Vec3::new(1.0, 0.5, 0.0) * 16.0,
+                angular: Vec3::Y,
+            };
             let more = (RigidBody::KinematicVelocityBased, velocity, bounce);
             let ball = spawn(&mut app, Collider::ball(0.5), Vec3::ZERO, more);
             // A quarter per tick: it touches after six.
             tick(&mut app, 5);
             assert_eq!(get::<rapier::Velocity>(&app, ball), &velocity);
-            assert!((get::<Transform>(&app, ball).translation - Vec3::new(1.25, 0.625, 0.0)).length() < 1e-4);
+            assert!(
+                (get::<Transform>(&app, ball).translation - Vec3::new(1.25, 0.625, 0.0)).length()
+                    < 1e-4
+            );
             tick(&mut app, 1);
             let found = get::<rapier::Velocity>(&app, ball);
             assert!((found.linear - after * 16.0).length() < 1e-3, "{found:?}");
@@ -291,8 +422,13 @@ fn a_bounce_changes_the_velocity_that_rapier_moves_by() {
             get_mut::<rapier::Velocity>(&mut app, ball).linear = Vec3::ZERO;
             tick(&mut app, 2);
             assert_eq!(get::<Velocity>(&app, ball).0, Vec3::ZERO);
-            app.world_mut().entity_mut(ball).remove::<rapier::Velocity>();
-            assert!(app.world().get::<Velocity>(ball).is_none() && app.world().get::<MovedElsewhere>(ball).is_none());
+            app.world_mut()
+                .entity_mut(ball)
+                .remove::<rapier::Velocity>();
+            assert!(
+                app.world().get::<Velocity>(ball).is_none()
+                    && app.world().get::<MovedElsewhere>(ball).is_none()
+            );
         }
     }
 }
@@ -308,25 +444,50 @@ fn a_velocity_of_ours_moves_a_kinematic_body() {
     assert!(app.world().get::<MovedElsewhere>(body).is_none());
 }
 
-/// Rapier moves it, as fast as it moves anything, sixty times its size per step: it is met on the way, and told to turn around.
+/// Rapier moves it, as fast as it moves anything, sixty times its size per step: it is met on the
+/// way, and told to turn around.
 #[test]
 fn what_rapier_moves_is_swept_too() {
     let mut app = fixed_app();
-    let paper = spawn(&mut app, Collider::cuboid(0.001, 5.0, 5.0), Vec3::X * 2.0, rapier::Sensor);
+    let paper = spawn(
+        &mut app,
+        Collider::cuboid(0.001, 5.0, 5.0),
+        Vec3::X * 2.0,
+        rapier::Sensor,
+    );
     let start = rapier::Velocity::linear(Vec3::X * 400.0);
-    let body = (RigidBody::KinematicVelocityBased, start, rapier::Sensor, Swept::default());
+    let body = (
+        RigidBody::KinematicVelocityBased,
+        start,
+        rapier::Sensor,
+        Swept::default(),
+    );
     let bounce = Bounce::Reflect { restitution: 1.0 };
-    let bullet = spawn(&mut app, Collider::ball(0.05), Vec3::X * -20.0, (body, bounce));
+    let bullet = spawn(
+        &mut app,
+        Collider::ball(0.05),
+        Vec3::X * -20.0,
+        (body, bounce),
+    );
     let mut met = Vec::new();
     for n in 1..=4 {
         tick(&mut app, 1);
         if !contacts(&app).is_empty() {
             assert_eq!(contacts(&app), [pair(paper, bullet)]);
-            met.push((n, get::<Transform>(&app, bullet).translation.x, get::<rapier::Velocity>(&app, bullet).linear.x));
+            met.push((
+                n,
+                get::<Transform>(&app, bullet).translation.x,
+                get::<rapier::Velocity>(&app, bullet).linear.x,
+            ));
         }
     }
-    let [(4, x, speed)] = met[..] else { panic!("{met:?}") };
-    assert!(x > 2.1 && speed < 0.0, "Rapier has the last word on where it is, we on where it goes: {met:?}");
+    let [(4, x, speed)] = met[..] else {
+        panic!("{met:?}")
+    };
+    assert!(
+        x > 2.1 && speed < 0.0,
+        "Rapier has the last word on where it is, we on where it goes: {met:?}"
+    );
 }
 
 /// A bullet and a floor without an end.
@@ -336,12 +497,19 @@ fn what_is_swept_bounces_off_half_spaces() {
     let floor = app.world_mut().spawn(half_space()).id();
     let bounce = Bounce::Reflect { restitution: 1.0 };
     let velocity = Velocity(Vec3::new(30.0, -100.0, 0.0) * TICKS_PER_SECOND);
-    let bullet = ball(&mut app, Vec3::Y * 40.0, (Swept::default(), velocity, bounce));
+    let bullet = ball(
+        &mut app,
+        Vec3::Y * 40.0,
+        (Swept::default(), velocity, bounce),
+    );
     tick(&mut app, 1);
     assert_eq!(contacts(&app), [pair(floor, bullet)]);
     let end = get::<Transform>(&app, bullet).translation;
     let radius = 0.5;
-    assert!(end.distance(Vec3::new(30.0, 60.0 + 2.0 * radius, 0.0)) < 1e-2, "{end}");
+    assert!(
+        end.distance(Vec3::new(30.0, 60.0 + 2.0 * radius, 0.0)) < 1e-2,
+        "{end}"
+    );
 }
 
 fn half_space() -> CollisionShape {
@@ -349,7 +517,13 @@ fn half_space() -> CollisionShape {
 }
 
 fn ball(app: &mut App, at: Vec3, more: impl Bundle) -> Entity {
-    app.world_mut().spawn((CollisionShape::sphere(0.5), Transform::from_translation(at), more)).id()
+    app.world_mut()
+        .spawn((
+            CollisionShape::sphere(0.5),
+            Transform::from_translation(at),
+            more,
+        ))
+        .id()
 }
 
 #[test]
@@ -361,7 +535,9 @@ fn half_spaces_meet_what_brute_force_says_by_every_method() {
             let at = Vec3::from_array(std::array::from_fn(|_| random.f32() * 20.0 - 10.0));
             let entity = ball(&mut app, at, ());
             if i % 3 > 0 {
-                app.world_mut().entity_mut(entity).insert(Velocity((at.zxy() * 0.3).round()));
+                app.world_mut()
+                    .entity_mut(entity)
+                    .insert(Velocity((at.zxy() * 0.3).round()));
             }
         }
         let slopes: Vec<_> = (0..3)
@@ -373,10 +549,15 @@ fn half_spaces_meet_what_brute_force_says_by_every_method() {
             .collect();
         for step in 0..60 {
             match step {
-                10 | 20 => get_mut::<Transform>(&mut app, slopes[step / 20]).translation.y += 2.0,
+                10 | 20 => {
+                    get_mut::<Transform>(&mut app, slopes[step / 20])
+                        .translation
+                        .y += 2.0
+                }
                 30 => {
                     app.world_mut().despawn(slopes[1]);
-                    app.world_mut().spawn((half_space(), Transform::from_xyz(0.0, -8.0, 0.0)));
+                    app.world_mut()
+                        .spawn((half_space(), Transform::from_xyz(0.0, -8.0, 0.0)));
                 }
                 // A box from now on; and no longer.
                 40 => get_mut::<CollisionShape>(&mut app, slopes[2]).0 = Shape::sphere(4.0),
@@ -384,7 +565,11 @@ fn half_spaces_meet_what_brute_force_says_by_every_method() {
                 _ => {}
             }
             tick(&mut app, 1);
-            assert_eq!(contacts(&app), brute_force_contacts(&mut app), "{method}, step {step}");
+            assert_eq!(
+                contacts(&app),
+                brute_force_contacts(&mut app),
+                "{method}, step {step}"
+            );
         }
     }
 }
@@ -408,7 +593,9 @@ fn what_touches_a_half_space_meets_it_far_from_anywhere() {
         let found = contacts(&app);
         assert!((50..250).contains(&found.len()), "{} contacts", found.len());
         let ground = found[0][0];
-        let expected = brute_force_contacts(&mut app).into_iter().filter(|pair| pair.contains(&ground));
+        let expected = brute_force_contacts(&mut app)
+            .into_iter()
+            .filter(|pair| pair.contains(&ground));
         assert_eq!(found, expected.collect::<Vec<_>>());
     }
 }
@@ -416,14 +603,23 @@ fn what_touches_a_half_space_meets_it_far_from_anywhere() {
 #[test]
 fn contacts_with_a_half_space_rest_and_end_like_others() {
     let mut app = app(BroadPhaseMethod::default());
-    let ground = app.world_mut().spawn((half_space(), Transform::default())).id();
+    let ground = app
+        .world_mut()
+        .spawn((half_space(), Transform::default()))
+        .id();
     let entity = ball(&mut app, Vec3::new(1e4, 0.25, 0.0), ());
     let other = ball(&mut app, Vec3::Y * 9.0, ());
     tick(&mut app, 1);
-    assert_eq!((contacts(&app), counters(&app).objects), (vec![pair(ground, entity)], 3));
+    assert_eq!(
+        (contacts(&app), counters(&app).objects),
+        (vec![pair(ground, entity)], 3)
+    );
     // Nothing moves: nothing is tested, the contact stays, and is not told again.
     tick(&mut app, 1);
-    assert_eq!((counters(&app).candidates, counters(&app).resting_pairs), (0, 1));
+    assert_eq!(
+        (counters(&app).candidates, counters(&app).resting_pairs),
+        (0, 1)
+    );
     // Another one moves, out of reach of the plane: no exact test.
     get_mut::<Transform>(&mut app, other).translation.x = 1.0;
     tick(&mut app, 1);
@@ -437,7 +633,9 @@ fn contacts_with_a_half_space_rest_and_end_like_others() {
     tick(&mut app, 1);
     assert_eq!(messages_about(&app, pair(ground, entity)), (2, 1));
     // Layers and static entities.
-    app.world_mut().entity_mut(ground).insert((StaticShape, CollisionLayers::ALL));
+    app.world_mut()
+        .entity_mut(ground)
+        .insert((StaticShape, CollisionLayers::ALL));
     tick(&mut app, 1);
     assert_eq!(contacts(&app).len(), 1);
     app.world_mut().entity_mut(entity).insert(StaticShape);
@@ -446,10 +644,14 @@ fn contacts_with_a_half_space_rest_and_end_like_others() {
     app.world_mut().entity_mut(entity).remove::<StaticShape>();
     tick(&mut app, 1);
     assert_eq!(contacts(&app).len(), 1);
-    app.world_mut().entity_mut(ground).insert(CollisionLayers::NONE);
+    app.world_mut()
+        .entity_mut(ground)
+        .insert(CollisionLayers::NONE);
     tick(&mut app, 1);
     assert!(contacts(&app).is_empty());
-    app.world_mut().entity_mut(ground).remove::<CollisionLayers>();
+    app.world_mut()
+        .entity_mut(ground)
+        .remove::<CollisionLayers>();
     tick(&mut app, 1);
     // A place that is none.
     get_mut::<Transform>(&mut app, ground).translation.y = f32::NAN;
@@ -467,37 +669,67 @@ fn contacts_with_a_half_space_rest_and_end_like_others() {
 #[test]
 fn queries_see_half_spaces() {
     let mut app = app(BroadPhaseMethod::default());
-    let ground = app.world_mut().spawn((half_space(), Transform::from_xyz(0.0, -1.0, 0.0))).id();
+    let ground = app
+        .world_mut()
+        .spawn((half_space(), Transform::from_xyz(0.0, -1.0, 0.0)))
+        .id();
     let entity = ball(&mut app, Vec3::new(0.0, -5.0, 0.0), ());
     tick(&mut app, 1);
     let ask = move |spatial: SpatialQuery| {
         let all = SpatialQueryFilter::DEFAULT;
         let down = |x: f32| Ray3d::new(Vec3::new(x, 1.0, 0.0), Dir3::NEG_Y);
         let hit = spatial.cast_ray(down(0.0), 100.0, &all).unwrap();
-        assert_eq!((hit.entity, hit.distance, hit.normal), (ground, 2.0, Vec3::Y));
+        assert_eq!(
+            (hit.entity, hit.distance, hit.normal),
+            (ground, 2.0, Vec3::Y)
+        );
         let hit = spatial.cast_ray(down(1e4), 100.0, &all).unwrap();
         assert_eq!((hit.entity, hit.distance), (ground, 2.0));
         assert!(spatial.cast_ray(down(0.0), 1.5, &all).is_none());
         let below = SpatialQueryFilter::DEFAULT.except(ground);
-        assert_eq!(spatial.cast_ray(down(0.0), 100.0, &below).map(|hit| hit.entity), Some(entity));
-        let hit = spatial.cast_sphere(Vec3::Y, 0.5, Dir3::NEG_Y, 100.0, &all).unwrap();
-        assert!(hit.entity == ground && (hit.distance - 1.5).abs() < 1e-4, "{hit:?}");
+        assert_eq!(
+            spatial
+                .cast_ray(down(0.0), 100.0, &below)
+                .map(|hit| hit.entity),
+            Some(entity)
+        );
+        let hit = spatial
+            .cast_sphere(Vec3::Y, 0.5, Dir3::NEG_Y, 100.0, &all)
+            .unwrap();
+        assert!(
+            hit.entity == ground && (hit.distance - 1.5).abs() < 1e-4,
+            "{hit:?}"
+        );
         let brick = CollisionShape::from_half_size(Vec3::splat(0.5));
         let start = Transform::from_xyz(7.0, 1.0, 0.0);
-        let hit = spatial.cast_shape(&brick, &start, Dir3::NEG_Y, 100.0, &all).unwrap();
-        assert!(hit.entity == ground && (hit.distance - 1.5).abs() < 1e-4, "{hit:?}");
-        let near = spatial.nearest(Vec3::new(3.0, 2.0, 0.0), 100.0, &all).unwrap();
-        assert_eq!((near.entity, near.distance, near.point), (ground, 3.0, Vec3::new(3.0, -1.0, 0.0)));
+        let hit = spatial
+            .cast_shape(&brick, &start, Dir3::NEG_Y, 100.0, &all)
+            .unwrap();
+        assert!(
+            hit.entity == ground && (hit.distance - 1.5).abs() < 1e-4,
+            "{hit:?}"
+        );
+        let near = spatial
+            .nearest(Vec3::new(3.0, 2.0, 0.0), 100.0, &all)
+            .unwrap();
+        assert_eq!(
+            (near.entity, near.distance, near.point),
+            (ground, 3.0, Vec3::new(3.0, -1.0, 0.0))
+        );
         assert!(spatial.nearest(Vec3::Y * 2.0, 2.0, &all).is_none());
         let mut found = vec![];
-        spatial.for_each_sphere_intersection(Vec3::X * 50.0, 0.9, &all, |entity| found.push(entity));
+        spatial
+            .for_each_sphere_intersection(Vec3::X * 50.0, 0.9, &all, |entity| found.push(entity));
         assert!(found.is_empty());
-        spatial.for_each_sphere_intersection(Vec3::X * 50.0, 1.1, &all, |entity| found.push(entity));
+        spatial
+            .for_each_sphere_intersection(Vec3::X * 50.0, 1.1, &all, |entity| found.push(entity));
         spatial.for_each_point_intersection(Vec3::Y * -5.0, &all, |entity| found.push(entity));
         let count = |of| found.iter().filter(|entity| **entity == of).count();
         assert_eq!((found.len(), count(ground), count(entity)), (3, 2, 1));
     };
-    app.world_mut().run_system_once(ask).expect("the system runs");
+    app.world_mut()
+        .run_system_once(ask)
+        .expect("the system runs");
 }
 
 #[test]
@@ -506,7 +738,12 @@ fn compounds_meshes_and_fields_are_what_they_look_like() {
     let bars = [-2.0, 2.0].map(|x| (Vec3::X * x, Quat::IDENTITY, Collider::cuboid(0.5, 2.0, 0.5)));
     let gate = spawn(&mut app, Collider::compound(bars.into()), Vec3::ZERO, ());
     let flat = vec![Vec3::ZERO, Vec3::X * 2.0, Vec3::Z * 2.0];
-    let mesh = spawn(&mut app, Collider::trimesh(flat, vec![[0, 1, 2]]).unwrap(), Vec3::Y * 10.0, ());
+    let mesh = spawn(
+        &mut app,
+        Collider::trimesh(flat, vec![[0, 1, 2]]).unwrap(),
+        Vec3::Y * 10.0,
+        (),
+    );
     let field = Collider::heightfield(vec![0.0; 4], 2, 2, Vec3::splat(4.0));
     let field = spawn(&mut app, field, Vec3::Y * 20.0, ());
     let probe = ball(&mut app, Vec3::Y * 100.0, ());
@@ -515,14 +752,21 @@ fn compounds_meshes_and_fields_are_what_they_look_like() {
         get_mut::<Transform>(&mut app, probe).translation = at;
         get_mut::<Transform>(&mut app, gate).scale = Vec3::splat(scale);
         tick(&mut app, 1);
-        contacts(&app).into_iter().flatten().find(|entity| *entity != probe)
+        contacts(&app)
+            .into_iter()
+            .flatten()
+            .find(|entity| *entity != probe)
     };
     assert_eq!(touches(Vec3::ZERO, 1.0), None);
     assert_eq!(touches(Vec3::X * 1.1, 1.0), Some(gate));
     assert_eq!(touches(Vec3::X * 1.1, 2.0), None);
     assert_eq!(touches(Vec3::X * 4.0, 2.0), Some(gate));
     assert_eq!(touches(Vec3::new(0.5, 10.4, 0.5), 1.0), Some(mesh));
-    assert_eq!(touches(Vec3::new(2.0, 10.4, 2.0), 1.0), None, "in its box, past its edge");
+    assert_eq!(
+        touches(Vec3::new(2.0, 10.4, 2.0), 1.0),
+        None,
+        "in its box, past its edge"
+    );
     assert_eq!(touches(Vec3::new(1.0, 20.4, -1.0), 1.0), Some(field));
     assert_eq!(touches(Vec3::new(1.0, 21.0, -1.0), 1.0), None);
     // Scaled to nothing along an axis.
@@ -548,13 +792,28 @@ fn what_parry_does_not_support_is_apart() {
 fn an_observer_may_despawn_what_rapier_knows() {
     let mut app = fixed_app();
     let more = (RigidBody::Dynamic, rapier::Sensor, CollisionEventsEnabled);
-    let falling = spawn(&mut app, Collider::ball(0.5), Vec3::new(3.0, 1.0, 0.0), more);
-    let floor = spawn(&mut app, Collider::halfspace(Vec3::Y).unwrap(), Vec3::ZERO, rapier::Sensor);
-    app.world_mut().entity_mut(falling).observe(|event: On<CollisionStarted>, mut commands: Commands| {
-        let contact = event.contact.expect("events have one");
-        assert!((contact.normal - Vec3::NEG_Y).length() < 1e-4 && (contact.point.x - 3.0).abs() < 1e-4);
-        commands.entity(event.a).despawn();
-    });
+    let falling = spawn(
+        &mut app,
+        Collider::ball(0.5),
+        Vec3::new(3.0, 1.0, 0.0),
+        more,
+    );
+    let floor = spawn(
+        &mut app,
+        Collider::halfspace(Vec3::Y).unwrap(),
+        Vec3::ZERO,
+        rapier::Sensor,
+    );
+    app.world_mut().entity_mut(falling).observe(
+        |event: On<CollisionStarted>, mut commands: Commands| {
+            let contact = event.contact.expect("events have one");
+            assert!(
+                (contact.normal - Vec3::NEG_Y).length() < 1e-4
+                    && (contact.point.x - 3.0).abs() < 1e-4
+            );
+            commands.entity(event.a).despawn();
+        },
+    );
     tick(&mut app, 60);
     assert!(app.world().get_entity(falling).is_err());
     assert_eq!(messages_about(&app, pair(falling, floor)), (1, 1));
@@ -568,25 +827,50 @@ struct Elsewhere;
 fn the_plugin_may_be_added_first_and_goes_where_the_ticks_are() {
     let mut app = App::new();
     app.init_schedule(Elsewhere)
-        .insert_resource(rapier::TimestepMode::Fixed { dt: STEP, substeps: 1 })
-        .add_plugins((RapierInteropPlugin::default(), MinimalPlugins, TransformPlugin))
-        .add_plugins((OctreePlugins::new(Elsewhere), RapierPhysicsPlugin::<()>::default()));
+        .insert_resource(rapier::TimestepMode::Fixed {
+            dt: STEP,
+            substeps: 1,
+        })
+        .add_plugins((
+            RapierInteropPlugin::default(),
+            MinimalPlugins,
+            TransformPlugin,
+        ))
+        .add_plugins((
+            OctreePlugins::new(Elsewhere),
+            RapierPhysicsPlugin::<()>::default(),
+        ));
     assert_eq!(warnings(|| app.finish()), 0);
     app.cleanup();
     let still = (RigidBody::Fixed, rapier::Sensor);
     let a = spawn(&mut app, Collider::ball(1.0), Vec3::ZERO, still);
-    let b = spawn(&mut app, Collider::ball(1.0), Vec3::X, (still, Bounce::default(), rapier::Velocity::default()));
+    let b = spawn(
+        &mut app,
+        Collider::ball(1.0),
+        Vec3::X,
+        (still, Bounce::default(), rapier::Velocity::default()),
+    );
     app.update();
-    assert!(app.world().get::<CollisionShape>(a).is_none(), "no tick has been made");
+    assert!(
+        app.world().get::<CollisionShape>(a).is_none(),
+        "no tick has been made"
+    );
     app.world_mut().run_schedule(Elsewhere);
     assert_eq!(contacts(&app), [pair(a, b)]);
-    assert!(app.world().entity(b).contains::<MovedElsewhere>(), "velocities are in step, too");
+    assert!(
+        app.world().entity(b).contains::<MovedElsewhere>(),
+        "velocities are in step, too"
+    );
 }
 
 #[test]
 fn the_plugin_without_ticks_says_so() {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, TransformPlugin, RapierInteropPlugin::default()));
+    app.add_plugins((
+        MinimalPlugins,
+        TransformPlugin,
+        RapierInteropPlugin::default(),
+    ));
     app.add_plugins(RapierPhysicsPlugin::<()>::default());
     assert_eq!(warnings(|| app.finish()), 1);
 }

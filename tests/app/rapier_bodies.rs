@@ -1,4 +1,5 @@
-//! Bodies that Rapier moves: what they rest on, and how fast they count when something of ours meets them.
+//! Bodies that Rapier moves: what they rest on, and how fast they count when something of ours
+//! meets them.
 
 use crate::common;
 
@@ -24,21 +25,39 @@ use common::{warnings::told, *};
 
 /// An app in which Rapier and this crate make one step per update.
 fn rapier_app() -> App {
-    let mut app =
-        app_with((TransformPlugin, OctreePlugins::default(), RapierInteropPlugin::default()), FixedPostUpdate);
-    app.insert_resource(rapier::TimestepMode::Fixed { dt: 1.0 / TICKS_PER_SECOND, substeps: 1 })
-        .add_plugins(RapierPhysicsPlugin::<()>::default().in_schedule(FixedUpdate));
+    let mut app = app_with(
+        (
+            TransformPlugin,
+            OctreePlugins::default(),
+            RapierInteropPlugin::default(),
+        ),
+        FixedPostUpdate,
+    );
+    app.insert_resource(rapier::TimestepMode::Fixed {
+        dt: 1.0 / TICKS_PER_SECOND,
+        substeps: 1,
+    })
+    .add_plugins(RapierPhysicsPlugin::<()>::default().in_schedule(FixedUpdate));
     app.finish();
     app.cleanup();
     app
 }
 
 fn spawn(app: &mut App, collider: Collider, at: Vec3, more: impl Bundle) -> Entity {
-    app.world_mut().spawn((collider, ShapeFromRapier, Transform::from_translation(at), more)).id()
+    app.world_mut()
+        .spawn((
+            collider,
+            ShapeFromRapier,
+            Transform::from_translation(at),
+            more,
+        ))
+        .id()
 }
 
 fn voxels() -> Collider {
-    let cells: Vec<_> = (-6..6).flat_map(|x| (-6..6).map(move |z| IVector::new(x, -1, z))).collect();
+    let cells: Vec<_> = (-6..6)
+        .flat_map(|x| (-6..6).map(move |z| IVector::new(x, -1, z)))
+        .collect();
     SharedShape::voxels(Vec3::ONE, &cells).into()
 }
 
@@ -47,7 +66,9 @@ fn what_rests_on_a_floor_is_in_contact_with_it_whatever_the_two_are() {
     let flat = Collider::heightfield(vec![0.0; 81], 9, 9, Vec3::new(20.0, 1.0, 20.0));
     let heights = (0..81).map(|i| ((i * 13) % 7) as f32 * 0.15).collect();
     let hills = Collider::heightfield(heights, 9, 9, Vec3::new(20.0, 1.0, 20.0));
-    let hull: Vec<_> = (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5).collect();
+    let hull: Vec<_> = (0..8)
+        .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5)
+        .collect();
     let bodies = [
         Collider::ball(0.5),
         Collider::cuboid(0.5, 0.5, 0.5),
@@ -56,7 +77,11 @@ fn what_rests_on_a_floor_is_in_contact_with_it_whatever_the_two_are() {
         Collider::cone(0.5, 0.4),
         Collider::convex_hull(&hull).expect("it has a volume"),
         Collider::round_cuboid(0.4, 0.4, 0.4, 0.1),
-        Collider::compound(vec![(Vec3::ZERO, Quat::IDENTITY, Collider::cuboid(0.5, 0.5, 0.5))]),
+        Collider::compound(vec![(
+            Vec3::ZERO,
+            Quat::IDENTITY,
+            Collider::cuboid(0.5, 0.5, 0.5),
+        )]),
     ];
     for floor in [flat, hills, voxels()] {
         let mut app = rapier_app();
@@ -66,7 +91,12 @@ fn what_rests_on_a_floor_is_in_contact_with_it_whatever_the_two_are() {
             .enumerate()
             .map(|(i, body)| {
                 let at = Vec3::new((i % 3) as f32 * 3.0 - 3.1, 1.2, (i / 3) as f32 * 3.0 - 2.9);
-                spawn(&mut app, body.clone(), at, (RigidBody::Dynamic, rapier::Sleeping::disabled()))
+                spawn(
+                    &mut app,
+                    body.clone(),
+                    at,
+                    (RigidBody::Dynamic, rapier::Sleeping::disabled()),
+                )
             })
             .collect();
         tick(&mut app, 200);
@@ -87,9 +117,17 @@ fn what_rests_on_a_floor_is_in_contact_with_it_whatever_the_two_are() {
 fn shapes_of_ours_touch_height_fields_and_voxels() {
     let heights = vec![0.0; 81];
     let field = Collider::heightfield(heights, 9, 9, Vec3::new(20.0, 1.0, 20.0));
-    let corners: Vec<_> =
-        (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5).collect();
-    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let corners: Vec<_> = (0..8)
+        .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5)
+        .collect();
+    let faces = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
     let shapes = [
         CollisionShape::try_sphere(0.5),
         CollisionShape::try_from_half_size(Vec3::splat(0.5)),
@@ -101,12 +139,23 @@ fn shapes_of_ours_touch_height_fields_and_voxels() {
             let mut app = rapier_app();
             let ground = spawn(&mut app, floor.clone(), Vec3::ZERO, ());
             let events = CollisionEventsEnabled;
-            let probe = app.world_mut().spawn((shape, Transform::from_xyz(1.3, 0.49, 0.7), events)).id();
+            let probe = app
+                .world_mut()
+                .spawn((shape, Transform::from_xyz(1.3, 0.49, 0.7), events))
+                .id();
             tick(&mut app, 2);
             assert_eq!(contacts(&app), [pair(ground, probe)]);
-            let found = app.world().resource::<Contacts>().iter().next().expect("there is one");
+            let found = app
+                .world()
+                .resource::<Contacts>()
+                .iter()
+                .next()
+                .expect("there is one");
             let geometry = found.contact.expect("somebody asked");
-            assert!(geometry.depth < 1.0 && geometry.normal.is_normalized(), "{geometry:?}");
+            assert!(
+                geometry.depth < 1.0 && geometry.normal.is_normalized(),
+                "{geometry:?}"
+            );
             get_mut::<Transform>(&mut app, probe).translation.y = 0.51;
             tick(&mut app, 1);
             assert!(contacts(&app).is_empty());
@@ -114,12 +163,18 @@ fn shapes_of_ours_touch_height_fields_and_voxels() {
     }
 }
 
-/// A shape that somebody else made: a ball that nothing is known of but how rays and points meet it.
+/// A shape that somebody else made: a ball that nothing is known of but how rays and points meet
+/// it.
 #[derive(Clone, Debug)]
 struct Unheard(Ball);
 
 impl RayCast for Unheard {
-    fn cast_local_ray_and_get_normal(&self, ray: &Ray, max: f32, solid: bool) -> Option<RayIntersection> {
+    fn cast_local_ray_and_get_normal(
+        &self,
+        ray: &Ray,
+        max: f32,
+        solid: bool,
+    ) -> Option<RayIntersection> {
         self.0.cast_local_ray_and_get_normal(ray, max, solid)
     }
 }
@@ -172,11 +227,21 @@ fn a_pair_that_nothing_is_known_of_is_told_once_with_both_entities() {
         app.edit_schedule(FixedPostUpdate, |schedule| {
             schedule.set_executor(SingleThreadedExecutor::new());
         });
-        let unheard = || CollisionShape(Shape::Rapier(SharedShape(Arc::new(Unheard(Ball::new(0.5))))));
-        let [near, far] =
-            [0.0, 100.0].map(|x| app.world_mut().spawn((unheard(), Transform::from_xyz(x, 0.0, 0.0))).id());
+        let unheard = || {
+            CollisionShape(Shape::Rapier(SharedShape(Arc::new(Unheard(Ball::new(
+                0.5,
+            ))))))
+        };
+        let [near, far] = [0.0, 100.0].map(|x| {
+            app.world_mut()
+                .spawn((unheard(), Transform::from_xyz(x, 0.0, 0.0)))
+                .id()
+        });
         let cube = CollisionShape::from_half_size(Vec3::splat(0.5));
-        let other = app.world_mut().spawn((cube, Transform::from_xyz(0.2, 0.0, 0.0))).id();
+        let other = app
+            .world_mut()
+            .spawn((cube, Transform::from_xyz(0.2, 0.0, 0.0)))
+            .id();
         for _ in 0..4 {
             tick(&mut app, 1);
             get_mut::<Transform>(&mut app, other).translation.x += 0.01;
@@ -184,22 +249,41 @@ fn a_pair_that_nothing_is_known_of_is_told_once_with_both_entities() {
         assert!(contacts(&app).is_empty());
         let ray = |spatial: SpatialQuery| {
             let ray = Ray3d::new(Vec3::new(100.0, 5.0, 0.0), Dir3::NEG_Y);
-            spatial.cast_ray(ray, 100.0, &SpatialQueryFilter::DEFAULT).map(|hit| (hit.entity, hit.distance))
+            spatial
+                .cast_ray(ray, 100.0, &SpatialQueryFilter::DEFAULT)
+                .map(|hit| (hit.entity, hit.distance))
         };
-        assert_eq!(app.world_mut().run_system_once(ray).expect("the system runs"), Some((far, 4.5)));
+        assert_eq!(
+            app.world_mut()
+                .run_system_once(ray)
+                .expect("the system runs"),
+            Some((far, 4.5))
+        );
         entities = Some((near, other));
     });
     let (a, b) = entities.expect("it was run");
-    let [message] = &told[..] else { panic!("{told:?}") };
-    assert!(message.contains(&a.to_string()) && message.contains(&b.to_string()), "{message}");
+    let [message] = &told[..] else {
+        panic!("{told:?}")
+    };
+    assert!(
+        message.contains(&a.to_string()) && message.contains(&b.to_string()),
+        "{message}"
+    );
 }
 
 const REFLECT: Bounce = Bounce::Reflect { restitution: 1.0 };
 
 /// A ball of ours that flies along the first axis, until its velocity changes: what to?
 fn flies_against(app: &mut App, from: f32, speed: f32, more: impl Bundle) -> f32 {
-    let flying = (CollisionShape::sphere(0.5), Velocity(Vec3::X * speed), REFLECT);
-    let ball = app.world_mut().spawn((flying, Transform::from_xyz(from, 0.0, 0.0), more)).id();
+    let flying = (
+        CollisionShape::sphere(0.5),
+        Velocity(Vec3::X * speed),
+        REFLECT,
+    );
+    let ball = app
+        .world_mut()
+        .spawn((flying, Transform::from_xyz(from, 0.0, 0.0), more))
+        .id();
     for _ in 0..120 {
         tick(app, 1);
         let after = get::<Velocity>(app, ball).0;
@@ -215,12 +299,19 @@ fn flies_against(app: &mut App, from: f32, speed: f32, more: impl Bundle) -> f32
 /// A wall that Rapier moves.
 fn wall(app: &mut App, x: f32, speed: f32, more: impl Bundle) -> Entity {
     let velocity = rapier::Velocity::linear(Vec3::X * speed);
-    spawn(app, Collider::cuboid(1.0, 1.0, 1.0), Vec3::X * x, (RigidBody::KinematicVelocityBased, velocity, more))
+    spawn(
+        app,
+        Collider::cuboid(1.0, 1.0, 1.0),
+        Vec3::X * x,
+        (RigidBody::KinematicVelocityBased, velocity, more),
+    )
 }
 
 #[test]
 fn a_wall_of_rapiers_counts_with_its_velocity_whether_it_bounces_or_not() {
-    let close = |found: f32, expected: f32| assert!((found - expected).abs() < 1e-3, "{found}, not {expected}");
+    let close = |found: f32, expected: f32| {
+        assert!((found - expected).abs() < 1e-3, "{found}, not {expected}")
+    };
     let mut app = rapier_app();
     wall(&mut app, 8.0, -10.0, ());
     close(flies_against(&mut app, 0.0, 0.0, ()), -20.0);
@@ -249,7 +340,9 @@ fn a_wall_of_rapiers_counts_with_its_velocity_whether_it_bounces_or_not() {
     get_mut::<Transform>(&mut app, entity).translation.x = 3.0;
     tick(&mut app, 2);
     close(flies_against(&mut app, 0.0, 4.0, ()), -4.0);
-    app.world_mut().entity_mut(entity).insert(RigidBody::KinematicVelocityBased);
+    app.world_mut()
+        .entity_mut(entity)
+        .insert(RigidBody::KinematicVelocityBased);
     get_mut::<rapier::Velocity>(&mut app, entity).linear = Vec3::X * -2.0;
     tick(&mut app, 2);
     close(flies_against(&mut app, -2.0, 4.0, ()), -8.0);
@@ -280,15 +373,25 @@ fn a_body_that_does_not_bounce_any_more_counts_as_it_moves_now() {
 fn a_velocity_is_mirrored_while_it_is_of_use() {
     let is_mirrored = |app: &App, body: Entity| {
         let body = app.world().entity(body);
-        assert_eq!(body.contains::<Velocity>(), body.contains::<MovedElsewhere>());
+        assert_eq!(
+            body.contains::<Velocity>(),
+            body.contains::<MovedElsewhere>()
+        );
         body.contains::<Velocity>()
     };
     let mut app = rapier_app();
     let body = wall(&mut app, 0.0, 1.0, REFLECT);
-    let stranger = (RigidBody::KinematicVelocityBased, rapier::Velocity::linear(Vec3::X), Collider::ball(0.5));
+    let stranger = (
+        RigidBody::KinematicVelocityBased,
+        rapier::Velocity::linear(Vec3::X),
+        Collider::ball(0.5),
+    );
     let stranger = app.world_mut().spawn((stranger, Transform::default())).id();
     tick(&mut app, 1);
-    assert!(is_mirrored(&app, body) && !is_mirrored(&app, stranger), "colliders that do not take part are left alone");
+    assert!(
+        is_mirrored(&app, body) && !is_mirrored(&app, stranger),
+        "colliders that do not take part are left alone"
+    );
     // By its collider, by its bounces, by neither.
     app.world_mut().entity_mut(body).remove::<Bounce>();
     assert!(is_mirrored(&app, body));
@@ -303,19 +406,27 @@ fn a_velocity_is_mirrored_while_it_is_of_use() {
     tick(&mut app, 1);
     assert!(is_mirrored(&app, body));
     // Without a velocity, also while it is disabled.
-    app.world_mut().entity_mut(body).remove::<rapier::Velocity>();
+    app.world_mut()
+        .entity_mut(body)
+        .remove::<rapier::Velocity>();
     assert!(!is_mirrored(&app, body));
-    app.world_mut().entity_mut(body).insert((rapier::Velocity::linear(Vec3::Y), Disabled));
+    app.world_mut()
+        .entity_mut(body)
+        .insert((rapier::Velocity::linear(Vec3::Y), Disabled));
     tick(&mut app, 1);
     assert!(!is_mirrored(&app, body));
     app.world_mut().entity_mut(body).remove::<Disabled>();
     tick(&mut app, 1);
     assert!(is_mirrored(&app, body));
     app.world_mut().entity_mut(body).insert(Disabled);
-    app.world_mut().entity_mut(body).remove::<rapier::Velocity>();
+    app.world_mut()
+        .entity_mut(body)
+        .remove::<rapier::Velocity>();
     assert!(!is_mirrored(&app, body));
     app.world_mut().entity_mut(body).remove::<Disabled>();
-    app.world_mut().entity_mut(body).insert(rapier::Velocity::linear(Vec3::Y));
+    app.world_mut()
+        .entity_mut(body)
+        .insert(rapier::Velocity::linear(Vec3::Y));
     tick(&mut app, 1);
     assert!(is_mirrored(&app, body));
     // Without its collider it takes part in nothing, and again with one.
@@ -327,10 +438,16 @@ fn a_velocity_is_mirrored_while_it_is_of_use() {
     assert!(is_mirrored(&app, body) && app.world().get::<CollisionShape>(body).is_some());
     // A velocity of one's own is one's own.
     let own = Velocity(Vec3::X);
-    let driven = (RigidBody::KinematicPositionBased, rapier::Velocity::zero(), own);
+    let driven = (
+        RigidBody::KinematicPositionBased,
+        rapier::Velocity::zero(),
+        own,
+    );
     let driven = spawn(&mut app, Collider::ball(0.5), Vec3::Y * 50.0, driven);
     tick(&mut app, 3);
     assert_eq!(get::<Velocity>(&app, driven), &own);
-    app.world_mut().entity_mut(driven).remove::<(rapier::Velocity, ShapeFromRapier)>();
+    app.world_mut()
+        .entity_mut(driven)
+        .remove::<(rapier::Velocity, ShapeFromRapier)>();
     assert_eq!(get::<Velocity>(&app, driven), &own);
 }

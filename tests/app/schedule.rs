@@ -36,12 +36,13 @@ fn app_in(schedule: impl ScheduleLabel) -> App {
     app
 }
 
-/// Builds a schedule, and fails if there are two systems of which either may run first, to another effect.
+/// Builds a schedule, and fails if there are two systems of which either may run first, to another
+/// effect.
 fn assert_in_order(app: &mut App, schedule: impl ScheduleLabel) {
     app.finish();
     app.cleanup();
-    // Bevy's own, in no set: it lets messages age, and touches nothing else. What has the world to itself may run before it
-    // or after it.
+    // Bevy's own, in no set: it lets messages age, and touches nothing else. What has the world to
+    // itself may run before it or after it.
     for set in SETS {
         app.ignore_ambiguity(FixedPostUpdate, signal_message_update_system, set);
     }
@@ -88,7 +89,12 @@ fn what_is_drawn_is_that_of_the_tick() {
     use bevy::{gizmos::GizmoPlugin, mesh::MeshPlugin};
 
     let mut app = app_in(Update);
-    app.add_plugins((AssetPlugin::default(), MeshPlugin, GizmoPlugin, CollisionDebugPlugin));
+    app.add_plugins((
+        AssetPlugin::default(),
+        MeshPlugin,
+        GizmoPlugin,
+        CollisionDebugPlugin,
+    ));
     assert_in_order(&mut app, Last);
 }
 
@@ -96,6 +102,9 @@ fn what_is_drawn_is_that_of_the_tick() {
 #[should_panic(expected = "pairs of systems with conflicting data access")]
 fn a_system_that_may_run_at_two_moments_is_noticed() {
     let mut app = app_in(Update);
-    app.add_systems(Update, (|_: ResMut<Contacts>| ()).after(CollisionSystems::NarrowPhase));
+    app.add_systems(
+        Update,
+        (|_: ResMut<Contacts>| ()).after(CollisionSystems::NarrowPhase),
+    );
     assert_in_order(&mut app, Update);
 }

@@ -19,8 +19,22 @@ enum Made {
 
 /// The corners and faces of a box.
 fn faces(half: Vec3) -> (Vec<Vec3>, [[u32; 4]; 6]) {
-    let corner = |bits: u32| Vec3::new((bits & 1) as f32, (bits >> 1 & 1) as f32, (bits >> 2) as f32) * 2.0 - 1.0;
-    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let corner = |bits: u32| {
+        Vec3::new(
+            (bits & 1) as f32,
+            (bits >> 1 & 1) as f32,
+            (bits >> 2) as f32,
+        ) * 2.0
+            - 1.0
+    };
+    let sides = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
     ((0..8).map(|bits| corner(bits) * half).collect(), sides)
 }
 
@@ -34,7 +48,8 @@ fn shape(made: Made, half: Vec3) -> CollisionShape {
     })
 }
 
-/// A floor of flush boxes along x, below y = 0, turned and moved as a whole, and what slides over it.
+/// A floor of flush boxes along x, below y = 0, turned and moved as a whole, and what slides over
+/// it.
 struct Slide {
     floor: Made,
     slider: Made,
@@ -70,11 +85,20 @@ impl Slide {
     fn run(&self, ticks: usize) -> (Vec3, Vec3) {
         let mut app = app(BroadPhaseMethod::default());
         let place = |app: &mut App, made, half: Vec3, at: Vec3| {
-            let (half, scale) = if self.scaled { (Vec3::ONE * 0.25, half * 4.0) } else { (half, Vec3::ONE) };
-            let at = Transform { translation: self.turned * at, rotation: self.turned, scale };
+            let (half, scale) = if self.scaled {
+                (Vec3::ONE * 0.25, half * 4.0)
+            } else {
+                (half, Vec3::ONE)
+            };
+            let at = Transform {
+                translation: self.turned * at,
+                rotation: self.turned,
+                scale,
+            };
             app.world_mut().spawn((shape(made, half), at)).id()
         };
-        let reach = (self.start.abs() + self.step.length() * ticks as f32 + 3.0) / (2.0 * self.spacing);
+        let reach =
+            (self.start.abs() + self.step.length() * ticks as f32 + 3.0) / (2.0 * self.spacing);
         for i in -reach as i32..=reach as i32 {
             place(
                 &mut app,
@@ -83,16 +107,26 @@ impl Slide {
                 Vec3::new(i as f32 * 2.0 * self.spacing, -0.5, 0.0),
             );
         }
-        let slider = place(&mut app, self.slider, Vec3::splat(0.5), Vec3::new(self.start, 0.5, 0.0));
+        let slider = place(
+            &mut app,
+            self.slider,
+            Vec3::splat(0.5),
+            Vec3::new(self.start, 0.5, 0.0),
+        );
         let velocity = Velocity(self.turned * self.step * TICKS_PER_SECOND);
-        app.world_mut().entity_mut(slider).insert((velocity, ELASTIC));
+        app.world_mut()
+            .entity_mut(slider)
+            .insert((velocity, ELASTIC));
         if self.swept {
             app.world_mut().entity_mut(slider).insert(Swept::default());
         }
         tick(&mut app, ticks);
         let back = self.turned.inverse();
         let step = get::<Velocity>(&app, slider).0 / TICKS_PER_SECOND;
-        (back * get::<Transform>(&app, slider).translation, back * step)
+        (
+            back * get::<Transform>(&app, slider).translation,
+            back * step,
+        )
     }
 
     fn check(&self, ticks: usize) {
@@ -100,19 +134,44 @@ impl Slide {
         let expected = Vec3::new(self.start, 0.5, 0.0) + self.step * ticks as f32;
         let name = format!(
             "{:?} over {:?}, spacing {}, step {}, from {}, swept {}, turned {}, scaled {}",
-            self.slider, self.floor, self.spacing, self.step, self.start, self.swept, self.turned, self.scaled
+            self.slider,
+            self.floor,
+            self.spacing,
+            self.step,
+            self.start,
+            self.swept,
+            self.turned,
+            self.scaled
         );
         assert!(step.distance(self.step) < 1e-4, "{name}: {step} at {place}");
-        assert!(place.distance(expected) < 2e-3 + 1e-5 * expected.length(), "{name}: at {place}, expected {expected}");
+        assert!(
+            place.distance(expected) < 2e-3 + 1e-5 * expected.length(),
+            "{name}: at {place}, expected {expected}"
+        );
     }
 }
 
 #[test]
 fn a_box_slides_over_flush_boxes() {
     for swept in [true, false] {
-        for (step, start) in [(0.25, 0.0), (0.25, 0.1), (0.5, 0.0), (1.0, 0.0), (1.0, 0.3), (0.1, 0.0), (3.7, 0.2)] {
+        for (step, start) in [
+            (0.25, 0.0),
+            (0.25, 0.1),
+            (0.5, 0.0),
+            (1.0, 0.0),
+            (1.0, 0.3),
+            (0.1, 0.0),
+            (3.7, 0.2),
+        ] {
             for spacing in [0.5, 0.25, 0.35, 2.0] {
-                Slide { swept, step: Vec3::X * step, start, spacing, ..default() }.check(24);
+                Slide {
+                    swept,
+                    step: Vec3::X * step,
+                    start,
+                    spacing,
+                    ..default()
+                }
+                .check(24);
             }
         }
     }
@@ -123,9 +182,32 @@ fn whatever_both_are_made_of() {
     for swept in [true, false] {
         for floor in [Made::Cuboid, Made::Convex, Made::Mesh] {
             for slider in [Made::Cuboid, Made::Convex, Made::Mesh, Made::Ball] {
-                for (step, start) in [(0.25, 0.0), (-0.25, 0.0), (0.3, 0.1), (2.0, 0.25), (-2.0, -0.3)] {
-                    Slide { swept, floor, slider, step: Vec3::X * step, start, ..default() }.check(16);
-                    Slide { swept, floor, slider, step: Vec3::X * step, start, scaled: true, ..default() }.check(16);
+                for (step, start) in [
+                    (0.25, 0.0),
+                    (-0.25, 0.0),
+                    (0.3, 0.1),
+                    (2.0, 0.25),
+                    (-2.0, -0.3),
+                ] {
+                    Slide {
+                        swept,
+                        floor,
+                        slider,
+                        step: Vec3::X * step,
+                        start,
+                        ..default()
+                    }
+                    .check(16);
+                    Slide {
+                        swept,
+                        floor,
+                        slider,
+                        step: Vec3::X * step,
+                        start,
+                        scaled: true,
+                        ..default()
+                    }
+                    .check(16);
                 }
             }
         }
@@ -144,9 +226,24 @@ fn turned_whichever_way() {
         for swept in [true, false] {
             for floor in [Made::Cuboid, Made::Convex, Made::Mesh] {
                 for slider in [Made::Cuboid, Made::Convex, Made::Mesh, Made::Ball] {
-                    Slide { swept, floor, slider, turned, ..default() }.check(16);
-                    Slide { swept, floor, slider, turned, step: Vec3::new(0.3, 0.0, 0.01), scaled: true, ..default() }
-                        .check(16);
+                    Slide {
+                        swept,
+                        floor,
+                        slider,
+                        turned,
+                        ..default()
+                    }
+                    .check(16);
+                    Slide {
+                        swept,
+                        floor,
+                        slider,
+                        turned,
+                        step: Vec3::new(0.3, 0.0, 0.01),
+                        scaled: true,
+                        ..default()
+                    }
+                    .check(16);
                 }
             }
         }
@@ -158,7 +255,13 @@ fn turned_whichever_way() {
 fn a_long_way() {
     for slider in [Made::Cuboid, Made::Ball] {
         for swept in [true, false] {
-            Slide { slider, swept, step: Vec3::X * 0.37, ..default() }.check(1000);
+            Slide {
+                slider,
+                swept,
+                step: Vec3::X * 0.37,
+                ..default()
+            }
+            .check(1000);
         }
     }
 }
@@ -170,30 +273,49 @@ fn under_gravity() {
         for (swept, restitution) in [(true, 0.0), (true, 0.5)] {
             let mut app = app(BroadPhaseMethod::default());
             app.add_systems(FixedUpdate, |mut falling: Query<&mut Velocity>| {
-                falling.iter_mut().for_each(|mut velocity| velocity.y -= 9.81 / TICKS_PER_SECOND);
+                falling
+                    .iter_mut()
+                    .for_each(|mut velocity| velocity.y -= 9.81 / TICKS_PER_SECOND);
             });
             for i in -3..80 {
                 let block = shape(Made::Cuboid, Vec3::splat(0.5));
-                app.world_mut().spawn((block, Transform::from_xyz(i as f32, -0.5, 0.0)));
+                app.world_mut()
+                    .spawn((block, Transform::from_xyz(i as f32, -0.5, 0.0)));
             }
-            let slider = (shape(slider, Vec3::splat(0.5)), Transform::from_xyz(0.0, 0.5, 0.0), Swept::default());
-            let slider =
-                app.world_mut().spawn((slider, Bounce::Reflect { restitution }, Velocity(Vec3::X * 16.0))).id();
+            let slider = (
+                shape(slider, Vec3::splat(0.5)),
+                Transform::from_xyz(0.0, 0.5, 0.0),
+                Swept::default(),
+            );
+            let slider = app
+                .world_mut()
+                .spawn((
+                    slider,
+                    Bounce::Reflect { restitution },
+                    Velocity(Vec3::X * 16.0),
+                ))
+                .id();
             if !swept {
                 app.world_mut().entity_mut(slider).remove::<Swept>();
             }
             for n in 1..=256 {
                 tick(&mut app, 1);
-                let (at, velocity) = (get::<Transform>(&app, slider).translation, get::<Velocity>(&app, slider).0);
-                assert!((0.499..0.51).contains(&at.y) && (velocity.x - 16.0).abs() < 0.05, "tick {n}: {at} {velocity}");
+                let (at, velocity) = (
+                    get::<Transform>(&app, slider).translation,
+                    get::<Velocity>(&app, slider).0,
+                );
+                assert!(
+                    (0.499..0.51).contains(&at.y) && (velocity.x - 16.0).abs() < 0.05,
+                    "tick {n}: {at} {velocity}"
+                );
             }
             assert!((get::<Transform>(&app, slider).translation.x - 64.0).abs() < 0.3);
         }
     }
 }
 
-/// What is in the way is in the way, from the floor on: a step as high as a hundredth of the box, a wall, and a box that it
-/// meets face to face.
+/// What is in the way is in the way, from the floor on: a step as high as a hundredth of the box, a
+/// wall, and a box that it meets face to face.
 #[test]
 fn a_real_step_stops_it() {
     for swept in [true, false] {
@@ -201,17 +323,33 @@ fn a_real_step_stops_it() {
             for height in [0.01, 0.3, 1.0, 5.0] {
                 let mut app = app(BroadPhaseMethod::default());
                 for i in -3..3 {
-                    app.world_mut().spawn((shape(made, Vec3::splat(0.5)), Transform::from_xyz(i as f32, -0.5, 0.0)));
+                    app.world_mut().spawn((
+                        shape(made, Vec3::splat(0.5)),
+                        Transform::from_xyz(i as f32, -0.5, 0.0),
+                    ));
                 }
                 let half = Vec3::new(0.5, (height + 1.0) / 2.0, 0.5);
-                app.world_mut().spawn((shape(made, half), Transform::from_xyz(3.0, half.y - 1.0, 0.0)));
-                let slider = (shape(made, Vec3::splat(0.5)), Transform::from_xyz(0.0, 0.5, 0.0), ELASTIC);
-                let slider = app.world_mut().spawn((slider, Velocity(Vec3::X * 16.0))).id();
+                app.world_mut().spawn((
+                    shape(made, half),
+                    Transform::from_xyz(3.0, half.y - 1.0, 0.0),
+                ));
+                let slider = (
+                    shape(made, Vec3::splat(0.5)),
+                    Transform::from_xyz(0.0, 0.5, 0.0),
+                    ELASTIC,
+                );
+                let slider = app
+                    .world_mut()
+                    .spawn((slider, Velocity(Vec3::X * 16.0)))
+                    .id();
                 if swept {
                     app.world_mut().entity_mut(slider).insert(Swept::default());
                 }
                 tick(&mut app, 12);
-                let (at, velocity) = (get::<Transform>(&app, slider).translation, get::<Velocity>(&app, slider).0);
+                let (at, velocity) = (
+                    get::<Transform>(&app, slider).translation,
+                    get::<Velocity>(&app, slider).0,
+                );
                 assert!(
                     velocity.distance(Vec3::X * -16.0) < 0.01,
                     "{made:?} {height} swept {swept}: {velocity} at {at}"
@@ -226,10 +364,24 @@ fn a_real_step_stops_it() {
 fn a_corner_throws_back() {
     for made in [Made::Cuboid, Made::Ball] {
         let mut app = app(BroadPhaseMethod::default());
-        app.world_mut().spawn((shape(Made::Cuboid, Vec3::splat(5.0)), Transform::from_xyz(0.0, -5.0, 0.0)));
-        app.world_mut().spawn((shape(Made::Cuboid, Vec3::splat(5.0)), Transform::from_xyz(6.0, 5.0, 0.0)));
-        let slider = (shape(made, Vec3::splat(0.5)), Transform::from_xyz(0.25, 0.75, 0.0), Swept::default(), ELASTIC);
-        let slider = app.world_mut().spawn((slider, Velocity(Vec3::new(16.0, -16.0, 0.0)))).id();
+        app.world_mut().spawn((
+            shape(Made::Cuboid, Vec3::splat(5.0)),
+            Transform::from_xyz(0.0, -5.0, 0.0),
+        ));
+        app.world_mut().spawn((
+            shape(Made::Cuboid, Vec3::splat(5.0)),
+            Transform::from_xyz(6.0, 5.0, 0.0),
+        ));
+        let slider = (
+            shape(made, Vec3::splat(0.5)),
+            Transform::from_xyz(0.25, 0.75, 0.0),
+            Swept::default(),
+            ELASTIC,
+        );
+        let slider = app
+            .world_mut()
+            .spawn((slider, Velocity(Vec3::new(16.0, -16.0, 0.0))))
+            .id();
         tick(&mut app, 2);
         assert!(get::<Velocity>(&app, slider).distance(Vec3::new(-16.0, 16.0, 0.0)) < 0.01);
     }

@@ -9,21 +9,34 @@ use crate::common::warnings::warnings;
 fn boxes(shapes: Vec<CollisionShape>) -> Vec<WorldAabb> {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)));
-    let entities = shapes.into_iter().map(|shape| app.world_mut().spawn(shape).id()).collect::<Vec<_>>();
+    let entities = shapes
+        .into_iter()
+        .map(|shape| app.world_mut().spawn(shape).id())
+        .collect::<Vec<_>>();
     app.update();
-    entities.into_iter().map(|entity| *app.world().get(entity).unwrap()).collect()
+    entities
+        .into_iter()
+        .map(|entity| *app.world().get(entity).unwrap())
+        .collect()
 }
 
 #[test]
 fn shapes_are_as_large_as_the_primitives_of_bevy() {
-    let (brick, ball, simplex) = (Cuboid::new(1.0, 2.0, 3.0), Sphere::new(0.5), Tetrahedron::default());
+    let (brick, ball, simplex) = (
+        Cuboid::new(1.0, 2.0, 3.0),
+        Sphere::new(0.5),
+        Tetrahedron::default(),
+    );
     let triangle = Triangle3d::new(Vec3::NEG_X, Vec3::X, Vec3::Y);
     let expected = [
         brick.aabb_3d(Isometry3d::IDENTITY),
         brick.aabb_3d(Isometry3d::IDENTITY),
         ball.aabb_3d(Isometry3d::IDENTITY),
         ball.aabb_3d(Isometry3d::IDENTITY),
-        bevy::math::bounding::Aabb3d::from_point_cloud(Isometry3d::IDENTITY, simplex.vertices.into_iter()),
+        bevy::math::bounding::Aabb3d::from_point_cloud(
+            Isometry3d::IDENTITY,
+            simplex.vertices.into_iter(),
+        ),
         triangle.aabb_3d(Isometry3d::IDENTITY),
     ];
     let found = boxes(vec![
@@ -35,7 +48,10 @@ fn shapes_are_as_large_as_the_primitives_of_bevy() {
         triangle.into(),
     ]);
     for (found, expected) in found.into_iter().zip(expected) {
-        let off = (found.min - expected.min).abs().max((found.max - expected.max).abs()).max_element();
+        let off = (found.min - expected.min)
+            .abs()
+            .max((found.max - expected.max).abs())
+            .max_element();
         assert!(off < 1e-3, "{found:?} {expected:?}");
     }
 }
@@ -43,20 +59,47 @@ fn shapes_are_as_large_as_the_primitives_of_bevy() {
 #[test]
 fn bad_numbers_are_logged_and_never_panic() {
     for good in [0.0, 1.0, f32::MAX / 4.0] {
-        let made = || drop((CollisionShape::sphere(good), CollisionShape::cuboid(good, good, good)));
+        let made = || {
+            drop((
+                CollisionShape::sphere(good),
+                CollisionShape::cuboid(good, good, good),
+            ))
+        };
         assert_eq!(warnings(made), 0, "{good}");
     }
     for bad in [-1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         assert_eq!(warnings(|| drop(CollisionShape::sphere(bad))), 1, "{bad}");
-        assert_eq!(warnings(|| drop(CollisionShape::cuboid(1.0, bad, 1.0))), 1, "{bad}");
-        assert_eq!(warnings(|| drop(CollisionShape::from_half_size(Vec3::splat(bad)))), 1, "{bad}");
-        assert_eq!(warnings(|| drop(CollisionShape::from(Cuboid::new(bad, 1.0, 1.0)))), 1, "{bad}");
+        assert_eq!(
+            warnings(|| drop(CollisionShape::cuboid(1.0, bad, 1.0))),
+            1,
+            "{bad}"
+        );
+        assert_eq!(
+            warnings(|| drop(CollisionShape::from_half_size(Vec3::splat(bad)))),
+            1,
+            "{bad}"
+        );
+        assert_eq!(
+            warnings(|| drop(CollisionShape::from(Cuboid::new(bad, 1.0, 1.0)))),
+            1,
+            "{bad}"
+        );
         let refused = || assert!(CollisionShape::try_sphere(bad).is_err());
         assert_eq!(warnings(refused), 0, "{bad}");
     }
-    let flat = || drop(CollisionShape::from(Tetrahedron::new(Vec3::X, Vec3::Y, Vec3::ZERO, Vec3::ONE.with_z(0.0))));
+    let flat = || {
+        drop(CollisionShape::from(Tetrahedron::new(
+            Vec3::X,
+            Vec3::Y,
+            Vec3::ZERO,
+            Vec3::ONE.with_z(0.0),
+        )))
+    };
     assert_eq!(warnings(flat), 1);
-    let found = boxes(vec![CollisionShape::sphere(f32::NAN), CollisionShape::sphere(-1.0)]);
+    let found = boxes(vec![
+        CollisionShape::sphere(f32::NAN),
+        CollisionShape::sphere(-1.0),
+    ]);
     assert_eq!(found[0], WorldAabb::NONE, "it takes no part");
     assert!((found[1].max.x - 1.0).abs() < 1e-3, "{found:?}");
 }

@@ -19,8 +19,13 @@ use fastrand::Rng;
 
 const ALL: SpatialQueryFilter = SpatialQueryFilter::DEFAULT;
 
-fn ask<T: 'static>(app: &mut App, question: impl FnMut(SpatialQuery) -> T + Send + Sync + 'static) -> T {
-    app.world_mut().run_system_once(question).expect("the plugins are there")
+fn ask<T: 'static>(
+    app: &mut App,
+    question: impl FnMut(SpatialQuery) -> T + Send + Sync + 'static,
+) -> T {
+    app.world_mut()
+        .run_system_once(question)
+        .expect("the plugins are there")
 }
 
 fn found_at(app: &mut App, point: Vec3) -> Vec<Entity> {
@@ -37,7 +42,12 @@ fn vector(rng: &mut Rng, reach: f32) -> Vec3 {
 }
 
 fn turn(rng: &mut Rng) -> Quat {
-    Quat::from_euler(EulerRot::XYZ, rng.f32() * 6.0, rng.f32() * 6.0, rng.f32() * 6.0)
+    Quat::from_euler(
+        EulerRot::XYZ,
+        rng.f32() * 6.0,
+        rng.f32() * 6.0,
+        rng.f32() * 6.0,
+    )
 }
 
 /// Scaled by axis, and mirrored one time in two.
@@ -47,23 +57,35 @@ fn scale(rng: &mut Rng) -> Vec3 {
 }
 
 fn local(transform: &Transform) -> DAffine3 {
-    let Transform { translation, rotation, scale } = *transform;
+    let Transform {
+        translation,
+        rotation,
+        scale,
+    } = *transform;
     let rotation = rotation.as_dquat().normalize();
     DAffine3::from_scale_rotation_translation(scale.as_dvec3(), rotation, translation.as_dvec3())
 }
 
 fn place(world: &World, entity: Entity) -> DAffine3 {
     let own = local(world.get::<Transform>(entity).unwrap());
-    world.get::<ChildOf>(entity).map_or(own, |parent| place(world, parent.parent()) * own)
+    world
+        .get::<ChildOf>(entity)
+        .map_or(own, |parent| place(world, parent.parent()) * own)
 }
 
 #[test]
 fn a_turned_cube_under_a_scaled_parent_is_what_it_is() {
     for mirror in [1.0, -1.0] {
         let mut app = app(BroadPhaseMethod::default());
-        let parent = app.world_mut().spawn(Transform::from_scale(Vec3::new(4.0 * mirror, 1.0, 1.0))).id();
+        let parent = app
+            .world_mut()
+            .spawn(Transform::from_scale(Vec3::new(4.0 * mirror, 1.0, 1.0)))
+            .id();
         let turned = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_4));
-        let cube = app.world_mut().spawn((CollisionShape::default(), turned, ChildOf(parent))).id();
+        let cube = app
+            .world_mut()
+            .spawn((CollisionShape::default(), turned, ChildOf(parent)))
+            .id();
         tick(&mut app, 1);
         // A lozenge of half diagonals 4 / √2 and 1 / √2.
         assert_eq!(found_at(&mut app, Vec3::new(2.5, 0.0, 0.0)), [cube]);
@@ -72,7 +94,10 @@ fn a_turned_cube_under_a_scaled_parent_is_what_it_is() {
         assert_eq!(found_at(&mut app, Vec3::new(0.0, 0.75, 0.0)), []);
         let aabb = get::<WorldAabb>(&app, cube).0;
         let half = Vec3::new(8f32.sqrt(), 0.5f32.sqrt(), 0.5);
-        assert!((Vec3::from(aabb.max) - half).abs().max_element() < 1e-3, "{aabb:?}");
+        assert!(
+            (Vec3::from(aabb.max) - half).abs().max_element() < 1e-3,
+            "{aabb:?}"
+        );
         // It is one no more when its parent is not scaled, or gone; and once more.
         for round in 0..2 {
             *get_mut::<Transform>(&mut app, parent) = Transform::IDENTITY;
@@ -98,32 +123,47 @@ fn a_turned_cube_under_a_scaled_parent_is_what_it_is() {
 /// The eight corners of a cuboid, wherever it is.
 fn corners(half: DVec3, place: &DAffine3) -> [DVec3; 8] {
     let sign = |bit: usize| if bit == 0 { -1.0 } else { 1.0 };
-    std::array::from_fn(|i| place.transform_point3(half * DVec3::new(sign(i & 1), sign(i >> 1 & 1), sign(i >> 2 & 1))))
+    std::array::from_fn(|i| {
+        place.transform_point3(half * DVec3::new(sign(i & 1), sign(i >> 1 & 1), sign(i >> 2 & 1)))
+    })
 }
 
-/// How far two parallelepipeds are apart along the axis that parts them best; negative if none does.
+/// How far two parallelepipeds are apart along the axis that parts them best; negative if none
+/// does.
 fn gap(a: &(DVec3, DAffine3), b: &(DVec3, DAffine3)) -> f64 {
     let edges = [a, b].map(|(_, place)| place.matrix3.to_cols_array_2d().map(DVec3::from));
-    let faces = edges.iter().flat_map(|[x, y, z]| [x.cross(*y), y.cross(*z), z.cross(*x)]);
-    let across = edges[0].iter().flat_map(|one| edges[1].iter().map(|other| one.cross(*other)));
+    let faces = edges
+        .iter()
+        .flat_map(|[x, y, z]| [x.cross(*y), y.cross(*z), z.cross(*x)]);
+    let across = edges[0]
+        .iter()
+        .flat_map(|one| edges[1].iter().map(|other| one.cross(*other)));
     let [a, b] = [a, b].map(|(half, place)| corners(*half, place));
     let range = |corners: &[DVec3; 8], axis: DVec3| {
         corners
             .iter()
             .map(|corner| corner.dot(axis))
-            .fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(at), high.max(at)))
+            .fold((f64::MAX, f64::MIN), |(low, high), at| {
+                (low.min(at), high.max(at))
+            })
     };
-    let gaps = faces.chain(across).filter_map(DVec3::try_normalize).map(|axis| {
-        let ((low_a, high_a), (low_b, high_b)) = (range(&a, axis), range(&b, axis));
-        (low_b - high_a).max(low_a - high_b)
-    });
+    let gaps = faces
+        .chain(across)
+        .filter_map(DVec3::try_normalize)
+        .map(|axis| {
+            let ((low_a, high_a), (low_b, high_b)) = (range(&a, axis), range(&b, axis));
+            (low_b - high_a).max(low_a - high_b)
+        });
     gaps.fold(f64::MIN, f64::max)
 }
 
 /// Where a ray enters a cuboid, in shares of its direction.
 fn entry(origin: DVec3, direction: DVec3, half: DVec3, place: &DAffine3) -> Option<f64> {
     let back = place.inverse();
-    let (from, along) = (back.transform_point3(origin), back.transform_vector3(direction));
+    let (from, along) = (
+        back.transform_point3(origin),
+        back.transform_vector3(direction),
+    );
     let (one, other) = ((-half - from) / along, (half - from) / along);
     let (first, last) = (one.min(other).max_element(), one.max(other).min_element());
     (first <= last && last >= 0.0).then_some(first.max(0.0))
@@ -131,8 +171,17 @@ fn entry(origin: DVec3, direction: DVec3, half: DVec3, place: &DAffine3) -> Opti
 
 /// A cuboid, or the same as a mesh, convex or not.
 fn cuboid(half: Vec3, which: u8) -> CollisionShape {
-    let corners: Vec<Vec3> = corners(half.as_dvec3(), &DAffine3::IDENTITY).map(DVec3::as_vec3).to_vec();
-    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let corners: Vec<Vec3> = corners(half.as_dvec3(), &DAffine3::IDENTITY)
+        .map(DVec3::as_vec3)
+        .to_vec();
+    let sides = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
     match which {
         0 => CollisionShape::from_half_size(half),
         1 => CollisionShape(Shape::convex(corners, sides).unwrap()),
@@ -148,14 +197,23 @@ fn random_hierarchies_agree_with_brute_force() {
         let mut halves: Vec<(Entity, Vec3)> = Vec::new();
         let mut parents = Vec::new();
         for _ in 0..5 {
-            let at = |rng: &mut Rng| Transform::from_translation(vector(rng, 2.0)).with_rotation(turn(rng));
-            let parent = app.world_mut().spawn(at(&mut rng).with_scale(scale(&mut rng))).id();
+            let at = |rng: &mut Rng| {
+                Transform::from_translation(vector(rng, 2.0)).with_rotation(turn(rng))
+            };
+            let parent = app
+                .world_mut()
+                .spawn(at(&mut rng).with_scale(scale(&mut rng)))
+                .id();
             let inner = (at(&mut rng).with_scale(scale(&mut rng)), ChildOf(parent));
             let inner = app.world_mut().spawn(inner).id();
             parents.extend([parent, inner]);
             for parent in [parent, inner] {
                 let half = vector(&mut rng, 0.4).abs() + 0.1;
-                let shape = (cuboid(half, rng.u8(0..3)), at(&mut rng).with_scale(scale(&mut rng)), ChildOf(parent));
+                let shape = (
+                    cuboid(half, rng.u8(0..3)),
+                    at(&mut rng).with_scale(scale(&mut rng)),
+                    ChildOf(parent),
+                );
                 halves.push((app.world_mut().spawn(shape).id(), half));
             }
         }
@@ -171,14 +229,21 @@ fn random_hierarchies_agree_with_brute_force() {
                 }
             }
             tick(&mut app, 1);
-            let placed: Vec<_> =
-                halves.iter().map(|(entity, half)| (half.as_dvec3(), place(app.world(), *entity))).collect();
+            let placed: Vec<_> = halves
+                .iter()
+                .map(|(entity, half)| (half.as_dvec3(), place(app.world(), *entity)))
+                .collect();
 
             for ((entity, _), (half, place)) in halves.iter().zip(&placed) {
                 let aabb = get::<WorldAabb>(&app, *entity).0;
-                let inside =
-                    |corner: &DVec3| corner.cmpge(aabb.min.as_dvec3()).all() && corner.cmple(aabb.max.as_dvec3()).all();
-                assert!(corners(*half, place).iter().all(inside), "seed {seed}: {aabb:?}");
+                let inside = |corner: &DVec3| {
+                    corner.cmpge(aabb.min.as_dvec3()).all()
+                        && corner.cmple(aabb.max.as_dvec3()).all()
+                };
+                assert!(
+                    corners(*half, place).iter().all(inside),
+                    "seed {seed}: {aabb:?}"
+                );
             }
 
             let found = contacts(&app);
@@ -187,7 +252,11 @@ fn random_hierarchies_agree_with_brute_force() {
                     let gap = gap(a, b);
                     if gap.abs() > 1e-3 {
                         let met = found.contains(&pair(halves[i].0, halves[j].0));
-                        assert_eq!(met, gap < 0.0, "seed {seed}, tick {time}: {i} and {j}, gap {gap}");
+                        assert_eq!(
+                            met,
+                            gap < 0.0,
+                            "seed {seed}, tick {time}: {i} and {j}, gap {gap}"
+                        );
                     }
                 }
             }
@@ -198,7 +267,8 @@ fn random_hierarchies_agree_with_brute_force() {
                 let point = at.transform_point3(*half * vector(&mut rng, 1.2).as_dvec3());
                 let found = found_at(&mut app, point.as_vec3());
                 for ((entity, _), (half, place)) in halves.iter().zip(&placed) {
-                    let beyond = (place.inverse().transform_point3(point).abs() / *half).max_element() - 1.0;
+                    let beyond =
+                        (place.inverse().transform_point3(point).abs() / *half).max_element() - 1.0;
                     if beyond.abs() > 5e-3 {
                         assert_eq!(
                             found.contains(entity),
@@ -209,17 +279,32 @@ fn random_hierarchies_agree_with_brute_force() {
                 }
 
                 let (origin, to) = (vector(&mut rng, 9.0), point.as_vec3());
-                let Ok(direction) = Dir3::new(to - origin) else { continue };
-                let hit = ask(&mut app, move |spatial| spatial.cast_ray(Ray3d::new(origin, direction), 100.0, &ALL));
-                let entries = placed
-                    .iter()
-                    .filter_map(|(half, place)| entry(origin.as_dvec3(), direction.as_vec3().as_dvec3(), *half, place));
+                let Ok(direction) = Dir3::new(to - origin) else {
+                    continue;
+                };
+                let hit = ask(&mut app, move |spatial| {
+                    spatial.cast_ray(Ray3d::new(origin, direction), 100.0, &ALL)
+                });
+                let entries = placed.iter().filter_map(|(half, place)| {
+                    entry(
+                        origin.as_dvec3(),
+                        direction.as_vec3().as_dvec3(),
+                        *half,
+                        place,
+                    )
+                });
                 let first = entries.fold(f64::INFINITY, f64::min);
                 let distance = hit.map_or(f64::INFINITY, |hit| hit.distance.into());
                 // A ray that grazes may do so for one and not for the other.
                 let graze = placed.iter().any(|(half, place)| {
                     let [thin, thick] = [0.998, 1.002].map(|share| {
-                        entry(origin.as_dvec3(), direction.as_vec3().as_dvec3(), *half * share, place).is_some()
+                        entry(
+                            origin.as_dvec3(),
+                            direction.as_vec3().as_dvec3(),
+                            *half * share,
+                            place,
+                        )
+                        .is_some()
                     });
                     thin != thick
                 });
@@ -236,10 +321,17 @@ fn random_hierarchies_agree_with_brute_force() {
 #[test]
 fn a_ball_stays_one() {
     let mut app = app(BroadPhaseMethod::default());
-    let parent = app.world_mut().spawn(Transform::from_scale(Vec3::new(4.0, 1.0, 1.0))).id();
-    let inner = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_4)).with_scale(Vec3::new(1.0, 3.0, 1.0));
+    let parent = app
+        .world_mut()
+        .spawn(Transform::from_scale(Vec3::new(4.0, 1.0, 1.0)))
+        .id();
+    let inner = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_4))
+        .with_scale(Vec3::new(1.0, 3.0, 1.0));
     let inner = app.world_mut().spawn((inner, ChildOf(parent))).id();
-    let ball = app.world_mut().spawn((CollisionShape::sphere(0.5), ChildOf(inner))).id();
+    let ball = app
+        .world_mut()
+        .spawn((CollisionShape::sphere(0.5), ChildOf(inner)))
+        .id();
     for (round, angle) in [0.0, 1.0, 2.0].into_iter().enumerate() {
         get_mut::<Transform>(&mut app, parent).rotation = Quat::from_rotation_x(angle);
         // That it should be an ellipsoid is said once.
@@ -253,7 +345,10 @@ fn a_ball_stays_one() {
         }
         let radius = 0.5 * (stretches * axis).length().sqrt();
         let aabb = get::<WorldAabb>(&app, ball).0;
-        assert!((f64::from(aabb.max.x) - radius).abs() < 1e-3, "{aabb:?}, {radius}");
+        assert!(
+            (f64::from(aabb.max.x) - radius).abs() < 1e-3,
+            "{aabb:?}, {radius}"
+        );
         assert!((aabb.max + aabb.min).abs().max_element() < 1e-6);
         assert!((aabb.max - aabb.max.x).abs().max_element() < 1e-3);
     }
@@ -271,7 +366,10 @@ fn flattened_shapes_are_what_is_left_of_them() {
             let shape = (cuboid(Vec3::splat(0.5), which), turned, ChildOf(parent));
             let shape = app.world_mut().spawn(shape).id();
             tick(&mut app, 1);
-            assert_eq!(found_at(&mut app, Vec3::new(reach - 0.1, 0.0, 0.3)), [shape]);
+            assert_eq!(
+                found_at(&mut app, Vec3::new(reach - 0.1, 0.0, 0.3)),
+                [shape]
+            );
             assert_eq!(found_at(&mut app, Vec3::new(reach + 0.1, 0.0, 0.3)), []);
             assert_eq!(found_at(&mut app, Vec3::new(reach - 0.1, 0.01, 0.3)), []);
             app.world_mut().despawn(shape);
@@ -286,7 +384,12 @@ fn a_sheared_shape_is_swept() {
     let parent = Transform::from_xyz(0.0, -10.0, 0.0).with_scale(Vec3::new(4.0, 1.0, 1.0));
     let parent = app.world_mut().spawn(parent).id();
     let turned = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_4));
-    let cube = (CollisionShape::default(), turned, Swept::default(), ChildOf(parent));
+    let cube = (
+        CollisionShape::default(),
+        turned,
+        Swept::default(),
+        ChildOf(parent),
+    );
     let cube = app.world_mut().spawn(cube).id();
     let thin = CollisionShape::from_half_size(Vec3::new(0.1, 0.01, 0.1));
     let at = |x: f32| (thin.clone(), Transform::from_xyz(x, 0.0, 0.0));
@@ -305,16 +408,27 @@ fn a_sheared_shape_is_swept() {
 #[test]
 fn a_rapier_collider_is_not_sheared() {
     let mut app = app(BroadPhaseMethod::default());
-    let parent = app.world_mut().spawn(Transform::from_scale(Vec3::new(4.0, 1.0, -1.0))).id();
+    let parent = app
+        .world_mut()
+        .spawn(Transform::from_scale(Vec3::new(4.0, 1.0, -1.0)))
+        .id();
     let shape = CollisionShape((&bevy_rapier3d::prelude::Collider::cuboid(1.0, 0.5, 0.25)).into());
     let turned = Transform::from_xyz(1.0, 0.0, 0.0).with_rotation(Quat::from_rotation_z(FRAC_PI_4));
-    let child = app.world_mut().spawn((shape.clone(), turned, ChildOf(parent))).id();
+    let child = app
+        .world_mut()
+        .spawn((shape.clone(), turned, ChildOf(parent)))
+        .id();
     assert_eq!(warnings(|| tick(&mut app, 1)), 1);
     let at = GlobalTransform::from(place(app.world(), child).as_affine3a()).compute_transform();
     let tests = *app.world().resource::<NarrowPhase>();
-    let expected = tests.world_aabb(bevy_octree::narrow_phase::Placed::new(&shape, &at)).unwrap();
+    let expected = tests
+        .world_aabb(bevy_octree::narrow_phase::Placed::new(&shape, &at))
+        .unwrap();
     let found = get::<WorldAabb>(&app, child).0;
-    assert!((found.min - expected.min).abs().max_element() < 1e-5, "{found:?} {expected:?}");
+    assert!(
+        (found.min - expected.min).abs().max_element() < 1e-5,
+        "{found:?} {expected:?}"
+    );
     get_mut::<Transform>(&mut app, parent).translation.y = 1.0;
     assert_eq!(warnings(|| tick(&mut app, 1)), 0);
 }

@@ -1,5 +1,5 @@
-//! Queries by entity, in headless apps: against brute force over the exact shapes, in the frame of a spawn, while time is
-//! paused, with filters, and on bad input.
+//! Queries by entity, in headless apps: against brute force over the exact shapes, in the frame of
+//! a spawn, while time is paused, with filters, and on bad input.
 
 use crate::common;
 
@@ -27,8 +27,13 @@ use fastrand::Rng;
 const ALL: SpatialQueryFilter = SpatialQueryFilter::DEFAULT;
 
 /// Asks something of an app.
-fn ask<T: 'static>(app: &mut App, question: impl FnMut(SpatialQuery) -> T + Send + Sync + 'static) -> T {
-    app.world_mut().run_system_once(question).expect("the plugins are there")
+fn ask<T: 'static>(
+    app: &mut App,
+    question: impl FnMut(SpatialQuery) -> T + Send + Sync + 'static,
+) -> T {
+    app.world_mut()
+        .run_system_once(question)
+        .expect("the plugins are there")
 }
 
 fn vector(rng: &mut Rng, reach: f32) -> Vec3 {
@@ -45,7 +50,9 @@ fn rotation(rng: &mut Rng) -> Quat {
 
 fn tetrahedron() -> CollisionShape {
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
-    Shape::convex(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).unwrap().into()
+    Shape::convex(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+        .unwrap()
+        .into()
 }
 
 /// A star of six corners, one deep.
@@ -58,7 +65,9 @@ fn star() -> CollisionShape {
     };
     let mut sides = vec![(0..12).rev().collect::<Vec<u32>>(), (12..24).collect()];
     sides.extend((0..12).map(|i| vec![i, (i + 1) % 12, (i + 1) % 12 + 12, i + 12]));
-    Shape::mesh(level(0.0).chain(level(1.0)).collect::<Vec<_>>(), sides).unwrap().into()
+    Shape::mesh(level(0.0).chain(level(1.0)).collect::<Vec<_>>(), sides)
+        .unwrap()
+        .into()
 }
 
 fn random_shape(rng: &mut Rng) -> CollisionShape {
@@ -78,7 +87,8 @@ fn random_app(rng: &mut Rng, method: BroadPhaseMethod, count: usize) -> App {
     for _ in 0..count {
         let place = Transform::from_translation(vector(rng, 10.0)).with_rotation(rotation(rng));
         let scale = vector(rng, 0.5) + 1.0;
-        app.world_mut().spawn((random_shape(rng), place.with_scale(scale)));
+        app.world_mut()
+            .spawn((random_shape(rng), place.with_scale(scale)));
     }
     tick(&mut app, 1);
     app
@@ -86,8 +96,13 @@ fn random_app(rng: &mut Rng, method: BroadPhaseMethod, count: usize) -> App {
 
 /// All shapes and where they are, in the order of their entities.
 fn everything(app: &mut App) -> Vec<(Entity, Shape, Transform)> {
-    let mut shapes = app.world_mut().query::<(Entity, &CollisionShape, &Transform)>();
-    shapes.iter(app.world()).map(|(entity, shape, at)| (entity, shape.0.clone(), *at)).collect()
+    let mut shapes = app
+        .world_mut()
+        .query::<(Entity, &CollisionShape, &Transform)>();
+    shapes
+        .iter(app.world())
+        .map(|(entity, shape, at)| (entity, shape.0.clone(), *at))
+        .collect()
 }
 
 fn methods() -> [BroadPhaseMethod; 3] {
@@ -112,30 +127,46 @@ fn rays_and_neighbours_are_those_of_brute_force() {
             let mut met = 0;
             for (ray, in_batch) in rays.iter().zip(&batch) {
                 let impact = |(entity, shape, at): &(Entity, Shape, Transform)| {
-                    let impact = tests.cast_ray(Placed::new(shape, at), ray.origin, ray.direction, 15.0)?;
+                    let impact =
+                        tests.cast_ray(Placed::new(shape, at), ray.origin, ray.direction, 15.0)?;
                     Some((impact.distance, *entity))
                 };
                 let mut expected: Vec<_> = objects.iter().filter_map(impact).collect();
                 expected.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
                 spatial.ray_hits(*ray, 15.0, &ALL, &mut hits);
-                assert_eq!(hits.iter().map(|hit| (hit.distance, hit.entity)).collect::<Vec<_>>(), expected);
+                assert_eq!(
+                    hits.iter()
+                        .map(|hit| (hit.distance, hit.entity))
+                        .collect::<Vec<_>>(),
+                    expected
+                );
                 let first = spatial.cast_ray(*ray, 15.0, &ALL);
-                assert_eq!(first.map(|hit| hit.distance), expected.first().map(|hit| hit.0));
+                assert_eq!(
+                    first.map(|hit| hit.distance),
+                    expected.first().map(|hit| hit.0)
+                );
                 assert_eq!(first, *in_batch);
                 met += hits.len();
 
                 let mut distances: Vec<_> = objects
                     .iter()
                     .map(|(entity, shape, at)| {
-                        let closest = tests.closest_point(Placed::new(shape, at), ray.origin, &mut workspace);
+                        let closest =
+                            tests.closest_point(Placed::new(shape, at), ray.origin, &mut workspace);
                         (closest.unwrap().distance(ray.origin), *entity)
                     })
                     .collect();
                 distances.sort_by(|a, b| a.0.total_cmp(&b.0));
                 spatial.k_nearest(ray.origin, 7, f32::INFINITY, &ALL, &mut near);
                 let found: Vec<_> = near.iter().map(|hit| hit.distance).collect();
-                assert_eq!(found, distances[..7].iter().map(|hit| hit.0).collect::<Vec<_>>());
-                assert_eq!(spatial.nearest(ray.origin, f32::INFINITY, &ALL), near.first().copied());
+                assert_eq!(
+                    found,
+                    distances[..7].iter().map(|hit| hit.0).collect::<Vec<_>>()
+                );
+                assert_eq!(
+                    spatial.nearest(ray.origin, f32::INFINITY, &ALL),
+                    near.first().copied()
+                );
             }
             assert!(met > 100, "{met}");
         });
@@ -153,21 +184,26 @@ fn overlaps_and_sweeps_are_those_of_brute_force() {
             let (mut overlaps, mut sweeps) = (0, 0);
             for _ in 0..100 {
                 let shape = random_shape(&mut rng);
-                let place = Transform::from_translation(vector(&mut rng, 10.0)).with_rotation(rotation(&mut rng));
+                let place = Transform::from_translation(vector(&mut rng, 10.0))
+                    .with_rotation(rotation(&mut rng));
                 let (placed, way) = (Placed::new(&shape, &place), direction(&mut rng));
                 let meets = |(entity, shape, at): &(Entity, Shape, Transform)| {
-                    tests.intersects(placed, Placed::new(shape, at), &mut workspace).then_some(*entity)
+                    tests
+                        .intersects(placed, Placed::new(shape, at), &mut workspace)
+                        .then_some(*entity)
                 };
                 let mut expected: Vec<_> = objects.iter().filter_map(meets).collect();
                 expected.sort();
                 let mut found = vec![];
-                spatial.for_each_shape_intersection(&shape, &place, &ALL, |entity| found.push(entity));
+                spatial
+                    .for_each_shape_intersection(&shape, &place, &ALL, |entity| found.push(entity));
                 found.sort();
                 overlaps += found.len();
                 assert_eq!(found, expected);
 
                 let impact = |(_, shape, at): &(Entity, Shape, Transform)| {
-                    let impact = tests.sweep(placed, way, 8.0, Placed::new(shape, at), &mut workspace)?;
+                    let impact =
+                        tests.sweep(placed, way, 8.0, Placed::new(shape, at), &mut workspace)?;
                     Some(impact.distance)
                 };
                 let first = objects.iter().filter_map(impact).min_by(f32::total_cmp);
@@ -182,8 +218,11 @@ fn overlaps_and_sweeps_are_those_of_brute_force() {
 
 /// A cube of side 2 that is turned by an eighth: its box reaches further than it does.
 fn turned_cube(app: &mut App) -> Entity {
-    let turned = Transform::from_xyz(10.0, 0.0, 0.0).with_rotation(Quat::from_rotation_z(FRAC_PI_4));
-    app.world_mut().spawn((CollisionShape::from_half_size(Vec3::ONE), turned)).id()
+    let turned =
+        Transform::from_xyz(10.0, 0.0, 0.0).with_rotation(Quat::from_rotation_z(FRAC_PI_4));
+    app.world_mut()
+        .spawn((CollisionShape::from_half_size(Vec3::ONE), turned))
+        .id()
 }
 
 #[test]
@@ -199,52 +238,93 @@ fn what_is_in_the_box_but_not_in_the_shape_is_not_met() {
             assert!(found.iter().all(|entity| *entity == cube));
             found.len()
         };
-        let at =
-            |point: Vec3| count(&|found| spatial.for_each_point_intersection(point, &ALL, |entity| found.push(entity)));
-        assert_eq!((at(corner), at(Vec3::X * 8.6), at(Vec3::X * 10.0)), (0, 1, 1));
+        let at = |point: Vec3| {
+            count(&|found| {
+                spatial.for_each_point_intersection(point, &ALL, |entity| found.push(entity))
+            })
+        };
+        assert_eq!(
+            (at(corner), at(Vec3::X * 8.6), at(Vec3::X * 10.0)),
+            (0, 1, 1)
+        );
         let ball = |radius| {
-            count(&|found| spatial.for_each_sphere_intersection(corner, radius, &ALL, |entity| found.push(entity)))
+            count(&|found| {
+                spatial
+                    .for_each_sphere_intersection(corner, radius, &ALL, |entity| found.push(entity))
+            })
         };
         assert_eq!((ball(0.8), ball(0.9)), (0, 1));
         let cuboid = |half: f32| {
             let aabb = Aabb3d::new(corner, Vec3::splat(half));
-            count(&|found| spatial.for_each_box_intersection(&aabb, &ALL, |entity| found.push(entity)))
+            count(&|found| {
+                spatial.for_each_box_intersection(&aabb, &ALL, |entity| found.push(entity))
+            })
         };
         assert_eq!((cuboid(0.5), cuboid(0.7)), (0, 1));
         // Half-spaces and frustums see boxes.
         let beyond = |x: f32| [HalfSpace::new(Vec4::new(-1.0, 0.0, 0.0, x))];
-        let planes =
-            |x| count(&|found| spatial.for_each_half_space_intersection(&beyond(x), &ALL, |entity| found.push(entity)));
+        let planes = |x| {
+            count(&|found| {
+                spatial
+                    .for_each_half_space_intersection(&beyond(x), &ALL, |entity| found.push(entity))
+            })
+        };
         assert_eq!((planes(8.0), planes(9.0)), (0, 1));
-        let frustum = ViewFrustum::from_clip_from_world(&Mat4::orthographic_rh(8.7, 20.0, 1.3, 3.0, -5.0, 5.0));
+        let frustum = ViewFrustum::from_clip_from_world(&Mat4::orthographic_rh(
+            8.7, 20.0, 1.3, 3.0, -5.0, 5.0,
+        ));
         assert_eq!(
-            count(&|found| spatial.for_each_frustum_intersection(&frustum, &ALL, |entity| found.push(entity))),
+            count(&|found| spatial
+                .for_each_frustum_intersection(&frustum, &ALL, |entity| found.push(entity))),
             1
         );
 
         let diagonal = 2f32.sqrt();
-        let hit = spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &ALL).unwrap();
-        assert!((hit.distance - (10.0 - diagonal)).abs() < 1e-4 && hit.entity == cube, "{hit:?}");
+        let hit = spatial
+            .cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &ALL)
+            .unwrap();
+        assert!(
+            (hit.distance - (10.0 - diagonal)).abs() < 1e-4 && hit.entity == cube,
+            "{hit:?}"
+        );
         let hit = spatial.nearest(Vec3::ZERO, 100.0, &ALL).unwrap();
-        assert!((hit.distance - (10.0 - diagonal)).abs() < 1e-4 && hit.point.y.abs() < 1e-4, "{hit:?}");
-        assert_eq!(spatial.cast_ray(Ray3d::new(Vec3::new(8.7, 1.3, -5.0), Dir3::Z), 100.0, &ALL), None);
-        let hit = spatial.cast_sphere(Vec3::ZERO, 0.5, Dir3::X, 100.0, &ALL).unwrap();
+        assert!(
+            (hit.distance - (10.0 - diagonal)).abs() < 1e-4 && hit.point.y.abs() < 1e-4,
+            "{hit:?}"
+        );
+        assert_eq!(
+            spatial.cast_ray(Ray3d::new(Vec3::new(8.7, 1.3, -5.0), Dir3::Z), 100.0, &ALL),
+            None
+        );
+        let hit = spatial
+            .cast_sphere(Vec3::ZERO, 0.5, Dir3::X, 100.0, &ALL)
+            .unwrap();
         assert!((hit.distance - (9.5 - diagonal)).abs() < 1e-4, "{hit:?}");
         let unit = Aabb3d::new(Vec3::ZERO, Vec3::splat(0.5));
         let hit = spatial.cast_box(&unit, Dir3::X, 100.0, &ALL).unwrap();
-        assert!((hit.distance - (9.5 - diagonal)).abs() < 1e-3 && hit.normal.x < -0.5, "{hit:?}");
+        assert!(
+            (hit.distance - (9.5 - diagonal)).abs() < 1e-3 && hit.normal.x < -0.5,
+            "{hit:?}"
+        );
     });
 }
 
 #[test]
 fn filters_and_callbacks() {
     let mut app = app(BroadPhaseMethod::default());
-    let cubes: Vec<_> =
-        (1..=5).map(|x| app.world_mut().spawn((Cube, Transform::from_xyz(x as f32 * 2.0, 0.0, 0.0))).id()).collect();
+    let cubes: Vec<_> = (1..=5)
+        .map(|x| {
+            app.world_mut()
+                .spawn((Cube, Transform::from_xyz(x as f32 * 2.0, 0.0, 0.0)))
+                .id()
+        })
+        .collect();
     tick(&mut app, 1);
     ask(&mut app, move |spatial| {
         let first = |filter: &SpatialQueryFilter| {
-            spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, filter).map(|hit| hit.entity)
+            spatial
+                .cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, filter)
+                .map(|hit| hit.entity)
         };
         let set = EntityHashSet::from_iter([cubes[1], cubes[2]]);
         let odd = |entity| entity != cubes[3];
@@ -261,15 +341,27 @@ fn filters_and_callbacks() {
         let ray = Ray3d::new(Vec3::ZERO, Dir3::X);
         spatial.for_each_ray_hit(ray, 100.0, &ALL, |_| {
             seen += 1;
-            if seen == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if seen == 2 {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         });
         assert_eq!(seen, 2);
         // A query within a query.
         let mut neighbours = 0;
-        spatial.for_each_box_intersection(&Aabb3d::new(Vec3::ZERO, Vec3::splat(20.0)), &ALL, |entity| {
-            let found = spatial.nearest(Vec3::ZERO, 100.0, &SpatialQueryFilter::DEFAULT.except(entity));
-            neighbours += usize::from(found.is_some());
-        });
+        spatial.for_each_box_intersection(
+            &Aabb3d::new(Vec3::ZERO, Vec3::splat(20.0)),
+            &ALL,
+            |entity| {
+                let found = spatial.nearest(
+                    Vec3::ZERO,
+                    100.0,
+                    &SpatialQueryFilter::DEFAULT.except(entity),
+                );
+                neighbours += usize::from(found.is_some());
+            },
+        );
         assert_eq!(neighbours, 5);
     });
 }
@@ -288,15 +380,20 @@ fn vectors_are_filled_with_what_callbacks_are_called_with() {
                 total += called.len();
                 called.clear();
             };
-            let (cube, place) =
-                (Shape::from_half_size(Vec3::splat(3.0)), Transform::from_rotation(Quat::from_rotation_y(0.7)));
+            let (cube, place) = (
+                Shape::from_half_size(Vec3::splat(3.0)),
+                Transform::from_rotation(Quat::from_rotation_y(0.7)),
+            );
             let aabb = Aabb3d::new(Vec3::ONE, Vec3::splat(4.0));
-            let frustum = ViewFrustum { half_spaces: [HalfSpace::new(Vec4::X); 6] };
+            let frustum = ViewFrustum {
+                half_spaces: [HalfSpace::new(Vec4::X); 6],
+            };
             spatial.box_intersections(&aabb, &ALL, &mut filled);
             spatial.for_each_box_intersection(&aabb, &ALL, |entity| called.push(entity));
             compare(&filled, &mut called);
             spatial.sphere_intersections(Vec3::ONE, 4.0, &ALL, &mut filled);
-            spatial.for_each_sphere_intersection(Vec3::ONE, 4.0, &ALL, |entity| called.push(entity));
+            spatial
+                .for_each_sphere_intersection(Vec3::ONE, 4.0, &ALL, |entity| called.push(entity));
             compare(&filled, &mut called);
             spatial.point_intersections(Vec3::ONE, &ALL, &mut filled);
             spatial.for_each_point_intersection(Vec3::ONE, &ALL, |entity| called.push(entity));
@@ -308,14 +405,20 @@ fn vectors_are_filled_with_what_callbacks_are_called_with() {
             spatial.for_each_frustum_intersection(&frustum, &ALL, |entity| called.push(entity));
             compare(&filled, &mut called);
             spatial.half_space_intersections(&frustum.half_spaces, &ALL, &mut filled);
-            spatial.for_each_half_space_intersection(&frustum.half_spaces, &ALL, |entity| called.push(entity));
+            spatial.for_each_half_space_intersection(&frustum.half_spaces, &ALL, |entity| {
+                called.push(entity)
+            });
             compare(&filled, &mut called);
             assert!(total > 100, "{total}");
 
             let (mut filled, mut called) = (Vec::new(), Vec::new());
             spatial.pairs_within(1.0, &ALL, &ALL, &mut filled);
             spatial.for_each_pair_within(1.0, &ALL, &ALL, |pair| called.push(pair));
-            called.sort_by(|a, b| a.distance.total_cmp(&b.distance).then((a.a, a.b).cmp(&(b.a, b.b))));
+            called.sort_by(|a, b| {
+                a.distance
+                    .total_cmp(&b.distance)
+                    .then((a.a, a.b).cmp(&(b.a, b.b)))
+            });
             assert_eq!(filled, called);
             assert!(filled.len() > 20, "{}", filled.len());
         });
@@ -345,8 +448,11 @@ fn queries_by_layer() {
         let mut app = app(method);
         // Whatever an entity may meet: a query asks what it is.
         let foe = CollisionLayers::from_bits(1 << 7, 0);
-        let mut cube =
-            |x: f32| app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0))).id();
+        let mut cube = |x: f32| {
+            app.world_mut()
+                .spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0)))
+                .id()
+        };
         let (plain, foes) = (cube(2.0), [cube(4.0), cube(6.0)]);
         for entity in foes {
             app.world_mut().entity_mut(entity).insert(foe);
@@ -354,20 +460,35 @@ fn queries_by_layer() {
         tick(&mut app, 1);
         let found = |app: &mut App, filter: SpatialQueryFilter<'static>| {
             ask(app, move |spatial| {
-                let ray = spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &filter).map(|hit| hit.entity);
-                let sphere = spatial.cast_sphere(Vec3::ZERO, 0.5, Dir3::X, 100.0, &filter).map(|hit| hit.entity);
-                let nearest = spatial.nearest(Vec3::ZERO, 100.0, &filter).map(|hit| hit.entity);
+                let ray = spatial
+                    .cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &filter)
+                    .map(|hit| hit.entity);
+                let sphere = spatial
+                    .cast_sphere(Vec3::ZERO, 0.5, Dir3::X, 100.0, &filter)
+                    .map(|hit| hit.entity);
+                let nearest = spatial
+                    .nearest(Vec3::ZERO, 100.0, &filter)
+                    .map(|hit| hit.entity);
                 assert_eq!((ray, sphere), (nearest, nearest));
                 let (mut inside, mut seen, mut hits) = (vec![], vec![], vec![]);
-                spatial
-                    .for_each_box_intersection(&Aabb3d::new(Vec3::ZERO, Vec3::splat(9.0)), &filter, |e| inside.push(e));
-                spatial
-                    .for_each_half_space_intersection(&[HalfSpace::new(Vec4::X)], &filter, |entity| seen.push(entity));
+                spatial.for_each_box_intersection(
+                    &Aabb3d::new(Vec3::ZERO, Vec3::splat(9.0)),
+                    &filter,
+                    |e| inside.push(e),
+                );
+                spatial.for_each_half_space_intersection(
+                    &[HalfSpace::new(Vec4::X)],
+                    &filter,
+                    |entity| seen.push(entity),
+                );
                 spatial.k_nearest(Vec3::ZERO, 9, 100.0, &filter, &mut hits);
                 inside.sort_by_key(|entity| entity.index_u32());
                 seen.sort_by_key(|entity| entity.index_u32());
                 assert_eq!(inside, seen);
-                assert_eq!(hits.iter().map(|hit| hit.entity).collect::<Vec<_>>(), inside);
+                assert_eq!(
+                    hits.iter().map(|hit| hit.entity).collect::<Vec<_>>(),
+                    inside
+                );
                 assert_eq!(inside.first().copied(), nearest);
                 inside
             })
@@ -376,14 +497,25 @@ fn queries_by_layer() {
         assert_eq!(found(&mut app, ALL), [plain, foes[0], foes[1]]);
         assert_eq!(found(&mut app, on(&[Layer::Ground])), [plain]);
         assert_eq!(found(&mut app, on(&[Layer::Foe])), foes);
-        assert_eq!(found(&mut app, on(&[Layer::Foe, Layer::Ground])), [plain, foes[0], foes[1]]);
+        assert_eq!(
+            found(&mut app, on(&[Layer::Foe, Layer::Ground])),
+            [plain, foes[0], foes[1]]
+        );
         assert_eq!(found(&mut app, on(&[Layer::Beyond])), []);
         assert_eq!(found(&mut app, ALL.on(0)), []);
         // With other conditions, and in any order of them.
-        assert_eq!(found(&mut app, SpatialQueryFilter::DEFAULT.except(foes[0]).on([Layer::Foe])), [foes[1]]);
+        assert_eq!(
+            found(
+                &mut app,
+                SpatialQueryFilter::DEFAULT.except(foes[0]).on([Layer::Foe])
+            ),
+            [foes[1]]
+        );
         assert_eq!(found(&mut app, on(&[Layer::Ground]).only(&|_| false)), []);
         // Layers that change are seen at the next tick.
-        app.world_mut().entity_mut(foes[0]).remove::<CollisionLayers>();
+        app.world_mut()
+            .entity_mut(foes[0])
+            .remove::<CollisionLayers>();
         tick(&mut app, 1);
         assert_eq!(found(&mut app, on(&[Layer::Ground])), [plain, foes[0]]);
         assert_eq!(found(&mut app, on(&[Layer::Foe])), [foes[1]]);
@@ -394,7 +526,10 @@ fn queries_by_layer() {
 fn predicates_are_not_asked_about_other_layers() {
     let mut app = app(BroadPhaseMethod::default());
     let plain = app.world_mut().spawn(CollisionShape::default()).id();
-    app.world_mut().spawn((CollisionShape::default(), CollisionLayers::from_bits(1 << 7, 0)));
+    app.world_mut().spawn((
+        CollisionShape::default(),
+        CollisionLayers::from_bits(1 << 7, 0),
+    ));
     tick(&mut app, 1);
     ask(&mut app, move |spatial| {
         let is_plain = |entity| {
@@ -410,7 +545,8 @@ fn predicates_are_not_asked_about_other_layers() {
 struct Seen(Vec<Option<RayHit>>);
 
 fn look(spatial: SpatialQuery, mut seen: ResMut<Seen>) {
-    seen.0.push(spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &ALL));
+    seen.0
+        .push(spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &ALL));
 }
 
 #[test]
@@ -427,7 +563,11 @@ fn a_spawn_is_seen_in_its_frame_even_if_time_is_paused() {
     let seen = &app.world().resource::<Seen>().0;
     assert_eq!(seen[0], None, "nothing is seen before");
     assert_eq!(seen[1].map(|hit| hit.distance), Some(4.5));
-    assert_eq!(app.world().resource::<CollisionClock>().tick(), 0, "no time has passed");
+    assert_eq!(
+        app.world().resource::<CollisionClock>().tick(),
+        0,
+        "no time has passed"
+    );
 
     // Moved, and gone, still without time.
     let cube = seen[1].unwrap().entity;
@@ -435,7 +575,11 @@ fn a_spawn_is_seen_in_its_frame_even_if_time_is_paused() {
     app.world_mut().commands().queue(update_spatial_index);
     app.world_mut().flush();
     let distance = |app: &mut App| {
-        ask(app, |spatial| spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &ALL).map(|hit| hit.distance))
+        ask(app, |spatial| {
+            spatial
+                .cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &ALL)
+                .map(|hit| hit.distance)
+        })
     };
     assert_eq!(distance(&mut app), Some(6.5));
     app.world_mut().despawn(cube);
@@ -491,7 +635,8 @@ fn a_handle_that_is_used_again_between_two_ticks_brings_no_contact_with_it() {
 fn bad_input_finds_nothing() {
     let mut app = app(BroadPhaseMethod::default());
     app.world_mut().spawn((Cube, Transform::IDENTITY));
-    app.world_mut().spawn((Cube, Transform::from_xyz(f32::NAN, 0.0, 0.0)));
+    app.world_mut()
+        .spawn((Cube, Transform::from_xyz(f32::NAN, 0.0, 0.0)));
     tick(&mut app, 1);
     ask(&mut app, |spatial| {
         let (cube, here) = (CollisionShape::default(), Transform::IDENTITY);
@@ -499,25 +644,58 @@ fn bad_input_finds_nothing() {
         let none = |entity: Entity| assert_eq!(entity, Entity::PLACEHOLDER, "found something");
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             let point = Vec3::new(0.0, bad, 0.0);
-            assert_eq!(spatial.cast_ray(Ray3d::new(point, Dir3::X), 9.0, &ALL), None);
+            assert_eq!(
+                spatial.cast_ray(Ray3d::new(point, Dir3::X), 9.0, &ALL),
+                None
+            );
             spatial.ray_hits(Ray3d::new(point, Dir3::X), 9.0, &ALL, &mut hits);
-            assert_eq!(spatial.cast_shape(&cube, &Transform::from_translation(point), Dir3::X, 9.0, &ALL), None);
-            assert_eq!(spatial.cast_sphere(Vec3::ZERO, bad, Dir3::X, 9.0, &ALL), None);
+            assert_eq!(
+                spatial.cast_shape(
+                    &cube,
+                    &Transform::from_translation(point),
+                    Dir3::X,
+                    9.0,
+                    &ALL
+                ),
+                None
+            );
+            assert_eq!(
+                spatial.cast_sphere(Vec3::ZERO, bad, Dir3::X, 9.0, &ALL),
+                None
+            );
             assert_eq!(spatial.nearest(point, 9.0, &ALL), None);
             spatial.k_nearest(point, 3, 9.0, &ALL, &mut near);
             spatial.for_each_point_intersection(point, &ALL, none);
             spatial.for_each_sphere_intersection(Vec3::ZERO, bad, &ALL, none);
-            spatial.for_each_shape_intersection(&cube, &Transform::from_translation(point), &ALL, none);
+            spatial.for_each_shape_intersection(
+                &cube,
+                &Transform::from_translation(point),
+                &ALL,
+                none,
+            );
         }
         for bad in [f32::NAN, -1.0, f32::NEG_INFINITY] {
-            assert_eq!(spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), bad, &ALL), None);
+            assert_eq!(
+                spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), bad, &ALL),
+                None
+            );
             assert_eq!(spatial.cast_shape(&cube, &here, Dir3::X, bad, &ALL), None);
-            assert_eq!(spatial.cast_sphere(Vec3::ZERO, bad, Dir3::X, 9.0, &ALL), None);
+            assert_eq!(
+                spatial.cast_sphere(Vec3::ZERO, bad, Dir3::X, 9.0, &ALL),
+                None
+            );
             assert_eq!(spatial.nearest(Vec3::ZERO, bad, &ALL), None);
             spatial.k_nearest(Vec3::ZERO, 3, bad, &ALL, &mut near);
             spatial.for_each_sphere_intersection(Vec3::ZERO, bad, &ALL, none);
-            spatial.for_each_half_space_intersection(&[HalfSpace::new(Vec4::new(bad, f32::NAN, 0.0, 0.0))], &ALL, none);
-            let aabb = Aabb3d { min: Vec3A::ZERO, max: Vec3A::new(0.0, bad, 0.0) };
+            spatial.for_each_half_space_intersection(
+                &[HalfSpace::new(Vec4::new(bad, f32::NAN, 0.0, 0.0))],
+                &ALL,
+                none,
+            );
+            let aabb = Aabb3d {
+                min: Vec3A::ZERO,
+                max: Vec3A::new(0.0, bad, 0.0),
+            };
             spatial.for_each_box_intersection(&aabb, &ALL, none);
             assert_eq!(spatial.cast_box(&aabb, Dir3::X, 9.0, &ALL), None);
         }
@@ -533,41 +711,75 @@ fn bad_input_finds_nothing() {
 fn what_is_far_away_is_found_at_its_distance() {
     let rotation = Quat::from_rotation_z(0.4);
     for method in methods() {
-        for shape in [CollisionShape::sphere(1.0), CollisionShape::default(), tetrahedron(), star()] {
+        for shape in [
+            CollisionShape::sphere(1.0),
+            CollisionShape::default(),
+            tetrahedron(),
+            star(),
+        ] {
             let mut app = app(method.clone());
             let mut at = |x: f32| {
-                let pose = Transform { translation: Vec3::X * x, rotation, ..default() };
+                let pose = Transform {
+                    translation: Vec3::X * x,
+                    rotation,
+                    ..default()
+                };
                 app.world_mut().spawn((shape.clone(), pose)).id()
             };
             let [far, near, middle] = [8e25, 2e20, 5e22].map(&mut at);
             tick(&mut app, 1);
             ask(&mut app, move |spatial: SpatialQuery| {
-                let is_about = |found: f32, expected: f32| (found - expected).abs() < expected * 1e-5;
+                let is_about =
+                    |found: f32, expected: f32| (found - expected).abs() < expected * 1e-5;
                 for limit in [f32::INFINITY, 1e21, f32::MAX] {
-                    let hit = spatial.nearest(Vec3::ZERO, limit, &ALL).expect("one is within the limit");
-                    assert!(hit.entity == near && is_about(hit.distance, 2e20), "{hit:?}");
+                    let hit = spatial
+                        .nearest(Vec3::ZERO, limit, &ALL)
+                        .expect("one is within the limit");
+                    assert!(
+                        hit.entity == near && is_about(hit.distance, 2e20),
+                        "{hit:?}"
+                    );
                 }
                 assert_eq!(spatial.nearest(Vec3::ZERO, 1e20, &ALL), None);
                 let mut hits = vec![];
                 spatial.k_nearest(Vec3::ZERO, 2, f32::INFINITY, &ALL, &mut hits);
-                assert_eq!(hits.iter().map(|hit| hit.entity).collect::<Vec<_>>(), [near, middle]);
+                assert_eq!(
+                    hits.iter().map(|hit| hit.entity).collect::<Vec<_>>(),
+                    [near, middle]
+                );
                 let mut pairs = vec![];
                 spatial.for_each_pair_within(1e23, &ALL, &ALL, |pair| pairs.push(pair));
                 assert_eq!(pairs.len(), 1);
-                assert!([near, middle].contains(&pairs[0].a) && is_about(pairs[0].distance, 5e22 - 2e20));
+                assert!(
+                    [near, middle].contains(&pairs[0].a)
+                        && is_about(pairs[0].distance, 5e22 - 2e20)
+                );
                 assert!(pairs[0].a != far && pairs[0].b != far);
             });
         }
         // As large as far away.
         let mut app = app(method);
         let pose = Transform::from_xyz(2e20, 0.0, 0.0).with_scale(Vec3::splat(1e18));
-        let ball = app.world_mut().spawn((CollisionShape::sphere(1.0), pose)).id();
+        let ball = app
+            .world_mut()
+            .spawn((CollisionShape::sphere(1.0), pose))
+            .id();
         tick(&mut app, 1);
         ask(&mut app, move |spatial: SpatialQuery| {
-            let ray = spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), f32::INFINITY, &ALL).unwrap();
-            assert!(ray.entity == ball && (ray.distance - 1.99e20).abs() < 1e16, "{ray:?}");
-            let hit = spatial.cast_sphere(Vec3::ZERO, 1e18, Dir3::X, f32::INFINITY, &ALL).unwrap();
-            assert!(hit.entity == ball && (hit.distance - 1.98e20).abs() < 1e16, "{hit:?}");
+            let ray = spatial
+                .cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), f32::INFINITY, &ALL)
+                .unwrap();
+            assert!(
+                ray.entity == ball && (ray.distance - 1.99e20).abs() < 1e16,
+                "{ray:?}"
+            );
+            let hit = spatial
+                .cast_sphere(Vec3::ZERO, 1e18, Dir3::X, f32::INFINITY, &ALL)
+                .unwrap();
+            assert!(
+                hit.entity == ball && (hit.distance - 1.98e20).abs() < 1e16,
+                "{hit:?}"
+            );
         });
     }
 }
@@ -595,8 +807,13 @@ fn pairs_within_a_distance_are_those_of_brute_force() {
                 for (i, (a, shape_a, at_a)) in objects.iter().enumerate() {
                     for (b, shape_b, at_b) in &objects[i + 1..] {
                         let (one, two) = (Placed::new(shape_a, at_a), Placed::new(shape_b, at_b));
-                        let apart = tests.closest_points(one, two, &mut workspace).unwrap().distance;
-                        if apart <= limit && (is_first(*a) && is_second(*b) || is_first(*b) && is_second(*a)) {
+                        let apart = tests
+                            .closest_points(one, two, &mut workspace)
+                            .unwrap()
+                            .distance;
+                        if apart <= limit
+                            && (is_first(*a) && is_second(*b) || is_first(*b) && is_second(*a))
+                        {
                             expected.push((pair(*a, *b), apart));
                         }
                     }

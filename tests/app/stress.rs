@@ -1,7 +1,9 @@
 //! The stress scenes through the broad phases.
 
 use bevy_octree::{
-    broad_phase::{BroadPhaseMethod, Exhaustive, ObjectOctreeSettings, Pair, ProxyId, SpatialIndex},
+    broad_phase::{
+        BroadPhaseMethod, Exhaustive, ObjectOctreeSettings, Pair, ProxyId, SpatialIndex,
+    },
     scene::stress::{StressScene, StressSimulation},
 };
 
@@ -16,7 +18,11 @@ struct Follower {
 
 impl Follower {
     fn new(mut index: SpatialIndex, simulation: &StressSimulation) -> Self {
-        let objects = simulation.boxes().iter().map(|aabb| index.insert(*aabb).unwrap()).collect();
+        let objects = simulation
+            .boxes()
+            .iter()
+            .map(|aabb| index.insert(*aabb).unwrap())
+            .collect();
         Self { index, objects }
     }
 
@@ -41,14 +47,23 @@ fn every_method_finds_the_same_pairs_in_every_scene() {
     ];
     for scene in StressScene::ALL {
         let mut simulation = StressSimulation::new(scene, OBJECTS, 11);
-        let mut reference = Follower::new(SpatialIndex::with_engine(Box::<Exhaustive>::default()), &simulation);
-        let mut followers = methods.each_ref().map(|method| Follower::new(SpatialIndex::new(method), &simulation));
+        let mut reference = Follower::new(
+            SpatialIndex::with_engine(Box::<Exhaustive>::default()),
+            &simulation,
+        );
+        let mut followers = methods
+            .each_ref()
+            .map(|method| Follower::new(SpatialIndex::new(method), &simulation));
         let mut total = 0;
         for tick in 0..TICKS {
             let expected = reference.pairs(&simulation);
             total += expected.len();
             for (follower, method) in followers.iter_mut().zip(&methods) {
-                assert_eq!(follower.pairs(&simulation), expected, "{scene} by {method:?} at tick {tick}");
+                assert_eq!(
+                    follower.pairs(&simulation),
+                    expected,
+                    "{scene} by {method:?} at tick {tick}"
+                );
             }
             simulation.step();
         }

@@ -1,4 +1,5 @@
-//! Whose way it is that a swept entity is looked at along: no copy's, and that of all that hangs on it.
+//! Whose way it is that a swept entity is looked at along: no copy's, and that of all that hangs on
+//! it.
 
 use crate::common;
 
@@ -16,7 +17,9 @@ const ELASTIC: Bounce = Bounce::Reflect { restitution: 1.0 };
 /// A static box.
 fn wall(app: &mut App, center: Vec3, half_size: Vec3) -> Entity {
     let shape = CollisionShape::from_half_size(half_size);
-    app.world_mut().spawn((shape, Transform::from_translation(center))).id()
+    app.world_mut()
+        .spawn((shape, Transform::from_translation(center)))
+        .id()
 }
 
 /// A wall as thin as paper, across the x axis.
@@ -28,7 +31,14 @@ fn paper(app: &mut App, x: f32) -> Entity {
 fn bullet(app: &mut App, start: Vec3, step: Vec3) -> Entity {
     let shape = CollisionShape::sphere(0.05);
     let velocity = Velocity(step * TICKS_PER_SECOND);
-    app.world_mut().spawn((shape, Swept::default(), Transform::from_translation(start), velocity)).id()
+    app.world_mut()
+        .spawn((
+            shape,
+            Swept::default(),
+            Transform::from_translation(start),
+            velocity,
+        ))
+        .id()
 }
 
 fn elastic_bullet(app: &mut App, start: Vec3, step: Vec3) -> Entity {
@@ -42,7 +52,10 @@ fn place(app: &App, entity: Entity) -> Vec3 {
 }
 
 fn assert_near(found: Vec3, expected: Vec3, within: f32) {
-    assert!(found.distance(expected) <= within, "{found}, expected {expected}");
+    assert!(
+        found.distance(expected) <= within,
+        "{found}, expected {expected}"
+    );
 }
 
 fn counters_of_all_ticks(app: &App) -> TickCounters {
@@ -61,7 +74,9 @@ fn what_is_copied_begins_where_it_is() {
         },
         |world, bullet| {
             let way = world.get::<SweptWay>(bullet).unwrap().clone();
-            world.spawn((CollisionShape::sphere(0.05), Swept::default(), way)).id()
+            world
+                .spawn((CollisionShape::sphere(0.05), Swept::default(), way))
+                .id()
         },
         // Put elsewhere by inserting the component with the value that it has.
         |world, bullet| {
@@ -100,7 +115,12 @@ fn equal_settings_are_equal_wherever_they_have_been() {
     let bullet = bullet(&mut app, Vec3::ZERO, Vec3::X);
     tick(&mut app, 2);
     assert_eq!(*get::<Swept>(&app, bullet), Swept::default());
-    assert_eq!(get::<SweptWay>(&app, bullet).last_start().map(|start| start.translation), Some(Vec3::X));
+    assert_eq!(
+        get::<SweptWay>(&app, bullet)
+            .last_start()
+            .map(|start| start.translation),
+        Some(Vec3::X)
+    );
 }
 
 /// A part of what bounces goes where that goes, swept itself or not, and meets what is there.
@@ -116,21 +136,44 @@ fn what_hangs_on_a_swept_entity_bounces_with_it() {
             }
             let before = wall(&mut app, Vec3::new(-0.1, 2.0, 0.0), Vec3::splat(0.3));
             let ball = elastic_bullet(&mut app, Vec3::X * 1.0, Vec3::X * 9.0);
-            let holder = if nested { app.world_mut().spawn((Transform::default(), ChildOf(ball))).id() } else { ball };
-            let part = (CollisionShape::sphere(0.05), Transform::from_xyz(0.0, 2.0, 0.0), ChildOf(holder));
+            let holder = if nested {
+                app.world_mut()
+                    .spawn((Transform::default(), ChildOf(ball)))
+                    .id()
+            } else {
+                ball
+            };
+            let part = (
+                CollisionShape::sphere(0.05),
+                Transform::from_xyz(0.0, 2.0, 0.0),
+                ChildOf(holder),
+            );
             let part = app.world_mut().spawn((part, Sensor)).id();
             if swept {
                 app.world_mut().entity_mut(part).insert(Swept::default());
             }
-            app.world_mut().entity_mut(part).insert(CollisionEventsEnabled);
-            app.add_systems(FixedPostUpdate, look.after(CollisionSystems::Response).before(CollisionSystems::Report));
+            app.world_mut()
+                .entity_mut(part)
+                .insert(CollisionEventsEnabled);
+            app.add_systems(
+                FixedPostUpdate,
+                look.after(CollisionSystems::Response)
+                    .before(CollisionSystems::Report),
+            );
             app.insert_resource(At(Vec3::ZERO, part));
             tick(&mut app, 1);
             // From 1 to the wall, and what is left of 9.
             let x = 4.85 - (9.0 - 3.85);
             assert_near(place(&app, ball), Vec3::X * x, 1e-3);
-            let touched: Vec<_> = contacts(&app).into_iter().filter(|pair| pair.contains(&part)).collect();
-            assert_eq!(touched, [pair(before, part)], "swept {swept}, nested {nested}");
+            let touched: Vec<_> = contacts(&app)
+                .into_iter()
+                .filter(|pair| pair.contains(&part))
+                .collect();
+            assert_eq!(
+                touched,
+                [pair(before, part)],
+                "swept {swept}, nested {nested}"
+            );
             assert_near(app.world().resource::<At>().0, Vec3::new(x, 2.0, 0.0), 1e-3);
             let met = app
                 .world()
@@ -140,10 +183,16 @@ fn what_hangs_on_a_swept_entity_bounces_with_it() {
                 .unwrap();
             assert_eq!(met.time < 1.0, swept);
             let contact = met.contact.unwrap();
-            assert!((contact.point.x - if swept { 0.2 } else { x }).abs() < 0.12, "{contact:?}");
+            assert!(
+                (contact.point.x - if swept { 0.2 } else { x }).abs() < 0.12,
+                "{contact:?}"
+            );
             // It goes on from there.
             tick(&mut app, 1);
-            let touched = contacts(&app).into_iter().filter(|pair| pair.contains(&part)).count();
+            let touched = contacts(&app)
+                .into_iter()
+                .filter(|pair| pair.contains(&part))
+                .count();
             assert_eq!(touched, 0, "swept {swept}, nested {nested}");
             assert_near(place(&app, ball), Vec3::X * (x - 9.0), 1e-3);
         }
@@ -168,7 +217,10 @@ fn what_hangs_on_a_swept_entity_bounces_with_it() {
 fn what_hangs_on_a_body_at_rest_leaves_with_it() {
     let mut app = app(BroadPhaseMethod::default());
     let ball = elastic_bullet(&mut app, Vec3::ZERO, Vec3::ZERO);
-    let part = app.world_mut().spawn((CollisionShape::sphere(0.05), Transform::from_xyz(0.0, 2.0, 0.0)));
+    let part = app.world_mut().spawn((
+        CollisionShape::sphere(0.05),
+        Transform::from_xyz(0.0, 2.0, 0.0),
+    ));
     let part = part.id();
     app.world_mut().entity_mut(part).insert(ChildOf(ball));
     let there = wall(&mut app, Vec3::Y * 2.5, Vec3::splat(0.5));
@@ -191,7 +243,9 @@ fn without_the_plugin_boxes_are_those_of_places() {
     let mut app = app_with(group, FixedPostUpdate);
     paper(&mut app, 0.0);
     let bullet = bullet(&mut app, Vec3::X * -10.0, Vec3::X * 20.0);
-    app.world_mut().entity_mut(bullet).insert(*get::<Swept>(&other, elsewhere));
+    app.world_mut()
+        .entity_mut(bullet)
+        .insert(*get::<Swept>(&other, elsewhere));
     for _ in 0..3 {
         update_spatial_index(app.world_mut());
         let aabb = get::<WorldAabb>(&app, bullet).0;

@@ -1,5 +1,5 @@
-//! The report's test sets t0 to t3, 200 ticks on every path: the same contacts tick by tick, and those that the
-//! geometry of the sets foretells.
+//! The report's test sets t0 to t3, 200 ticks on every path: the same contacts tick by tick, and
+//! those that the geometry of the sets foretells.
 
 use crate::common;
 
@@ -18,7 +18,13 @@ fn octree(max_objects: u32) -> BroadPhaseMethod {
 }
 
 fn methods() -> [BroadPhaseMethod; 5] {
-    [BroadPhaseMethod::Exhaustive, BroadPhaseMethod::LinearOctree, octree(1), octree(5), octree(16)]
+    [
+        BroadPhaseMethod::Exhaustive,
+        BroadPhaseMethod::LinearOctree,
+        octree(1),
+        octree(5),
+        octree(16),
+    ]
 }
 
 /// What happened in a tick.
@@ -33,21 +39,34 @@ struct Frame {
 impl Frame {
     fn of(app: &App) -> Self {
         let counters = counters(app);
-        Self { contacts: contacts(app), bounces: counters.bounces, started: counters.started, ended: counters.ended }
+        Self {
+            contacts: contacts(app),
+            bounces: counters.bounces,
+            started: counters.started,
+            ended: counters.ended,
+        }
     }
 }
 
 fn spawn(app: &mut App, set: &TestSet) -> Vec<(Entity, TestCube)> {
     let spawn = |cube: TestCube| {
-        let transform = Transform::from_translation(cube.position).with_scale(Vec3::splat(set.side));
+        let transform =
+            Transform::from_translation(cube.position).with_scale(Vec3::splat(set.side));
         let velocity = Velocity(cube.velocity * TICKS_PER_SECOND);
-        (app.world_mut().spawn((Cube, transform, velocity)).id(), cube)
+        (
+            app.world_mut().spawn((Cube, transform, velocity)).id(),
+            cube,
+        )
     };
     set.cubes().map(spawn).collect()
 }
 
 /// Runs a set, and calls `before` with the number of each tick, from 1, before it.
-fn run(set: &TestSet, method: BroadPhaseMethod, mut before: impl FnMut(&mut App, usize)) -> (App, Vec<Frame>) {
+fn run(
+    set: &TestSet,
+    method: BroadPhaseMethod,
+    mut before: impl FnMut(&mut App, usize),
+) -> (App, Vec<Frame>) {
     let mut app = app(method);
     spawn(&mut app, set);
     let frames = (1..=TICKS)
@@ -70,7 +89,12 @@ fn foretold(set: &TestSet, cubes: &[(Entity, TestCube)], tick: usize) -> Frame {
     let mut contacts: Vec<_> = meeting(tick).map(|((a, _), (b, _))| pair(*a, *b)).collect();
     contacts.sort_by_key(|pair| pair.map(Entity::index_u32));
     let started = contacts.len() as u64;
-    Frame { contacts, bounces: 2 * started, started, ended: meeting(tick - 1).count() as u64 }
+    Frame {
+        contacts,
+        bounces: 2 * started,
+        started,
+        ended: meeting(tick - 1).count() as u64,
+    }
 }
 
 #[test]
@@ -82,10 +106,19 @@ fn every_path_finds_the_contacts_foretold() {
             for number in 1..=TICKS {
                 tick(&mut app, 1);
                 let expected = foretold(&set, &cubes, number);
-                assert_eq!(Frame::of(&app), expected, "{}, tick {number}, {method:?}", set.name());
+                assert_eq!(
+                    Frame::of(&app),
+                    expected,
+                    "{}, tick {number}, {method:?}",
+                    set.name()
+                );
             }
             let total = app.world().resource::<CollisionCounters>().total;
-            assert_eq!(total.bounces, set.object_count() as u64, "every cube bounces once");
+            assert_eq!(
+                total.bounces,
+                set.object_count() as u64,
+                "every cube bounces once"
+            );
         }
     }
 }
@@ -127,11 +160,20 @@ fn the_octree_is_well_formed_at_each_tick() {
 fn the_octree_compares_fewer_pairs() {
     let tested = |method| {
         let (app, _) = run(&TestSet::new(3), method, |_, _| ());
-        app.world().resource::<CollisionCounters>().total.pairs_tested
+        app.world()
+            .resource::<CollisionCounters>()
+            .total
+            .pairs_tested
     };
-    assert_eq!(tested(BroadPhaseMethod::Exhaustive), TICKS as u64 * 98 * 97 / 2);
+    assert_eq!(
+        tested(BroadPhaseMethod::Exhaustive),
+        TICKS as u64 * 98 * 97 / 2
+    );
     for max_objects in [1, 5, 16] {
-        assert!(tested(octree(max_objects)) < tested(BroadPhaseMethod::Exhaustive) / 2, "N = {max_objects}");
+        assert!(
+            tested(octree(max_objects)) < tested(BroadPhaseMethod::Exhaustive) / 2,
+            "N = {max_objects}"
+        );
     }
 }
 
@@ -147,7 +189,10 @@ fn the_method_can_be_switched_at_any_tick() {
         }
     });
     assert_eq!(frames, expected);
-    assert_eq!(switching.world().resource::<Log>(), steady.world().resource::<Log>());
+    assert_eq!(
+        switching.world().resource::<Log>(),
+        steady.world().resource::<Log>()
+    );
 }
 
 #[test]
@@ -155,7 +200,9 @@ fn a_switch_keeps_the_contacts_of_resting_objects() {
     let mut app = app(octree(1));
     let row = [0, 1, 2].map(|x| {
         let place = Transform::from_xyz(x as f32, 0.0, 0.0);
-        app.world_mut().spawn((CollisionShape::default(), place)).id()
+        app.world_mut()
+            .spawn((CollisionShape::default(), place))
+            .id()
     });
     tick(&mut app, 3);
     for method in methods() {

@@ -1,6 +1,7 @@
 //! The pairs and their order are the same at any number of threads.
 //!
-//! A process has one pool of threads. So the test runs itself, in a process of its own for each number.
+//! A process has one pool of threads. So the test runs itself, in a process of its own for each
+//! number.
 
 use std::{
     hash::{DefaultHasher, Hash, Hasher},
@@ -16,15 +17,23 @@ use bevy_octree::{
 /// Tells the process of its own how many threads besides the main one it is to use.
 const HELPERS: &str = "BEVY_OCTREE_TEST_HELPERS";
 
-/// Runs a scene with enough objects for several jobs, and returns a hash of all pairs in their order.
+/// Runs a scene with enough objects for several jobs, and returns a hash of all pairs in their
+/// order.
 fn run(scene: StressScene) -> u64 {
     let mut simulation = StressSimulation::new(scene, 20_000, 4);
     let mut index = SpatialIndex::new(&BroadPhaseMethod::LinearOctree);
-    let ids: Vec<_> = simulation.boxes().iter().map(|aabb| index.insert(*aabb).unwrap()).collect();
+    let ids: Vec<_> = simulation
+        .boxes()
+        .iter()
+        .map(|aabb| index.insert(*aabb).unwrap())
+        .collect();
     let mut hasher = DefaultHasher::new();
     for _ in 0..12 {
         index.update();
-        index.find_pairs().iter().for_each(|pair| pair.hash(&mut hasher));
+        index
+            .find_pairs()
+            .iter()
+            .for_each(|pair| pair.hash(&mut hasher));
         simulation.step();
         for (id, aabb) in ids.iter().zip(simulation.boxes()) {
             index.set(*id, aabb).unwrap();
@@ -40,7 +49,11 @@ fn in_a_process_of_its_own() {
     let helpers = std::env::var(HELPERS).unwrap().parse().unwrap();
     let pool = ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(helpers).build());
     assert_eq!(pool.thread_num(), helpers);
-    for scene in [StressScene::Brownian, StressScene::Gravity, StressScene::Static90] {
+    for scene in [
+        StressScene::Brownian,
+        StressScene::Gravity,
+        StressScene::Static90,
+    ] {
         println!("hash {scene} {}", run(scene));
     }
 }
@@ -49,12 +62,20 @@ fn in_a_process_of_its_own() {
 fn the_pairs_and_their_order_are_the_same_at_any_number_of_threads() {
     let hashes = |threads: usize| {
         let output = Command::new(std::env::current_exe().unwrap())
-            .args(["--exact", "threads::in_a_process_of_its_own", "--ignored", "--nocapture"])
+            .args([
+                "--exact",
+                "threads::in_a_process_of_its_own",
+                "--ignored",
+                "--nocapture",
+            ])
             .env(HELPERS, (threads - 1).to_string())
             .output()
             .unwrap();
         let text = String::from_utf8(output.stdout).unwrap();
-        let found: Vec<String> = text.lines().filter_map(|line| Some(line.split_once("hash ")?.1.to_owned())).collect();
+        let found: Vec<String> = text
+            .lines()
+            .filter_map(|line| Some(line.split_once("hash ")?.1.to_owned()))
+            .collect();
         assert_eq!(found.len(), 3, "{threads} threads: {text}");
         found
     };

@@ -49,15 +49,28 @@ fn a_recorded_scene_is_read_back_bit_for_bit() {
     for scene in StressScene::ALL {
         let file = TraceFile::record(scene, "round_trip");
         let mut reader = TraceReader::open(&file.0).unwrap();
-        let TraceHeader { scene: name, objects, frames, world, .. } = reader.header().clone();
-        assert_eq!((name.as_str(), objects as usize, frames as usize), (scene.name(), OBJECTS, FRAMES));
+        let TraceHeader {
+            scene: name,
+            objects,
+            frames,
+            world,
+            ..
+        } = reader.header().clone();
+        assert_eq!(
+            (name.as_str(), objects as usize, frames as usize),
+            (scene.name(), OBJECTS, FRAMES)
+        );
         assert_eq!(fs::metadata(&file.0).unwrap().len(), 304 + 32 * 70 * 6);
 
         let mut simulation = StressSimulation::new(scene, OBJECTS, 4);
         let mut frames = 0;
         while let Some(boxes) = reader.next_frame().unwrap() {
             assert_eq!(boxes, simulation.boxes(), "{scene}, frame {frames}");
-            assert!(boxes.iter().all(|aabb| aabb.min.cmpge(world.min).all() && aabb.max.cmple(world.max).all()));
+            assert!(
+                boxes
+                    .iter()
+                    .all(|aabb| aabb.min.cmpge(world.min).all() && aabb.max.cmple(world.max).all())
+            );
             simulation.step();
             frames += 1;
         }
@@ -71,14 +84,28 @@ fn the_size_of_a_file_is_checked_before_anything_is_replayed() {
     let bytes = fs::read(&file.0).unwrap();
     fs::write(&file.0, &bytes[..bytes.len() - 1]).unwrap();
     let error = file.problem();
-    assert_eq!((error.offset, &error.file), (bytes.len() as u64 - 1, &file.0));
-    assert!(matches!(error.problem, TraceProblem::EndsInBoxes { .. }), "{error}");
+    assert_eq!(
+        (error.offset, &error.file),
+        (bytes.len() as u64 - 1, &file.0)
+    );
+    assert!(
+        matches!(error.problem, TraceProblem::EndsInBoxes { .. }),
+        "{error}"
+    );
 
     fs::write(&file.0, [&bytes[..], b"more"].concat()).unwrap();
     let error = file.problem();
     assert_eq!(error.offset, bytes.len() as u64);
-    assert!(matches!(error.problem, TraceProblem::TrailingBytes { .. }), "{error}");
-    assert!(error.to_string().contains("expected the file to end here, with 13744 bytes"), "{error}");
+    assert!(
+        matches!(error.problem, TraceProblem::TrailingBytes { .. }),
+        "{error}"
+    );
+    assert!(
+        error
+            .to_string()
+            .contains("expected the file to end here, with 13744 bytes"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -89,14 +116,28 @@ fn a_trace_that_was_not_finished_is_none() {
     writer.write_frame(simulation.boxes()).unwrap();
     drop(writer);
     let error = file.problem();
-    assert!(matches!(error.problem, TraceProblem::NegativeCount { field: "frames", value: -1 }), "{error}");
+    assert!(
+        matches!(
+            error.problem,
+            TraceProblem::NegativeCount {
+                field: "frames",
+                value: -1
+            }
+        ),
+        "{error}"
+    );
 }
 
 #[test]
 fn a_file_that_cannot_be_opened_is_named() {
     let error = TraceReader::open("no/such/file.aabbs").unwrap_err();
     assert!(matches!(error.problem, TraceProblem::Io(_)));
-    assert!(error.to_string().starts_with("no/such/file.aabbs: byte 0: "), "{error}");
+    assert!(
+        error
+            .to_string()
+            .starts_with("no/such/file.aabbs: byte 0: "),
+        "{error}"
+    );
 }
 
 #[test]
@@ -105,8 +146,11 @@ fn the_check_of_a_replay_knows_all_pairs() {
         let mut simulation = StressSimulation::new(scene, 500, 3);
         for _ in 0..4 {
             let boxes = simulation.boxes();
-            let others = |i: usize| (i + 1..boxes.len()).filter(move |j| overlap(&boxes[i], &boxes[*j]));
-            let all: Vec<_> = (0..boxes.len()).flat_map(|i| others(i).map(move |j| [i as u32, j as u32])).collect();
+            let others =
+                |i: usize| (i + 1..boxes.len()).filter(move |j| overlap(&boxes[i], &boxes[*j]));
+            let all: Vec<_> = (0..boxes.len())
+                .flat_map(|i| others(i).map(move |j| [i as u32, j as u32]))
+                .collect();
             assert_eq!(brute_force::overlapping_pairs(boxes), all, "{scene}");
             (0..16).for_each(|_| simulation.step());
         }
@@ -123,6 +167,12 @@ fn the_check_of_a_replay_names_the_first_difference() {
         assert_eq!(check(missing).unwrap_err(), "the pair (0, 1) was not found");
     }
     assert_eq!(check(&[a]).unwrap_err(), "the pair (0, 2) was not found");
-    assert_eq!(check(&[a, b, c]).unwrap_err(), "the pair (3, 4) was found, but its boxes do not overlap");
-    assert_eq!(check(&[a, a, b]).unwrap_err(), "the pair (0, 1) was found twice");
+    assert_eq!(
+        check(&[a, b, c]).unwrap_err(),
+        "the pair (3, 4) was found, but its boxes do not overlap"
+    );
+    assert_eq!(
+        check(&[a, a, b]).unwrap_err(),
+        "the pair (0, 1) was found twice"
+    );
 }

@@ -1,4 +1,5 @@
-//! What the index misses while it is out of the world, and what befalls the components that belong to it.
+//! What the index misses while it is out of the world, and what befalls the components that belong
+//! to it.
 
 use crate::common;
 
@@ -12,7 +13,9 @@ use bevy_octree::{
 use common::*;
 
 fn block(app: &mut App, x: f32) -> Entity {
-    app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0))).id()
+    app.world_mut()
+        .spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0)))
+        .id()
 }
 
 /// An app with two static cubes in contact, one tick old.
@@ -27,7 +30,12 @@ fn in_contact() -> (App, EntityPair) {
 /// Who takes part, each by its own handle.
 fn assert_in_index(app: &App, entities: &[Entity]) {
     let collisions = app.world().resource::<CollisionIndex>();
-    let mut found: Vec<_> = collisions.index().proxies().iter().map(|(id, _)| collisions.entity(id).unwrap()).collect();
+    let mut found: Vec<_> = collisions
+        .index()
+        .proxies()
+        .iter()
+        .map(|(id, _)| collisions.entity(id).unwrap())
+        .collect();
     found.sort();
     let mut expected = entities.to_vec();
     expected.sort();
@@ -40,7 +48,8 @@ fn assert_in_index(app: &App, entities: &[Entity]) {
 
 /// Does something while the index is not there.
 fn meanwhile(app: &mut App, act: impl FnOnce(&mut World)) {
-    app.world_mut().resource_scope::<CollisionIndex, _>(|world, _| act(world));
+    app.world_mut()
+        .resource_scope::<CollisionIndex, _>(|world, _| act(world));
 }
 
 #[test]
@@ -64,20 +73,37 @@ fn what_goes_while_the_index_is_away_leaves_no_ghost() {
         let sparse = number != 0;
         meanwhile(&mut app, |world| act(world, cubes[1]));
         // What is swept meets nothing at its place, not even in the same tick.
-        let ball = (CollisionShape::sphere(0.1), Swept::default(), Bounce::Reflect { restitution: 1.0 });
-        let ball = (ball, Velocity(Vec3::X * -TICKS_PER_SECOND), Transform::from_xyz(2.75, 0.0, 0.0));
+        let ball = (
+            CollisionShape::sphere(0.1),
+            Swept::default(),
+            Bounce::Reflect { restitution: 1.0 },
+        );
+        let ball = (
+            ball,
+            Velocity(Vec3::X * -TICKS_PER_SECOND),
+            Transform::from_xyz(2.75, 0.0, 0.0),
+        );
         let ball = app.world_mut().spawn(ball).id();
         tick(&mut app, 1);
-        assert_eq!((contacts(&app), messages_about(&app, cubes)), (vec![], (1, 1)), "act {number}");
+        assert_eq!(
+            (contacts(&app), messages_about(&app, cubes)),
+            (vec![], (1, 1)),
+            "act {number}"
+        );
         assert_in_index(&app, &[cubes[0], ball]);
         app.world_mut().despawn(ball);
         tick(&mut app, 3);
         assert_eq!(messages_about(&app, cubes), (1, 1));
         if sparse {
             let mut back = app.world_mut().entity_mut(cubes[1]);
-            back.remove::<Disabled>().insert((CollisionShape::default(), BroadPhaseProxy::default()));
+            back.remove::<Disabled>()
+                .insert((CollisionShape::default(), BroadPhaseProxy::default()));
             tick(&mut app, 1);
-            assert_eq!((contacts(&app), messages_about(&app, cubes)), (vec![cubes], (2, 1)), "act {number}");
+            assert_eq!(
+                (contacts(&app), messages_about(&app, cubes)),
+                (vec![cubes], (2, 1)),
+                "act {number}"
+            );
             assert_in_index(&app, &cubes);
         }
         tick(&mut app, 1);
@@ -128,7 +154,9 @@ fn filters_that_change_while_the_index_is_away_take_effect() {
         assert_eq!(contacts(&app), [cubes], "act {number}");
     }
     // Layers that go.
-    app.world_mut().entity_mut(cubes[0]).insert(CollisionLayers::NONE);
+    app.world_mut()
+        .entity_mut(cubes[0])
+        .insert(CollisionLayers::NONE);
     tick(&mut app, 1);
     assert!(contacts(&app).is_empty());
     meanwhile(&mut app, |world| {
@@ -163,7 +191,8 @@ fn another_index_takes_up_all_entities() {
     app.world_mut().despawn(blocks[2]);
     update_spatial_index(app.world_mut());
     assert_in_index(&app, &blocks[..2]);
-    // Out and in again between two ticks, and what was despawned in between was in the one that came back.
+    // Out and in again between two ticks, and what was despawned in between was in the one that
+    // came back.
     let second = app.world_mut().remove_resource::<CollisionIndex>().unwrap();
     app.init_resource::<CollisionIndex>();
     app.world_mut().despawn(blocks[1]);
@@ -187,10 +216,22 @@ fn a_copied_proxy_is_nobody_elses_entry() {
     app.world_mut().spawn(copy);
     tick(&mut app, 1);
     assert_in_index(&app, &cubes);
-    assert_eq!((contacts(&app), messages_about(&app, cubes)), (vec![cubes], (1, 0)));
+    assert_eq!(
+        (contacts(&app), messages_about(&app, cubes)),
+        (vec![cubes], (1, 0))
+    );
     // Nor does a change of its filter become that of the other.
-    let fourth = app.world_mut().spawn((CollisionShape::default(), copy, Transform::from_xyz(50.0, 0.0, 0.0))).id();
-    app.world_mut().entity_mut(fourth).insert((StaticShape, CollisionLayers::NONE));
+    let fourth = app
+        .world_mut()
+        .spawn((
+            CollisionShape::default(),
+            copy,
+            Transform::from_xyz(50.0, 0.0, 0.0),
+        ))
+        .id();
+    app.world_mut()
+        .entity_mut(fourth)
+        .insert((StaticShape, CollisionLayers::NONE));
     tick(&mut app, 1);
     assert_in_index(&app, &[cubes[0], cubes[1], fourth]);
     assert_eq!(contacts(&app), [cubes]);
@@ -240,20 +281,31 @@ fn any_disabling_component_takes_an_entity_out() {
             for _ in 0..2 {
                 tick(&mut app, 1);
                 assert_in_index(&app, &cubes[..1]);
-                assert_eq!((contacts(&app), messages_about(&app, cubes)), (vec![], (started, started)));
+                assert_eq!(
+                    (contacts(&app), messages_about(&app, cubes)),
+                    (vec![], (started, started))
+                );
             }
             // It moves meanwhile, and comes back with the last of them.
-            get_mut::<Transform>(&mut app, cubes[1]).translation.x = if which % 2 == 0 { -0.9 } else { 0.9 };
+            get_mut::<Transform>(&mut app, cubes[1]).translation.x =
+                if which % 2 == 0 { -0.9 } else { 0.9 };
             app.world_mut().entity_mut(cubes[1]).remove::<Disabled>();
             tick(&mut app, 1);
             app.world_mut().entity_mut(cubes[1]).remove::<Confirmed>();
             tick(&mut app, 1);
-            assert_eq!(contacts(&app).len(), usize::from(which == 1 || which == 2 || which == 6), "{which}");
+            assert_eq!(
+                contacts(&app).len(),
+                usize::from(which == 1 || which == 2 || which == 6),
+                "{which}"
+            );
             app.world_mut().entity_mut(cubes[1]).remove::<Parked>();
             tick(&mut app, 1);
             started += 1;
             assert_in_index(&app, &cubes);
-            assert_eq!((contacts(&app), messages_about(&app, cubes)), (vec![cubes], (started, started - 1)));
+            assert_eq!(
+                (contacts(&app), messages_about(&app, cubes)),
+                (vec![cubes], (started, started - 1))
+            );
         }
     }
 }
@@ -262,7 +314,12 @@ fn any_disabling_component_takes_an_entity_out() {
 fn an_entity_spawned_disabled_stays_out_and_so_does_its_swept_way() {
     let (mut app, cubes) = in_contact();
     app.world_mut().register_disabling_component::<Parked>();
-    let ball = (CollisionShape::sphere(0.1), Swept::default(), Parked, Transform::from_xyz(5.0, 0.0, 0.0));
+    let ball = (
+        CollisionShape::sphere(0.1),
+        Swept::default(),
+        Parked,
+        Transform::from_xyz(5.0, 0.0, 0.0),
+    );
     let ball = app.world_mut().spawn(ball).id();
     tick(&mut app, 2);
     assert_in_index(&app, &cubes);
@@ -277,10 +334,23 @@ fn an_entity_spawned_disabled_stays_out_and_so_does_its_swept_way() {
 fn parents_disabled_by_whatever_place_their_children() {
     let mut app = app(BroadPhaseMethod::default());
     app.world_mut().register_disabling_component::<Parked>();
-    let parent = app.world_mut().spawn((Transform::from_xyz(10.0, 0.0, 0.0), Parked)).id();
-    let child = (CollisionShape::sphere(0.25), Swept::default(), Transform::from_xyz(2.0, 0.0, 0.0));
+    let parent = app
+        .world_mut()
+        .spawn((Transform::from_xyz(10.0, 0.0, 0.0), Parked))
+        .id();
+    let child = (
+        CollisionShape::sphere(0.25),
+        Swept::default(),
+        Transform::from_xyz(2.0, 0.0, 0.0),
+    );
     let child = app.world_mut().spawn((child, ChildOf(parent))).id();
-    let wall = app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(12.0, 4.0, 0.0))).id();
+    let wall = app
+        .world_mut()
+        .spawn((
+            CollisionShape::default(),
+            Transform::from_xyz(12.0, 4.0, 0.0),
+        ))
+        .id();
     // On the way from the world's origin, it would have met this.
     block(&mut app, 5.0);
     tick(&mut app, 1);
@@ -298,13 +368,24 @@ fn an_entity_without_a_transform_is_out_until_it_has_one() {
         app.world_mut().entity_mut(cubes[1]).remove::<Transform>();
         tick(&mut app, 2);
         assert_in_index(&app, &cubes[..1]);
-        assert_eq!((contacts(&app), messages_about(&app, cubes)), (vec![], (round, round)));
-        app.world_mut().entity_mut(cubes[1]).insert(Transform::from_xyz(-0.9, 0.0, 0.0));
+        assert_eq!(
+            (contacts(&app), messages_about(&app, cubes)),
+            (vec![], (round, round))
+        );
+        app.world_mut()
+            .entity_mut(cubes[1])
+            .insert(Transform::from_xyz(-0.9, 0.0, 0.0));
         tick(&mut app, 1);
-        assert_eq!((contacts(&app), messages_about(&app, cubes)), (vec![cubes], (round + 1, round)));
+        assert_eq!(
+            (contacts(&app), messages_about(&app, cubes)),
+            (vec![cubes], (round + 1, round))
+        );
     }
     // Its own, where it has a parent, and its parent's.
-    let parent = app.world_mut().spawn(Transform::from_xyz(10.0, 0.0, 0.0)).id();
+    let parent = app
+        .world_mut()
+        .spawn(Transform::from_xyz(10.0, 0.0, 0.0))
+        .id();
     app.world_mut().entity_mut(cubes[1]).insert(ChildOf(parent));
     tick(&mut app, 1);
     assert!(contacts(&app).is_empty());
@@ -313,7 +394,9 @@ fn an_entity_without_a_transform_is_out_until_it_has_one() {
     assert_eq!(contacts(&app), [cubes]);
     tick(&mut app, 1);
     assert_eq!(counters(&app).moved, 0);
-    app.world_mut().entity_mut(parent).insert(Transform::from_xyz(10.0, 0.0, 0.0));
+    app.world_mut()
+        .entity_mut(parent)
+        .insert(Transform::from_xyz(10.0, 0.0, 0.0));
     tick(&mut app, 1);
     assert!(contacts(&app).is_empty());
     app.world_mut().entity_mut(cubes[1]).remove::<Transform>();
@@ -325,15 +408,25 @@ fn an_entity_without_a_transform_is_out_until_it_has_one() {
 fn a_box_that_is_overwritten_or_was_removed_is_computed_anew() {
     for ticks in [0, 2] {
         let (mut app, cubes) = in_contact();
-        app.world_mut().entity_mut(cubes[1]).insert(WorldAabb::default());
+        app.world_mut()
+            .entity_mut(cubes[1])
+            .insert(WorldAabb::default());
         tick(&mut app, 2);
-        assert_eq!((contacts(&app), messages_about(&app, cubes)), (vec![cubes], (1, 0)));
+        assert_eq!(
+            (contacts(&app), messages_about(&app, cubes)),
+            (vec![cubes], (1, 0))
+        );
         assert_in_index(&app, &cubes);
         app.world_mut().entity_mut(cubes[1]).remove::<WorldAabb>();
         tick(&mut app, ticks);
-        app.world_mut().entity_mut(cubes[1]).insert(WorldAabb::default());
+        app.world_mut()
+            .entity_mut(cubes[1])
+            .insert(WorldAabb::default());
         tick(&mut app, 1);
-        assert_eq!((contacts(&app), messages_about(&app, cubes)), (vec![cubes], (2, 1)));
+        assert_eq!(
+            (contacts(&app), messages_about(&app, cubes)),
+            (vec![cubes], (2, 1))
+        );
         assert_in_index(&app, &cubes);
     }
 }
@@ -341,7 +434,10 @@ fn a_box_that_is_overwritten_or_was_removed_is_computed_anew() {
 #[test]
 fn an_update_takes_up_a_new_tolerance() {
     let mut app = app(BroadPhaseMethod::default());
-    let ball = (CollisionShape::sphere(0.5), Transform::from_xyz(5.0, 0.0, 0.0));
+    let ball = (
+        CollisionShape::sphere(0.5),
+        Transform::from_xyz(5.0, 0.0, 0.0),
+    );
     let ball = app.world_mut().spawn(ball).id();
     tick(&mut app, 1);
     update_spatial_index(app.world_mut());
@@ -351,7 +447,9 @@ fn an_update_takes_up_a_new_tolerance() {
     let find = move |spatial: SpatialQuery| {
         let mut found = Vec::new();
         let at = Vec3::new(4.1, 0.0, 0.0);
-        spatial.for_each_point_intersection(at, &SpatialQueryFilter::default(), |entity| found.push(entity));
+        spatial.for_each_point_intersection(at, &SpatialQueryFilter::default(), |entity| {
+            found.push(entity)
+        });
         found
     };
     assert_eq!(app.world_mut().run_system_cached(find).unwrap(), [ball]);
@@ -362,18 +460,30 @@ fn an_update_takes_up_a_new_tolerance() {
 fn a_collider_that_changed_while_its_entity_was_disabled_is_taken_up() {
     use bevy_rapier3d::prelude::{Collider, RapierPhysicsPlugin, TimestepMode};
 
-    let plugins = (TransformPlugin, OctreePlugins::new(PostUpdate), RapierInteropPlugin::default());
+    let plugins = (
+        TransformPlugin,
+        OctreePlugins::new(PostUpdate),
+        RapierInteropPlugin::default(),
+    );
     let mut app = app_with(plugins, PostUpdate);
-    app.insert_resource(TimestepMode::Fixed { dt: 1.0 / TICKS_PER_SECOND, substeps: 1 })
-        .add_plugins(RapierPhysicsPlugin::<()>::default());
+    app.insert_resource(TimestepMode::Fixed {
+        dt: 1.0 / TICKS_PER_SECOND,
+        substeps: 1,
+    })
+    .add_plugins(RapierPhysicsPlugin::<()>::default());
     app.finish();
     app.cleanup();
     app.world_mut().register_disabling_component::<Parked>();
     let probe = block(&mut app, 2.0);
-    let ball = app.world_mut().spawn((Collider::ball(1.0), ShapeFromRapier, Transform::default())).id();
+    let ball = app
+        .world_mut()
+        .spawn((Collider::ball(1.0), ShapeFromRapier, Transform::default()))
+        .id();
     tick(&mut app, 2);
     assert!(contacts(&app).is_empty());
-    app.world_mut().entity_mut(ball).insert((Parked, Collider::ball(2.5)));
+    app.world_mut()
+        .entity_mut(ball)
+        .insert((Parked, Collider::ball(2.5)));
     tick(&mut app, 2);
     assert_in_index(&app, &[probe]);
     app.world_mut().entity_mut(ball).remove::<Parked>();

@@ -61,13 +61,16 @@ pub fn peak_of(work: impl FnOnce()) -> usize {
     PEAK.load(Relaxed) - before
 }
 
-/// Checks that as much is allocated after `rounds` rounds as before, after some that warm up, within 1 %. What the test
-/// harness does meanwhile is allowed for.
+/// Checks that as much is allocated after `rounds` rounds as before, after some that warm up,
+/// within 1 %. What the test harness does meanwhile is allowed for.
 #[track_caller]
 pub fn assert_flat(what: &str, warm_up: usize, rounds: usize, mut round: impl FnMut()) {
     (0..warm_up).for_each(|_| round());
     let before = live();
     (0..rounds).for_each(|_| round());
     let after = live();
-    assert!(after <= before + before / 100 + 2048, "{what}: {before} bytes before {rounds} rounds, {after} after");
+    assert!(
+        after <= before + before / 100 + 2048,
+        "{what}: {before} bytes before {rounds} rounds, {after} after"
+    );
 }

@@ -7,7 +7,8 @@ use std::{collections::HashMap, time::Duration};
 use bevy::{app::Plugins, ecs::schedule::ScheduleLabel, prelude::*, time::TimeUpdateStrategy};
 use bevy_octree::{
     broad_phase::{
-        BroadPhase, BroadPhaseStats, ObjectOctree, ObjectOctreeSettings, Pair, Proxies, ProxyId, SpatialIndex, Visitor,
+        BroadPhase, BroadPhaseStats, ObjectOctree, ObjectOctreeSettings, Pair, Proxies, ProxyId,
+        SpatialIndex, Visitor,
     },
     collision_index::CollisionIndex,
     components::WorldAabb,
@@ -16,7 +17,8 @@ use bevy_octree::{
     prelude::*,
 };
 
-/// Ticks per second: that of the fixed timestep. A velocity of `TICKS_PER_SECOND * v` moves `v` per tick, exactly.
+/// Ticks per second: that of the fixed timestep. A velocity of `TICKS_PER_SECOND * v` moves `v` per
+/// tick, exactly.
 pub const TICKS_PER_SECOND: f32 = 64.0;
 
 /// All sets, in their order.
@@ -37,7 +39,11 @@ pub type EntityPair = [Entity; 2];
 
 /// The pair of two entities in any order.
 pub fn pair(a: Entity, b: Entity) -> EntityPair {
-    if a.index_u32() < b.index_u32() { [a, b] } else { [b, a] }
+    if a.index_u32() < b.index_u32() {
+        [a, b]
+    } else {
+        [b, a]
+    }
 }
 
 /// An app with all plugins in `FixedPostUpdate`, which [`tick`] runs once.
@@ -51,11 +57,20 @@ pub fn app(method: BroadPhaseMethod) -> App {
 pub fn app_with<M>(plugins: impl Plugins<M>, schedule: impl ScheduleLabel) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, plugins))
-        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs(1) / TICKS_PER_SECOND as u32))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(
+            Duration::from_secs(1) / TICKS_PER_SECOND as u32,
+        ))
         .init_resource::<Log>()
-        .add_systems(schedule, Log::record.in_set(CollisionSystems::Last).run_if(messages_exist));
+        .add_systems(
+            schedule,
+            Log::record
+                .in_set(CollisionSystems::Last)
+                .run_if(messages_exist),
+        );
     // The first update of a clock only starts it.
-    app.world_mut().resource_mut::<Time<Real>>().update_with_duration(Duration::ZERO);
+    app.world_mut()
+        .resource_mut::<Time<Real>>()
+        .update_with_duration(Duration::ZERO);
     app
 }
 
@@ -79,7 +94,8 @@ pub struct Log {
 }
 
 impl Log {
-    /// Takes up the messages of a tick, and checks that they tell of each change of the contacts, exactly once.
+    /// Takes up the messages of a tick, and checks that they tell of each change of the contacts,
+    /// exactly once.
     fn record(
         mut log: ResMut<Self>,
         mut started: MessageReader<CollisionStarted>,
@@ -98,7 +114,11 @@ impl Log {
             log.open.push(pair);
             log.started.push((tick, pair));
         }
-        assert_eq!(sorted(log.open.clone()), pairs(&contacts), "what started and has not ended is in contact");
+        assert_eq!(
+            sorted(log.open.clone()),
+            pairs(&contacts),
+            "what started and has not ended is in contact"
+        );
     }
 }
 
@@ -108,7 +128,12 @@ fn sorted(mut pairs: Vec<EntityPair>) -> Vec<EntityPair> {
 }
 
 fn pairs(contacts: &Contacts) -> Vec<EntityPair> {
-    sorted(contacts.iter().map(|contact| pair(contact.a, contact.b)).collect())
+    sorted(
+        contacts
+            .iter()
+            .map(|contact| pair(contact.a, contact.b))
+            .collect(),
+    )
 }
 
 /// The pairs in contact, sorted.
@@ -119,7 +144,9 @@ pub fn contacts(app: &App) -> Vec<EntityPair> {
 /// The number of messages of either kind about a pair: started, ended.
 pub fn messages_about(app: &App, pair: EntityPair) -> (usize, usize) {
     let log = app.world().resource::<Log>();
-    let count = |messages: &[(u64, EntityPair)]| messages.iter().filter(|(_, other)| *other == pair).count();
+    let count = |messages: &[(u64, EntityPair)]| {
+        messages.iter().filter(|(_, other)| *other == pair).count()
+    };
     (count(&log.started), count(&log.ended))
 }
 
@@ -135,12 +162,19 @@ pub fn index(app: &App) -> &SpatialIndex {
 
 /// A component of an entity.
 pub fn get<C: Component>(app: &App, entity: Entity) -> &C {
-    app.world().get(entity).expect("the entity has the component")
+    app.world()
+        .get(entity)
+        .expect("the entity has the component")
 }
 
 /// A component of an entity, to be changed.
-pub fn get_mut<C: Component<Mutability = bevy::ecs::component::Mutable>>(app: &mut App, entity: Entity) -> Mut<'_, C> {
-    app.world_mut().get_mut(entity).expect("the entity has the component")
+pub fn get_mut<C: Component<Mutability = bevy::ecs::component::Mutable>>(
+    app: &mut App,
+    entity: Entity,
+) -> Mut<'_, C> {
+    app.world_mut()
+        .get_mut(entity)
+        .expect("the entity has the component")
 }
 
 /// The pairs in contact by the exact tests alone, over all pairs of entities with a shape; sorted.
@@ -148,13 +182,20 @@ pub fn brute_force_contacts(app: &mut App) -> Vec<EntityPair> {
     let world = app.world_mut();
     let shapes = world.query::<(Entity, &CollisionShape)>();
     let world = &*world;
-    let placed: Vec<_> = shapes.iter_manual(world).map(|(id, shape)| (id, shape, world_pose(world, id))).collect();
+    let placed: Vec<_> = shapes
+        .iter_manual(world)
+        .map(|(id, shape)| (id, shape, world_pose(world, id)))
+        .collect();
     let tests = *world.resource::<NarrowPhase>();
     let mut workspace = Workspace::default();
     let mut pairs = Vec::new();
     for (place, (a, shape_a, pose_a)) in placed.iter().enumerate() {
         for (b, shape_b, pose_b) in &placed[place + 1..] {
-            if tests.intersects(Placed::new(shape_a, pose_a), Placed::new(shape_b, pose_b), &mut workspace) {
+            if tests.intersects(
+                Placed::new(shape_a, pose_a),
+                Placed::new(shape_b, pose_b),
+                &mut workspace,
+            ) {
                 pairs.push(pair(*a, *b));
             }
         }
@@ -164,10 +205,13 @@ pub fn brute_force_contacts(app: &mut App) -> Vec<EntityPair> {
 
 fn world_pose(world: &World, entity: Entity) -> Transform {
     let local = world.get::<Transform>(entity).copied().unwrap_or_default();
-    world.get::<ChildOf>(entity).map_or(local, |parent| world_pose(world, parent.parent()) * local)
+    world
+        .get::<ChildOf>(entity)
+        .map_or(local, |parent| world_pose(world, parent.parent()) * local)
 }
 
-/// An octree beside that of the app, over the same boxes, with everything checked that is said to hold.
+/// An octree beside that of the app, over the same boxes, with everything checked that is said to
+/// hold.
 pub struct Mirror {
     index: SpatialIndex,
     ids: HashMap<Entity, ProxyId>,
@@ -176,17 +220,23 @@ pub struct Mirror {
 impl Mirror {
     pub fn new(settings: ObjectOctreeSettings) -> Self {
         let engine = Checked(ObjectOctree::new(settings));
-        Self { index: SpatialIndex::with_engine(Box::new(engine)), ids: HashMap::new() }
+        Self {
+            index: SpatialIndex::with_engine(Box::new(engine)),
+            ids: HashMap::new(),
+        }
     }
 
-    /// Takes up the boxes that the app's entities have now, checks the octree, and checks that it finds the same
-    /// candidate pairs as the app.
+    /// Takes up the boxes that the app's entities have now, checks the octree, and checks that it
+    /// finds the same candidate pairs as the app.
     pub fn follow(&mut self, app: &mut App) {
         let world = app.world_mut();
         let mut boxes = world.query_filtered::<(Entity, &WorldAabb), With<CollisionShape>>();
         let mut gone = std::mem::take(&mut self.ids);
         for (entity, aabb) in boxes.iter(world) {
-            let known = gone.get(&entity).filter(|id| self.index.set(**id, aabb).is_ok()).copied();
+            let known = gone
+                .get(&entity)
+                .filter(|id| self.index.set(**id, aabb).is_ok())
+                .copied();
             if let Some(id) = known.or_else(|| self.index.insert(aabb.0).ok()) {
                 self.ids.insert(entity, id);
             }
@@ -199,9 +249,19 @@ impl Mirror {
         }
         self.index.update();
         let entities: HashMap<_, _> = self.ids.iter().map(|(entity, id)| (*id, *entity)).collect();
-        let found = self.index.find_pairs().iter().map(|p| pair(entities[&p.a], entities[&p.b])).collect();
+        let found = self
+            .index
+            .find_pairs()
+            .iter()
+            .map(|p| pair(entities[&p.a], entities[&p.b]))
+            .collect();
         let collisions = world.resource::<CollisionIndex>();
-        let expected = collisions.index().pairs().iter().map(|p| collisions.entities(p)).map(|[a, b]| pair(a, b));
+        let expected = collisions
+            .index()
+            .pairs()
+            .iter()
+            .map(|p| collisions.entities(p))
+            .map(|[a, b]| pair(a, b));
         assert_eq!(sorted(found), sorted(expected.collect()));
     }
 

@@ -12,8 +12,9 @@ use tracing::{
     span, subscriber,
 };
 
-/// While there is one subscriber, `tracing` lets the thread that comes to a warning first say whether anybody wants it,
-/// for good and for all threads: another test that runs at the time, and does not listen. With two, it asks both.
+/// While there is one subscriber, `tracing` lets the thread that comes to a warning first say
+/// whether anybody wants it, for good and for all threads: another test that runs at the time, and
+/// does not listen. With two, it asks both.
 static SECOND: LazyLock<Dispatch> = LazyLock::new(|| Dispatch::new(Listener::default()));
 
 #[derive(Clone, Default)]

@@ -1,5 +1,5 @@
-//! What is allocated, to the byte: as much after a million rounds as after a few, linear in the objects, and all of it in
-//! the figures.
+//! What is allocated, to the byte: as much after a million rounds as after a few, linear in the
+//! objects, and all of it in the figures.
 
 use crate::allocator;
 
@@ -41,7 +41,9 @@ fn an_index_that_is_emptied_and_filled_stays_as_large() {
             index.update();
         });
         assert_flat(method, 100, 5000, || {
-            let ids: Vec<_> = (0..200).map(|x| index.insert(cube(Vec3::X * (x as f32 * 0.3))).unwrap()).collect();
+            let ids: Vec<_> = (0..200)
+                .map(|x| index.insert(cube(Vec3::X * (x as f32 * 0.3))).unwrap())
+                .collect();
             index.find_pairs();
             ids.iter().for_each(|id| assert!(index.remove(*id)));
             index.update();
@@ -60,7 +62,9 @@ fn what_changes_between_two_updates_is_noted_once() {
         assert_flat(method, 10, 100_000, || {
             world += 1;
             for id in [id, ground] {
-                index.set_filter(id, PairFilter { world, ..default() }).unwrap();
+                index
+                    .set_filter(id, PairFilter { world, ..default() })
+                    .unwrap();
                 index.touch(id);
             }
             index.set(id, &cube(Vec3::X * world as f32)).unwrap();
@@ -69,7 +73,8 @@ fn what_changes_between_two_updates_is_noted_once() {
     }
 }
 
-/// A crowd that mills about, with some that come and go, change their filters, and fly far away and back.
+/// A crowd that mills about, with some that come and go, change their filters, and fly far away and
+/// back.
 struct Crowd {
     index: SpatialIndex,
     objects: Vec<(ProxyId, Vec3, Vec3)>,
@@ -79,22 +84,38 @@ struct Crowd {
 
 impl Crowd {
     fn new(method: &str, count: usize) -> Self {
-        let mut crowd = Self { index: index(method), objects: vec![], rng: Rng::with_seed(1), ticks: 0 };
+        let mut crowd = Self {
+            index: index(method),
+            objects: vec![],
+            rng: Rng::with_seed(1),
+            ticks: 0,
+        };
         crowd.objects.reserve_exact(count);
         for _ in 0..count {
             let at = place(&mut crowd.rng, 8.0);
             let velocity = place(&mut crowd.rng, 0.1);
-            crowd.objects.push((crowd.index.insert(cube(at)).unwrap(), at, velocity));
+            crowd
+                .objects
+                .push((crowd.index.insert(cube(at)).unwrap(), at, velocity));
         }
         crowd
     }
 
     fn tick(&mut self) {
-        let Self { index, objects, rng, ticks } = self;
+        let Self {
+            index,
+            objects,
+            rng,
+            ticks,
+        } = self;
         *ticks += 1;
         for (id, at, velocity) in objects.iter_mut() {
             for axis in 0..3 {
-                velocity[axis] = if at[axis].abs() > 8.0 { -at[axis].signum() * 0.1 } else { velocity[axis] };
+                velocity[axis] = if at[axis].abs() > 8.0 {
+                    -at[axis].signum() * 0.1
+                } else {
+                    velocity[axis]
+                };
             }
             *at += *velocity;
             index.set(*id, &cube(*at)).unwrap();
@@ -105,7 +126,15 @@ impl Crowd {
                 index.remove(*id);
                 *id = index.insert(cube(*at)).unwrap();
             }
-            1 => index.set_filter(*id, PairFilter { memberships: rng.u32(1..4), ..default() }).unwrap(),
+            1 => index
+                .set_filter(
+                    *id,
+                    PairFilter {
+                        memberships: rng.u32(1..4),
+                        ..default()
+                    },
+                )
+                .unwrap(),
             _ => {
                 let far = if ticks.is_multiple_of(100) { 1e4 } else { 1.0 };
                 index.set(*id, &cube(*at * far)).unwrap();
@@ -124,7 +153,10 @@ fn a_crowd_takes_as_much_as_ever_and_all_of_it_is_counted() {
         assert_flat(method, 4000, 4000, || crowd.tick());
         let taken = live() - before - crowd.objects.capacity() * size_of::<(ProxyId, Vec3, Vec3)>();
         let told = crowd.index.memory_bytes();
-        assert!(told <= taken && taken - told < 4096, "{method}: {taken} bytes, of which {told} are told");
+        assert!(
+            told <= taken && taken - told < 4096,
+            "{method}: {taken} bytes, of which {told} are told"
+        );
     }
 }
 
@@ -147,7 +179,16 @@ fn pairs_that_are_ruled_out_take_no_memory() {
                     let layer = if place < SMALL { 1 } else { 2 };
                     let new = index.insert(Aabb3d::new(*at, *half)).unwrap();
                     let filters = if place < SMALL { 1 } else { 0 };
-                    index.set_filter(new, PairFilter { memberships: layer, filters, ..default() }).unwrap();
+                    index
+                        .set_filter(
+                            new,
+                            PairFilter {
+                                memberships: layer,
+                                filters,
+                                ..default()
+                            },
+                        )
+                        .unwrap();
                     *id = Some(new);
                 }
                 for tick in 0..12 {
@@ -162,7 +203,10 @@ fn pairs_that_are_ruled_out_take_no_memory() {
                 }
             });
             let each = peak / (SMALL + LARGE);
-            assert!(each < 1000 && found < SMALL, "{method}, {movers}, {step}: {each} bytes each, {found} pairs");
+            assert!(
+                each < 1000 && found < SMALL,
+                "{method}, {movers}, {step}: {each} bytes each, {found} pairs"
+            );
         }
     }
 }
@@ -172,12 +216,17 @@ fn an_app_takes_as_much_after_many_ticks_as_after_a_few() {
     let _alone = alone();
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-        .insert_resource(MotionSettings { step: Step::Seconds(1.0 / 64.0) })
+        .insert_resource(MotionSettings {
+            step: Step::Seconds(1.0 / 64.0),
+        })
         // Bevy keeps messages until a fixed timestep has passed.
-        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(20)));
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
+            20,
+        )));
     for x in [-1.0, 1.0] {
         let wall = CollisionShape::from_half_size(Vec3::new(0.1, 5.0, 5.0));
-        app.world_mut().spawn((wall, Transform::from_xyz(x, 0.0, 0.0)));
+        app.world_mut()
+            .spawn((wall, Transform::from_xyz(x, 0.0, 0.0)));
     }
     let ball = CollisionShape::sphere(0.1);
     let bounce = Bounce::Reflect { restitution: 1.0 };
@@ -192,7 +241,9 @@ fn an_app_takes_as_much_after_many_ticks_as_after_a_few() {
     assert_flat("cubes that come and go", 100, 3000, || {
         let cubes = [(); 4].map(|()| app.world_mut().spawn(Cube).id());
         app.update();
-        cubes.into_iter().for_each(|cube| _ = app.world_mut().despawn(cube));
+        cubes
+            .into_iter()
+            .for_each(|cube| _ = app.world_mut().despawn(cube));
         app.update();
     });
 }

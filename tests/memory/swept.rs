@@ -20,19 +20,23 @@ fn early_and_late(app: &mut App, ticks: usize) -> [f64; 2] {
 fn app() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-        .insert_resource(MotionSettings { step: Step::Seconds(1.0) });
+        .insert_resource(MotionSettings {
+            step: Step::Seconds(1.0),
+        });
     app
 }
 
 fn wall(app: &mut App, center: Vec3, half_size: Vec3) {
     let shape = CollisionShape::from_half_size(half_size);
-    app.world_mut().spawn((shape, Transform::from_translation(center)));
+    app.world_mut()
+        .spawn((shape, Transform::from_translation(center)));
 }
 
 fn ball(app: &mut App, center: Vec3, velocity: Vec3, parts: impl Bundle) {
     let shape = CollisionShape::sphere(0.1);
     let moving = (Velocity(velocity), Bounce::Reflect { restitution: 1.0 });
-    app.world_mut().spawn((shape, moving, Transform::from_translation(center), parts));
+    app.world_mut()
+        .spawn((shape, moving, Transform::from_translation(center), parts));
 }
 
 #[test]
@@ -52,11 +56,16 @@ fn memory_stays_flat() {
     let mut many = app();
     for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
         for side in [-1.0, 1.0] {
-            wall(&mut many, axis * side * 8.0, Vec3::splat(8.0) * (Vec3::ONE - axis) + axis * 0.5);
+            wall(
+                &mut many,
+                axis * side * 8.0,
+                Vec3::splat(8.0) * (Vec3::ONE - axis) + axis * 0.5,
+            );
         }
     }
     let mut random = fastrand::Rng::with_seed(1);
-    let mut vector = |size: f32| Vec3::from_array([0; 3].map(|_| (random.f32() * 2.0 - 1.0) * size));
+    let mut vector =
+        |size: f32| Vec3::from_array([0; 3].map(|_| (random.f32() * 2.0 - 1.0) * size));
     for place in 0..400 {
         let (center, velocity) = (vector(6.0), vector(0.5));
         match place % 4 {
@@ -65,5 +74,8 @@ fn memory_stays_flat() {
         }
     }
     let [early, late] = early_and_late(&mut many, 1_000);
-    assert!(late <= early * 1.01, "a room of balls: {early} bytes, then {late}");
+    assert!(
+        late <= early * 1.01,
+        "a room of balls: {early} bytes, then {late}"
+    );
 }

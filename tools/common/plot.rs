@@ -28,7 +28,8 @@ pub type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 /// The result of drawing.
 pub type Drawn = Result<(), Box<dyn Error>>;
 
-/// Draws a picture of `size` pixels and writes it to `stem.svg` and `stem.png`; gives the two paths.
+/// Draws a picture of `size` pixels and writes it to `stem.svg` and `stem.png`; gives the two
+/// paths.
 ///
 /// # Errors
 /// Those of the drawing, and those of the file system, which name the file.
@@ -47,7 +48,8 @@ pub fn draw(
     }
     let paths = ["svg", "png"].map(|extension| stem.with_extension(extension));
     for (path, bytes) in paths.iter().zip([svg.as_bytes(), &rasterize(&svg, size)?]) {
-        fs::write(path, bytes).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+        fs::write(path, bytes)
+            .map_err(|error| format!("cannot write {}: {error}", path.display()))?;
     }
     Ok(paths)
 }
@@ -59,7 +61,9 @@ pub fn text(height: u32) -> TextStyle<'static> {
 
 /// The same, bold.
 pub fn bold(height: u32) -> TextStyle<'static> {
-    (FONT, height, FontStyle::Bold).into_text_style(&(1, 1)).color(&BLACK)
+    (FONT, height, FontStyle::Bold)
+        .into_text_style(&(1, 1))
+        .color(&BLACK)
 }
 
 /// The picture has no font of the system's in it: it looks the same everywhere.
@@ -68,8 +72,15 @@ fn rasterize(svg: &str, (width, height): (u32, u32)) -> Result<Vec<u8>, Box<dyn 
     for font in [REGULAR, BOLD] {
         fonts.load_font_data(font.to_vec());
     }
-    let tree = Tree::from_str(svg, &Options { fontdb: Arc::new(fonts), ..Options::default() })?;
-    let mut pixels = Pixmap::new(width, height).ok_or_else(|| format!("a picture of {width} × {height} pixels"))?;
+    let tree = Tree::from_str(
+        svg,
+        &Options {
+            fontdb: Arc::new(fonts),
+            ..Options::default()
+        },
+    )?;
+    let mut pixels = Pixmap::new(width, height)
+        .ok_or_else(|| format!("a picture of {width} × {height} pixels"))?;
     resvg::render(&tree, Transform::identity(), &mut pixels.as_mut());
     Ok(pixels.encode_png()?)
 }
@@ -79,7 +90,10 @@ fn register_fonts() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         for (style, bytes) in [(FontStyle::Normal, REGULAR), (FontStyle::Bold, BOLD)] {
-            assert!(register_font(FONT, style, bytes).is_ok(), "a font is damaged");
+            assert!(
+                register_font(FONT, style, bytes).is_ok(),
+                "a font is damaged"
+            );
         }
     });
 }

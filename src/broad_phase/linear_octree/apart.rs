@@ -1,5 +1,5 @@
-//! Objects too fast for skins, which are kept apart from the others: each would make a block of these large, in which all
-//! searches end.
+//! Objects too fast for skins, which are kept apart from the others: each would make a block of
+//! these large, in which all searches end.
 
 use super::{
     list::unpack,
@@ -8,14 +8,17 @@ use super::{
 use crate::broad_phase::{boxes::NOWHERE, proxy::Proxies};
 
 impl LinearOctree {
-    /// Moves those of the escaped that are fast to the end, and puts the escaped that are there in order. What comes after
-    /// the slots that were sorted is found anew each tick as long as it is fast, so that it may have any of these slots.
+    /// Moves those of the escaped that are fast to the end, and puts the escaped that are there in
+    /// order. What comes after the slots that were sorted is found anew each tick as long as it is
+    /// fast, so that it may have any of these slots.
     pub(super) fn set_fast_apart(&mut self, proxies: &Proxies) {
         let mut escaped = std::mem::take(&mut self.escaped);
         for slot in &mut escaped {
             let index = *slot as usize;
             let id = self.owners[index];
-            if index < self.sorted && self.anchors[index].is_fast(self.tick, &proxies.boxes()[id as usize]) {
+            if index < self.sorted
+                && self.anchors[index].is_fast(self.tick, &proxies.boxes()[id as usize])
+            {
                 *slot = self.move_to_end(*slot);
             }
         }
@@ -47,12 +50,20 @@ impl LinearOctree {
         to as u32
     }
 
-    /// Puts the objects in some slots in order, among these slots. All of them escaped: nothing is kept of their pairs.
+    /// Puts the objects in some slots in order, among these slots. All of them escaped: nothing is
+    /// kept of their pairs.
     fn deal_out(&mut self, slots: &[u32], proxies: &Proxies) {
         let owners = &self.owners;
-        let items = self.order.sort_some(self.level, proxies, slots.iter().map(|slot| owners[*slot as usize]));
+        let items = self.order.sort_some(
+            self.level,
+            proxies,
+            slots.iter().map(|slot| owners[*slot as usize]),
+        );
         let ids: Vec<_> = items.iter().map(|item| unpack(*item)[1]).collect();
-        let anchors: Vec<_> = ids.iter().map(|id| self.anchors[self.slot_of[*id as usize] as usize]).collect();
+        let anchors: Vec<_> = ids
+            .iter()
+            .map(|id| self.anchors[self.slot_of[*id as usize] as usize])
+            .collect();
         for ((&slot, id), anchor) in slots.iter().zip(ids).zip(anchors) {
             let index = slot as usize;
             self.slot_of[id as usize] = slot;

@@ -23,14 +23,16 @@ impl LinearOctree {
         let near = self.near.as_slice();
         let chunks = near.chunks(JOB);
         if !parallel::is_on() || chunks.len() <= 1 {
-            near.chunks(BATCH).for_each(|near| self.compare(near, proxies, pairs));
+            near.chunks(BATCH)
+                .for_each(|near| self.compare(near, proxies, pairs));
             return;
         }
         let mut jobs = std::mem::take(&mut self.pairs_by_job);
         jobs.resize_with(chunks.len(), Vec::new);
         parallel::for_each(chunks.zip(&mut jobs), |(near, found)| {
             found.clear();
-            near.chunks(BATCH).for_each(|near| self.compare(near, proxies, found));
+            near.chunks(BATCH)
+                .for_each(|near| self.compare(near, proxies, found));
         });
         jobs.iter().for_each(|found| pairs.extend_from_slice(found));
         self.pairs_by_job = jobs;
@@ -45,7 +47,10 @@ impl LinearOctree {
         let hits = if self.exact {
             near
         } else {
-            debug_assert!(self.boxes_are_gathered, "skins that are not boxes have boxes beside them");
+            debug_assert!(
+                self.boxes_are_gathered,
+                "skins that are not boxes have boxes beside them"
+            );
             let mut count = 0;
             for pair in near {
                 let [a, b] = unpack(*pair).map(|slot| &self.boxes[slot as usize]);
@@ -56,12 +61,18 @@ impl LinearOctree {
         };
         let pair = |hit: &Packed| {
             let [a, b] = unpack(*hit).map(|slot| ProxyId::new(self.owners[slot as usize]));
-            Pair { a: a.min(b), b: a.max(b) }
+            Pair {
+                a: a.min(b),
+                b: a.max(b),
+            }
         };
         if proxies.all_moved() {
             pairs.extend(hits.iter().map(pair));
         } else {
-            let mut moving = [Pair { a: ProxyId::new(0), b: ProxyId::new(0) }; BATCH];
+            let mut moving = [Pair {
+                a: ProxyId::new(0),
+                b: ProxyId::new(0),
+            }; BATCH];
             let mut count = 0;
             for pair in hits.iter().map(pair) {
                 moving[count] = pair;

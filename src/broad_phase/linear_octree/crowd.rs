@@ -23,14 +23,22 @@ pub struct Crowd {
 }
 
 impl Crowd {
-    /// The indices of each pair of overlapping boxes that is to be kept, each once. O(n log n), and the pairs.
+    /// The indices of each pair of overlapping boxes that is to be kept, each once. O(n log n), and
+    /// the pairs.
     pub(in crate::broad_phase) fn overlaps(
         &mut self,
         level: Level,
         boxes: impl Iterator<Item = Aabb3d>,
         keep: impl Fn(usize, usize) -> bool + Sync,
     ) -> impl Iterator<Item = [usize; 2]> {
-        let Self { boxes: all, order, scratch, tree, work, found } = self;
+        let Self {
+            boxes: all,
+            order,
+            scratch,
+            tree,
+            work,
+            found,
+        } = self;
         all.clear();
         all.extend(boxes);
         order::order(level, all, 0..all.len() as u32, order, scratch);
@@ -42,7 +50,10 @@ impl Crowd {
         tree.refit();
         found.clear();
         tree.self_join(level, work, found, Some(&|a, b| keep(index(a), index(b))));
-        found.as_slice().iter().map(move |pair| unpack(*pair).map(index))
+        found
+            .as_slice()
+            .iter()
+            .map(move |pair| unpack(*pair).map(index))
     }
 
     /// The memory taken, in bytes.

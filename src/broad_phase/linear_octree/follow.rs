@@ -24,8 +24,8 @@ use crate::{
 const GATHERED: usize = 256;
 
 impl LinearOctree {
-    /// Lets go of objects that are gone, and gives slots to new ones; unless these are so many that all objects had
-    /// better be put in order.
+    /// Lets go of objects that are gone, and gives slots to new ones; unless these are so many that
+    /// all objects had better be put in order.
     pub(super) fn let_go_and_take_in(&mut self, proxies: &Proxies) {
         self.slot_of.resize(proxies.capacity(), NONE);
         let mut new = 0;
@@ -101,12 +101,16 @@ impl LinearOctree {
         let mut escaped_by_job = std::mem::take(&mut self.escaped_by_job);
         escaped_by_job.resize_with(self.owners.len().div_ceil(JOB), List::default);
         let level = self.level;
-        parallel::for_each(self.whole().cut(JOB).zip(&mut escaped_by_job), |(chunk, escaped)| {
-            gather(proxies.boxes(), chunk.owners, chunk.boxes);
-            dispatch!(level, simd => find_escaped(simd, &chunk, escaped));
-        });
+        parallel::for_each(
+            self.whole().cut(JOB).zip(&mut escaped_by_job),
+            |(chunk, escaped)| {
+                gather(proxies.boxes(), chunk.owners, chunk.boxes);
+                dispatch!(level, simd => find_escaped(simd, &chunk, escaped));
+            },
+        );
         for escaped in &escaped_by_job {
-            self.escaped.extend(escaped.as_slice().iter().map(|slot| *slot as u32));
+            self.escaped
+                .extend(escaped.as_slice().iter().map(|slot| *slot as u32));
         }
         self.escaped_by_job = escaped_by_job;
     }
@@ -125,14 +129,14 @@ impl LinearOctree {
 
     /// For how many ticks ahead to make all skins; 0 if they had better be boxes.
     pub(super) fn horizon(&self, proxies: &Proxies) -> f32 {
-        // What has no skin is renewed each tick. If so many are fast, all would be renewed before the shortest of skins
-        // had served its time.
+        // What has no skin is renewed each tick. If so many are fast, all would be renewed before
+        // the shortest of skins had served its time.
         const MOST_FAST: f32 = 1.0 / (skin::SHORTEST * REFRESH_SHARE as f32);
         skin::horizon(self.sample(0..self.owners.len(), proxies), MOST_FAST)
     }
 
-    /// For how many ticks ahead to make skins of objects that left theirs. Those that are fast say nothing about the
-    /// others.
+    /// For how many ticks ahead to make skins of objects that left theirs. Those that are fast say
+    /// nothing about the others.
     pub(super) fn horizon_of_escaped(&self, proxies: &Proxies) -> f32 {
         let escaped = self.escaped.iter().map(|slot| *slot as usize);
         skin::horizon(self.sample(escaped, proxies), 1.0).max(skin::SHORTEST)
@@ -152,12 +156,20 @@ impl LinearOctree {
         })
     }
 
-    /// Makes the skins of all objects for so many ticks ahead. Returns `true` if each is the box itself.
+    /// Makes the skins of all objects for so many ticks ahead. Returns `true` if each is the box
+    /// itself.
     pub(super) fn make_all_skins(&mut self, proxies: &Proxies, horizon: f32) -> bool {
         let (tick, are_gathered) = (self.tick, self.boxes_are_gathered);
         // Without skins, the boxes need not be kept beside the tree.
         self.boxes_are_gathered |= horizon > 0.0;
-        self.boxes.resize(if self.boxes_are_gathered { self.owners.len() } else { 0 }, NOWHERE);
+        self.boxes.resize(
+            if self.boxes_are_gathered {
+                self.owners.len()
+            } else {
+                0
+            },
+            NOWHERE,
+        );
         let some_skin = AtomicBool::new(false);
         parallel::for_each(self.whole().cut(JOB), |chunk| {
             let has_skin = chunk.make_skins((!are_gathered).then_some(proxies), tick, horizon);
@@ -169,8 +181,16 @@ impl LinearOctree {
     /// All slots.
     fn whole(&mut self) -> Chunk<'_> {
         let (owners, anchors, boxes) = (&self.owners, &mut self.anchors, &mut self.boxes);
-        debug_assert!(anchors.len() == owners.len() && (boxes.is_empty() || boxes.len() == owners.len()));
-        Chunk { start: 0, owners, anchors, blocks: self.tree.boxes_mut(), boxes }
+        debug_assert!(
+            anchors.len() == owners.len() && (boxes.is_empty() || boxes.len() == owners.len())
+        );
+        Chunk {
+            start: 0,
+            owners,
+            anchors,
+            blocks: self.tree.boxes_mut(),
+            boxes,
+        }
     }
 }
 
@@ -190,26 +210,63 @@ impl<'a> Chunk<'a> {
     /// Cuts it into chunks of so many slots, but for the last.
     fn cut(self, slots: usize) -> impl ExactSizeIterator<Item = Chunk<'a>> {
         debug_assert_eq!(slots % WIDTH, 0, "chunks are of whole blocks");
-        debug_assert_eq!(self.owners.len().div_ceil(WIDTH).max(1), self.blocks.len(), "each slot is in a block");
-        let Self { start, owners, anchors, blocks, mut boxes } = self;
-        let parts = owners.chunks(slots).zip(anchors.chunks_mut(slots)).zip(blocks.chunks_mut(slots / WIDTH));
-        parts.enumerate().map(move |(part, ((owners, anchors), blocks))| {
-            let boxes = boxes.split_off_mut(..owners.len()).unwrap_or_default();
-            Chunk { start: start + part * slots, owners, anchors, blocks, boxes }
-        })
+        debug_assert_eq!(
+            self.owners.len().div_ceil(WIDTH).max(1),
+            self.blocks.len(),
+            "each slot is in a block"
+        );
+        let Self {
+            start,
+            owners,
+            anchors,
+            blocks,
+            mut boxes,
+        } = self;
+        let parts = owners
+            .chunks(slots)
+            .zip(anchors.chunks_mut(slots))
+            .zip(blocks.chunks_mut(slots / WIDTH));
+        parts
+            .enumerate()
+            .map(move |(part, ((owners, anchors), blocks))| {
+                let boxes = boxes.split_off_mut(..owners.len()).unwrap_or_default();
+                Chunk {
+                    start: start + part * slots,
+                    owners,
+                    anchors,
+                    blocks,
+                    boxes,
+                }
+            })
     }
 
-    /// Makes the skins of its objects for so many ticks ahead, or none but their boxes. Gathers their boxes, if that has
-    /// not been done. Returns `true` if a skin is more than the box itself.
+    /// Makes the skins of its objects for so many ticks ahead, or none but their boxes. Gathers
+    /// their boxes, if that has not been done. Returns `true` if a skin is more than the box
+    /// itself.
     fn make_skins(self, gather_from: Option<&Proxies>, tick: u32, horizon: f32) -> bool {
         let mut passing = [NOWHERE; GATHERED];
         let mut has_skin = false;
-        for Chunk { owners, anchors, blocks, boxes, .. } in self.cut(GATHERED) {
-            let boxes = if boxes.is_empty() { &mut passing[..owners.len()] } else { boxes };
+        for Chunk {
+            owners,
+            anchors,
+            blocks,
+            boxes,
+            ..
+        } in self.cut(GATHERED)
+        {
+            let boxes = if boxes.is_empty() {
+                &mut passing[..owners.len()]
+            } else {
+                boxes
+            };
             if let Some(proxies) = gather_from {
                 gather(proxies.boxes(), owners, boxes);
             }
-            for ((eight, anchors), block) in boxes.chunks(WIDTH).zip(anchors.chunks_mut(WIDTH)).zip(blocks) {
+            for ((eight, anchors), block) in boxes
+                .chunks(WIDTH)
+                .zip(anchors.chunks_mut(WIDTH))
+                .zip(blocks)
+            {
                 for (lane, (aabb, anchor)) in eight.iter().zip(anchors).enumerate() {
                     if horizon > 0.0 {
                         let skin = anchor.renew(tick, aabb, horizon);
@@ -226,8 +283,8 @@ impl<'a> Chunk<'a> {
     }
 }
 
-/// Copies the boxes of some objects. In a loop that does nothing else, so that the processor runs ahead and waits for
-/// many boxes at once.
+/// Copies the boxes of some objects. In a loop that does nothing else, so that the processor runs
+/// ahead and waits for many boxes at once.
 fn gather(boxes: &[Aabb3d], owners: &[u32], gathered: &mut [Aabb3d]) {
     for (owner, aabb) in owners.iter().zip(gathered) {
         *aabb = *boxes.get(*owner as usize).unwrap_or(&NOWHERE);

@@ -1,13 +1,14 @@
 //! Searching the tree: one box against all, and all against all.
 //!
-//! Both go from the top down, one level at a time. What there is to look at on a level is a list of numbers in twos, and a
-//! step makes the list of the next level from it, without branches: a comparison of a box with the eight of a block gives
-//! a mask, and [`push_lanes`](List::push_lanes) appends what the lanes of the mask stand for.
+//! Both go from the top down, one level at a time. What there is to look at on a level is a list of
+//! numbers in twos, and a step makes the list of the next level from it, without branches: a
+//! comparison of a box with the eight of a block gives a mask, and [`push_lanes`](List::push_lanes)
+//! appends what the lanes of the mask stand for.
 //!
 //! # All against all, by an example
 //!
-//! One block, number 0, has boxes in the slots 0 to 3, of which 0 overlaps 1 and 3, and 2 overlaps 3. Lanes 4 to 7 are
-//! empty: they overlap nothing.
+//! One block, number 0, has boxes in the slots 0 to 3, of which 0 overlaps 1 and 3, and 2 overlaps
+//! 3. Lanes 4 to 7 are empty: they overlap nothing.
 //!
 //! | list | holds | here |
 //! |---|---|---|
@@ -21,10 +22,11 @@
 //! | (2, 0) | `0000_1100` | `1111_1000` | (2, 3) |
 //! | (3, 0) | `0000_1101` | `1111_0000` | |
 //!
-//! So each pair is found once, and none of a box with itself. The mask `after_self` counts in rows of a slot and its own
-//! block alone, and above the bottom, where slots are blocks of the level below, it has the slot's own lane too: each
-//! block is to be joined with itself there. The rows of two different blocks are fewer: only those boxes of the first
-//! that reach into the bounds of the second, which stand in the level above.
+//! So each pair is found once, and none of a box with itself. The mask `after_self` counts in rows
+//! of a slot and its own block alone, and above the bottom, where slots are blocks of the level
+//! below, it has the slot's own lane too: each block is to be joined with itself there. The rows of
+//! two different blocks are fewer: only those boxes of the first that reach into the bounds of the
+//! second, which stand in the level above.
 
 use fearless_simd::{Level, Simd, dispatch};
 
@@ -37,14 +39,16 @@ use crate::{
     parallel,
 };
 
-/// How many pairs of blocks are worked on at once: few enough that what they lead to stays in the cache.
+/// How many pairs of blocks are worked on at once: few enough that what they lead to stays in the
+/// cache.
 const BATCH: usize = 128;
 
 /// Pairs of blocks, and slots, of one job.
 const PAIRS_OF_JOB: usize = 256;
 const SLOTS_OF_JOB: usize = 512;
 
-/// How many rows of a search are worked on at once: seldom fewer than there are, and a bound where all overlap.
+/// How many rows of a search are worked on at once: seldom fewer than there are, and a bound where
+/// all overlap.
 const ROWS: usize = 8 * BATCH;
 
 /// Lists that are worked with, kept for the next time.
@@ -78,11 +82,13 @@ impl Job {
 }
 
 impl Levels {
-    /// Appends the slots of each pair of overlapping boxes that is to be kept, the lower slot first.
+    /// Appends the slots of each pair of overlapping boxes that is to be kept, the lower slot
+    /// first.
     ///
-    /// From the top down: pairs of boxes that overlap on one level are the pairs of blocks to look at on the next. Only
-    /// the boxes of the one block that reach into the bounds of the other are compared with it; most pairs of blocks
-    /// have none. Whether a pair is to be kept is asked before the list has grown by more than a batch.
+    /// From the top down: pairs of boxes that overlap on one level are the pairs of blocks to look
+    /// at on the next. Only the boxes of the one block that reach into the bounds of the other are
+    /// compared with it; most pairs of blocks have none. Whether a pair is to be kept is asked
+    /// before the list has grown by more than a batch.
     pub(super) fn self_join(
         &self,
         level: Level,
@@ -110,21 +116,30 @@ impl Levels {
             let (rows, below) = jobs[0].lists(height);
             return self.join(level, height, pairs, rows, below, found, keep);
         }
-        jobs.resize_with(jobs.len().max(pairs.len().div_ceil(PAIRS_OF_JOB)), Job::default);
-        parallel::for_each(pairs.chunks(PAIRS_OF_JOB).zip(&mut *jobs), |(pairs, job)| {
-            let mut found = std::mem::take(&mut job.found);
-            found.clear();
-            let (rows, below) = job.lists(height);
-            self.join(level, height, pairs, rows, below, &mut found, keep);
-            job.found = found;
-        });
+        jobs.resize_with(
+            jobs.len().max(pairs.len().div_ceil(PAIRS_OF_JOB)),
+            Job::default,
+        );
+        parallel::for_each(
+            pairs.chunks(PAIRS_OF_JOB).zip(&mut *jobs),
+            |(pairs, job)| {
+                let mut found = std::mem::take(&mut job.found);
+                found.clear();
+                let (rows, below) = job.lists(height);
+                self.join(level, height, pairs, rows, below, &mut found, keep);
+                job.found = found;
+            },
+        );
         for job in &jobs[..pairs.len().div_ceil(PAIRS_OF_JOB)] {
             found.extend(job.found.as_slice());
         }
     }
 
     /// Joins pairs of blocks of one height, and all that is below them.
-    #[expect(clippy::too_many_arguments, reason = "lists that are lent, each for its own purpose")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "lists that are lent, each for its own purpose"
+    )]
     fn join(
         &self,
         level: Level,
@@ -155,14 +170,25 @@ impl Levels {
 
     /// Appends all pairs of overlapping boxes in pairs of blocks, in two passes without branches.
     #[inline(always)]
-    fn join_blocks<S: Simd>(&self, simd: S, height: usize, pairs: &[Packed], rows: &mut List, found: &mut List) {
+    fn join_blocks<S: Simd>(
+        &self,
+        simd: S,
+        height: usize,
+        pairs: &[Packed],
+        rows: &mut List,
+        found: &mut List,
+    ) {
         let blocks = &self.as_slice()[height][..];
         rows.clear();
         rows.reserve(pairs.len());
         for pair in pairs {
             let [a, b] = unpack(*pair);
             let reaching = match self.as_slice().get(height + 1) {
-                Some(above) => blocks[a as usize].overlaps_lane(simd, &above[b as usize / WIDTH], b as usize % WIDTH),
+                Some(above) => blocks[a as usize].overlaps_lane(
+                    simd,
+                    &above[b as usize / WIDTH],
+                    b as usize % WIDTH,
+                ),
                 None => ALL,
             };
             rows.push_lanes(reaching, pack(first_slot(a), b), FIRST);
@@ -175,13 +201,18 @@ impl Levels {
             let hits = blocks[b as usize].overlaps_lane(simd, &blocks[a as usize], lane);
             let same_block = all_if(a == b);
             let after_self = (!0 << lane) << u32::from(height == 0);
-            found.push_lanes(hits & (after_self | !same_block), pack(slot, first_slot(b)), SECOND);
+            found.push_lanes(
+                hits & (after_self | !same_block),
+                pack(slot, first_slot(b)),
+                SECOND,
+            );
         }
     }
 
-    /// Appends, for each of some slots, that slot and each other slot whose box overlaps its own, if the two are to be
-    /// kept: `keep` gets the slot that is searched for first, and is asked before the list has grown by more than a batch.
-    /// Returns how often a box was compared with a block.
+    /// Appends, for each of some slots, that slot and each other slot whose box overlaps its own,
+    /// if the two are to be kept: `keep` gets the slot that is searched for first, and is asked
+    /// before the list has grown by more than a batch. Returns how often a box was compared with a
+    /// block.
     pub(super) fn search(
         &self,
         level: Level,
@@ -198,7 +229,10 @@ impl Levels {
                 rows.clear();
                 rows.reserve(batch.len());
                 for slot in batch {
-                    debug_assert!((*slot as usize) < self.as_slice()[0].len() * WIDTH, "there is such a slot");
+                    debug_assert!(
+                        (*slot as usize) < self.as_slice()[0].len() * WIDTH,
+                        "there is such a slot"
+                    );
                     rows.push(pack(*slot, 0));
                 }
                 compared += self.descend_rows(level, rows.as_slice(), below, found, keep);
@@ -210,7 +244,8 @@ impl Levels {
             work.jobs.resize_with(work.jobs.len().max(1), Job::default);
             return search(slots, &mut work.jobs[0], found);
         }
-        work.jobs.resize_with(work.jobs.len().max(chunks.len()), Job::default);
+        work.jobs
+            .resize_with(work.jobs.len().max(chunks.len()), Job::default);
         let jobs = &mut work.jobs[..chunks.len()];
         parallel::for_each(chunks.zip(&mut *jobs), |(slots, job)| {
             let mut found = std::mem::take(&mut job.found);
@@ -218,12 +253,13 @@ impl Levels {
             job.compared = search(slots, job, &mut found);
             job.found = found;
         });
-        jobs.iter().for_each(|job| found.extend(job.found.as_slice()));
+        jobs.iter()
+            .for_each(|job| found.extend(job.found.as_slice()));
         jobs.iter().map(|job| job.compared).sum()
     }
 
-    /// Slots go down the tree side by side, one level after the other: rows are slots, each with a block of the level
-    /// that has as many lists left as there are below it.
+    /// Slots go down the tree side by side, one level after the other: rows are slots, each with a
+    /// block of the level that has as many lists left as there are below it.
     fn descend_rows(
         &self,
         level: Level,
@@ -232,7 +268,9 @@ impl Levels {
         found: &mut List,
         keep: &impl Fn(u32, u32) -> bool,
     ) -> usize {
-        let Some((next, below)) = lists.split_last_mut() else { return 0 };
+        let Some((next, below)) = lists.split_last_mut() else {
+            return 0;
+        };
         let mut compared = rows.len();
         for rows in rows.chunks(ROWS) {
             if below.is_empty() {
@@ -288,6 +326,8 @@ impl JoinBuffers {
             let lists = job.pairs.iter().chain([&job.rows, &job.found]);
             size_of::<Job>() + lists.map(List::memory_bytes).sum::<usize>()
         };
-        self.pairs.memory_bytes() + self.next.memory_bytes() + self.jobs.iter().map(of_job).sum::<usize>()
+        self.pairs.memory_bytes()
+            + self.next.memory_bytes()
+            + self.jobs.iter().map(of_job).sum::<usize>()
     }
 }

@@ -12,8 +12,8 @@ use crate::{
     parallel,
 };
 
-/// How many slots, or near pairs, make a job of their own. A multiple of 64, so that the borders of jobs are borders of
-/// blocks two levels up.
+/// How many slots, or near pairs, make a job of their own. A multiple of 64, so that the borders of
+/// jobs are borders of blocks two levels up.
 pub(super) const JOB: usize = 4096;
 
 /// All levels: the boxes at the bottom, a single block on top.
@@ -25,12 +25,16 @@ pub(super) struct Levels {
 
 impl Default for Levels {
     fn default() -> Self {
-        Self { levels: vec![vec![Block::EMPTY]], looseness: Looseness::default() }
+        Self {
+            levels: vec![vec![Block::EMPTY]],
+            looseness: Looseness::default(),
+        }
     }
 }
 
 impl Levels {
-    /// Makes room for exactly so many boxes in a new order, which are to be set before the next refit.
+    /// Makes room for exactly so many boxes in a new order, which are to be set before the next
+    /// refit.
     pub(super) fn resize(&mut self, boxes: usize) {
         let blocks = boxes.div_ceil(WIDTH).max(1);
         self.levels.truncate(1);
@@ -46,8 +50,8 @@ impl Levels {
         &mut self.levels[0]
     }
 
-    /// How many times as many blocks of boxes overlap each other as at the first refit after a [`resize`](Self::resize),
-    /// roughly.
+    /// How many times as many blocks of boxes overlap each other as at the first refit after a
+    /// [`resize`](Self::resize), roughly.
     pub(super) fn looseness(&self) -> f64 {
         self.looseness.mean()
     }
@@ -56,14 +60,19 @@ impl Levels {
     fn raise(&mut self) {
         let mut top = self.levels.len() - 1;
         while self.levels[top].len() > 1 {
-            self.levels.push(vec![Block::EMPTY; self.levels[top].len().div_ceil(WIDTH)]);
+            self.levels
+                .push(vec![Block::EMPTY; self.levels[top].len().div_ceil(WIDTH)]);
             top += 1;
         }
     }
 
-    /// Makes room for one more box at the end, where the last block is full. `end` is the new box's slot.
+    /// Makes room for one more box at the end, where the last block is full. `end` is the new box's
+    /// slot.
     pub(super) fn push(&mut self, end: usize) {
-        debug_assert!(end / WIDTH <= self.levels[0].len(), "the slots before it are there");
+        debug_assert!(
+            end / WIDTH <= self.levels[0].len(),
+            "the slots before it are there"
+        );
         let mut block = end;
         for height in 0..self.levels.len() {
             block /= WIDTH;
@@ -87,14 +96,18 @@ impl Levels {
     /// The box in a slot.
     #[inline]
     pub(super) fn get(&self, slot: usize) -> Aabb3d {
-        self.levels[0].get(slot / WIDTH).map_or(NOWHERE, |block| block.get(slot % WIDTH))
+        self.levels[0]
+            .get(slot / WIDTH)
+            .map_or(NOWHERE, |block| block.get(slot % WIDTH))
     }
 
     /// Brings all levels above the boxes up to date. O(n), with a small constant.
     pub(super) fn refit(&mut self) {
         for height in 1..self.levels.len() {
             let (below, above) = self.levels.split_at_mut(height);
-            let chunks = above[0].chunks_mut(JOB).zip(below[height - 1].chunks(JOB * WIDTH));
+            let chunks = above[0]
+                .chunks_mut(JOB)
+                .zip(below[height - 1].chunks(JOB * WIDTH));
             parallel::for_each(chunks, |(above, below)| {
                 for (block, eight) in above.iter_mut().zip(below.chunks(WIDTH)) {
                     for (lane, child) in eight.iter().enumerate() {
@@ -115,7 +128,8 @@ impl Levels {
             let bounds = self.levels[height - 1][block].bounds();
             let above = &mut self.levels[height][block / WIDTH];
             if height == 1 {
-                self.looseness.change(block, &above.get(block % WIDTH), &bounds);
+                self.looseness
+                    .change(block, &above.get(block % WIDTH), &bounds);
             }
             above.set(block % WIDTH, &bounds);
             block /= WIDTH;
@@ -128,8 +142,13 @@ impl Levels {
         &self.levels
     }
 
-    /// Lets a visitor walk through the tree; `object` is called with the slots of the boxes that it reaches.
-    pub(super) fn traverse(&self, visitor: &mut dyn Visitor, mut object: impl FnMut(usize, &mut dyn Visitor)) {
+    /// Lets a visitor walk through the tree; `object` is called with the slots of the boxes that it
+    /// reaches.
+    pub(super) fn traverse(
+        &self,
+        visitor: &mut dyn Visitor,
+        mut object: impl FnMut(usize, &mut dyn Visitor),
+    ) {
         let mut stack = vec![(self.levels.len() - 1, 0)];
         while let Some((height, index)) = stack.pop() {
             let block = &self.levels[height][index];
@@ -149,7 +168,10 @@ impl Levels {
 
     /// The blocks of boxes that are not empty: their bounds, and how many boxes they hold.
     pub(super) fn blocks_of_boxes(&self) -> impl Iterator<Item = (Aabb3d, u32)> {
-        self.levels[0].iter().map(|block| (block.bounds(), block.count())).filter(|(_, boxes)| *boxes > 0)
+        self.levels[0]
+            .iter()
+            .map(|block| (block.bounds(), block.count()))
+            .filter(|(_, boxes)| *boxes > 0)
     }
 
     /// The number of levels.
@@ -168,16 +190,24 @@ impl Levels {
     }
 
     pub(super) fn memory_bytes(&self) -> usize {
-        self.levels.iter().map(|level| level.capacity() * size_of::<Block>()).sum::<usize>()
+        self.levels
+            .iter()
+            .map(|level| level.capacity() * size_of::<Block>())
+            .sum::<usize>()
             + self.looseness.memory_bytes()
     }
 
-    /// Checks that bounds hold what is below them, and that nothing stands beyond the last of so many boxes.
+    /// Checks that bounds hold what is below them, and that nothing stands beyond the last of so
+    /// many boxes.
     ///
     /// # Panics
     /// If it is not so.
     pub(super) fn assert_well_formed(&self, boxes: usize) {
-        assert_eq!(self.levels.last().map(Vec::len), Some(1), "a single block on top");
+        assert_eq!(
+            self.levels.last().map(Vec::len),
+            Some(1),
+            "a single block on top"
+        );
         for (below, above) in self.levels.iter().zip(self.levels.iter().skip(1)) {
             assert_eq!(below.len().div_ceil(WIDTH), above.len());
             for (index, block) in below.iter().enumerate() {

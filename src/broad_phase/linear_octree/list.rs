@@ -39,8 +39,9 @@ const LANES: [[u8; WIDTH]; 1 << WIDTH] = {
     table
 };
 
-/// A list to which a mask of lanes is appended without a branch: eight items are written, and as many of them count as
-/// there are lanes in the mask. Branches on what a mask holds would be mispredicted at every other mask.
+/// A list to which a mask of lanes is appended without a branch: eight items are written, and as
+/// many of them count as there are lanes in the mask. Branches on what a mask holds would be
+/// mispredicted at every other mask.
 #[derive(Clone, Debug, Default)]
 pub(super) struct List {
     /// Those that count, and then room for more.

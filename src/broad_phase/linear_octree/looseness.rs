@@ -12,9 +12,10 @@ const LEAST_MOST: f32 = 4.0;
 
 /// How loose the bounds of blocks of boxes have become since all boxes were put in order.
 ///
-/// The number of blocks that one overlaps is roughly proportional to the cube of the sum of its sides. Each block is
-/// compared with itself as it was then, and counts for no more than if it overlapped all others: so a few objects of any
-/// size, anywhere, weigh as much as they cost, and no more.
+/// The number of blocks that one overlaps is roughly proportional to the cube of the sum of its
+/// sides. Each block is compared with itself as it was then, and counts for no more than if it
+/// overlapped all others: so a few objects of any size, anywhere, weigh as much as they cost, and
+/// no more.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Looseness {
     /// How many blocks are known, and by block, in eights: one by the sum of its sides at first.
@@ -45,22 +46,32 @@ impl Looseness {
         self.sum = 0.0;
         for (bounds, at_first) in bounds.iter().zip(&self.at_first) {
             let sides = bounds.side_sums();
-            let counts: [f32; WIDTH] = std::array::from_fn(|lane| self.count(sides[lane], at_first[lane]));
+            let counts: [f32; WIDTH] =
+                std::array::from_fn(|lane| self.count(sides[lane], at_first[lane]));
             let four: [f32; 4] = std::array::from_fn(|lane| counts[lane] + counts[lane + 4]);
             self.sum += f64::from((four[0] + four[2]) + (four[1] + four[3]));
         }
     }
 
-    /// Notes how large blocks are that it knows nothing of. Those that came since the others were put in order are in no
-    /// order themselves: they are compared with what is typical of the others.
+    /// Notes how large blocks are that it knows nothing of. Those that came since the others were
+    /// put in order are in no order themselves: they are compared with what is typical of the
+    /// others.
     #[cold]
     fn note_at_first(&mut self, bounds: &[Block], blocks: usize) {
         let known = self.at_first.as_flattened().iter().take(self.blocks);
         // The geometric mean, nearly: the bits of a float are its logarithm, nearly.
-        let bits = known.map(|at_first| u64::from(at_first.to_bits())).sum::<u64>();
-        let typical = bits.checked_div(self.blocks as u64).map(|bits| f32::from_bits(bits as u32));
+        let bits = known
+            .map(|at_first| u64::from(at_first.to_bits()))
+            .sum::<u64>();
+        let typical = bits
+            .checked_div(self.blocks as u64)
+            .map(|bits| f32::from_bits(bits as u32));
         self.at_first.resize(blocks.div_ceil(WIDTH), [0.0; WIDTH]);
-        let all = self.at_first.as_flattened_mut().iter_mut().zip(bounds.iter().flat_map(Block::side_sums));
+        let all = self
+            .at_first
+            .as_flattened_mut()
+            .iter_mut()
+            .zip(bounds.iter().flat_map(Block::side_sums));
         for (at_first, sides) in all.take(blocks).skip(self.blocks) {
             *at_first = typical.unwrap_or(sides.max(f32::MIN_POSITIVE).recip());
         }
@@ -89,7 +100,8 @@ impl Looseness {
     }
 }
 
-/// The sum of a box's sides, of which each may be too large a number; nothing for one that is empty.
+/// The sum of a box's sides, of which each may be too large a number; nothing for one that is
+/// empty.
 #[inline(always)]
 fn sides_of(bounds: &Aabb3d) -> f32 {
     let sides = bounds.max - bounds.min;

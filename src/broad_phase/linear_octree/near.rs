@@ -10,15 +10,15 @@ use super::{
 };
 use crate::broad_phase::{block::WIDTH, proxy::Proxies};
 
-/// The near pairs of a slot are not known any more. Set when its skin changes, and when it begins to be watched; cleared
-/// when they are found.
+/// The near pairs of a slot are not known any more. Set when its skin changes, and when it begins
+/// to be watched; cleared when they are found.
 const FRESH: u8 = 1;
-/// The near pairs of a slot are kept. Set when its object moves; cleared, for all at once, when many more are watched
-/// than move.
+/// The near pairs of a slot are kept. Set when its object moves; cleared, for all at once, when
+/// many more are watched than move.
 const WATCHED: u8 = 2;
 
-/// Pairs of slots whose skins overlap, kept for as long as the skins are. Of objects that rest, none are kept: what
-/// rests costs nothing.
+/// Pairs of slots whose skins overlap, kept for as long as the skins are. Of objects that rest,
+/// none are kept: what rests costs nothing.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NearPairs {
     /// As of before the skins in `fresh` changed.
@@ -89,8 +89,15 @@ impl NearPairs {
 
     /// Watches the objects that moved and no others, if many more are watched.
     pub(super) fn watch_moved(&mut self, proxies: &Proxies, slot_of: &[u32]) {
-        debug_assert!(self.all_are_watched || self.watched.len() <= self.flags.len(), "each slot is listed once");
-        let watched = if self.all_are_watched { self.flags.len() } else { self.watched.len() };
+        debug_assert!(
+            self.all_are_watched || self.watched.len() <= self.flags.len(),
+            "each slot is listed once"
+        );
+        let watched = if self.all_are_watched {
+            self.flags.len()
+        } else {
+            self.watched.len()
+        };
         if watched < 64 + 8 * proxies.moved().len() {
             return;
         }
@@ -101,7 +108,12 @@ impl NearPairs {
         for slot in self.watched.drain(..) {
             self.flags[slot as usize] &= !WATCHED;
         }
-        for slot in proxies.moved().iter().filter(|id| proxies.contains(**id)).map(|id| slot_of[id.index()]) {
+        for slot in proxies
+            .moved()
+            .iter()
+            .filter(|id| proxies.contains(**id))
+            .map(|id| slot_of[id.index()])
+        {
             self.flags[slot as usize] |= WATCHED;
             self.watched.push(slot);
         }
@@ -110,7 +122,9 @@ impl NearPairs {
 
     fn drop_unwatched(&mut self) {
         let flags = &self.flags;
-        self.pairs.retain_from(0, |a, b| (flags[a as usize] | flags[b as usize]) & WATCHED != 0);
+        self.pairs.retain_from(0, |a, b| {
+            (flags[a as usize] | flags[b as usize]) & WATCHED != 0
+        });
     }
 
     fn forget(&mut self) {
@@ -131,8 +145,14 @@ impl NearPairs {
         !self.are_known || self.fresh.len() * REFRESH_SHARE > self.flags.len()
     }
 
-    /// Brings the pairs up to date. Pairs of slots that do not admit each other are left out, before the list grows.
-    pub(super) fn find(&mut self, level: Level, tree: &Levels, admits: Option<impl Fn(u32, u32) -> bool + Sync>) {
+    /// Brings the pairs up to date. Pairs of slots that do not admit each other are left out,
+    /// before the list grows.
+    pub(super) fn find(
+        &mut self,
+        level: Level,
+        tree: &Levels,
+        admits: Option<impl Fn(u32, u32) -> bool + Sync>,
+    ) {
         if self.are_all_wanted() {
             self.find_all(level, tree, admits);
         } else {
@@ -141,25 +161,66 @@ impl NearPairs {
     }
 
     /// Finds all pairs anew.
-    fn find_all(&mut self, level: Level, tree: &Levels, admits: Option<impl Fn(u32, u32) -> bool + Sync>) {
+    fn find_all(
+        &mut self,
+        level: Level,
+        tree: &Levels,
+        admits: Option<impl Fn(u32, u32) -> bool + Sync>,
+    ) {
         self.forget();
         self.are_known = true;
-        debug_assert_eq!(self.flags.len().div_ceil(WIDTH).max(1), tree.leaves(), "the slots are those of the tree");
-        let Self { pairs, flags, all_are_watched, work, .. } = self;
-        let is_watched = |a: u32, b: u32| *all_are_watched || (flags[a as usize] | flags[b as usize]) & WATCHED != 0;
+        debug_assert_eq!(
+            self.flags.len().div_ceil(WIDTH).max(1),
+            tree.leaves(),
+            "the slots are those of the tree"
+        );
+        let Self {
+            pairs,
+            flags,
+            all_are_watched,
+            work,
+            ..
+        } = self;
+        let is_watched = |a: u32, b: u32| {
+            *all_are_watched || (flags[a as usize] | flags[b as usize]) & WATCHED != 0
+        };
         match admits {
-            Some(admits) => tree.self_join(level, work, pairs, Some(&|a, b| is_watched(a, b) && admits(a, b))),
-            None => tree.self_join(level, work, pairs, (!*all_are_watched).then_some(&is_watched)),
+            Some(admits) => tree.self_join(
+                level,
+                work,
+                pairs,
+                Some(&|a, b| is_watched(a, b) && admits(a, b)),
+            ),
+            None => tree.self_join(
+                level,
+                work,
+                pairs,
+                (!*all_are_watched).then_some(&is_watched),
+            ),
         }
     }
 
     /// Brings the pairs of fresh slots up to date.
-    fn renew_fresh(&mut self, level: Level, tree: &Levels, admits: Option<impl Fn(u32, u32) -> bool + Sync>) {
+    fn renew_fresh(
+        &mut self,
+        level: Level,
+        tree: &Levels,
+        admits: Option<impl Fn(u32, u32) -> bool + Sync>,
+    ) {
         if self.fresh.is_empty() {
             return;
         }
-        let Self { pairs, flags, fresh, all_are_watched, work, .. } = self;
-        pairs.retain_from(0, |a, b| (flags[a as usize] | flags[b as usize]) & FRESH == 0);
+        let Self {
+            pairs,
+            flags,
+            fresh,
+            all_are_watched,
+            work,
+            ..
+        } = self;
+        pairs.retain_from(0, |a, b| {
+            (flags[a as usize] | flags[b as usize]) & FRESH == 0
+        });
         // In the order of space, one search finds in the cache what the last one has read.
         fresh.sort_unstable();
         // Of two fresh ones, the lower finds the pair.
@@ -169,7 +230,9 @@ impl NearPairs {
             is_first & (*all_are_watched | ((of_a | of_b) & WATCHED != 0))
         };
         self.blocks_searched += match admits {
-            Some(admits) => tree.search(level, fresh, work, pairs, &|a, b| is_wanted(a, b) && admits(a, b)),
+            Some(admits) => tree.search(level, fresh, work, pairs, &|a, b| {
+                is_wanted(a, b) && admits(a, b)
+            }),
             None => tree.search(level, fresh, work, pairs, &is_wanted),
         };
         for slot in fresh.drain(..) {
@@ -179,10 +242,22 @@ impl NearPairs {
 
     /// Checks that every slot is there, and every fresh one listed. For tests.
     pub(super) fn assert_well_formed(&self, slots: usize) {
-        let count = |flag| self.flags.iter().filter(|flags| **flags & flag != 0).count();
+        let count = |flag| {
+            self.flags
+                .iter()
+                .filter(|flags| **flags & flag != 0)
+                .count()
+        };
         assert_eq!(self.flags.len(), slots);
-        assert_eq!(count(FRESH), self.fresh.len(), "each fresh slot is listed once");
-        assert!(self.all_are_watched || count(WATCHED) == self.watched.len(), "each watched slot is listed once");
+        assert_eq!(
+            count(FRESH),
+            self.fresh.len(),
+            "each fresh slot is listed once"
+        );
+        assert!(
+            self.all_are_watched || count(WATCHED) == self.watched.len(),
+            "each watched slot is listed once"
+        );
     }
 
     pub(super) fn memory_bytes(&self) -> usize {

@@ -25,8 +25,9 @@ pub struct LinearOctree {
     pub(super) tick: u32,
     /// By proxy: its slot.
     pub(super) slot_of: Vec<u32>,
-    /// By slot, which is a position in the order of the curve: its proxy. An object that went leaves its slot empty until
-    /// all are sorted anew; one that came has a slot at the end until then.
+    /// By slot, which is a position in the order of the curve: its proxy. An object that went
+    /// leaves its slot empty until all are sorted anew; one that came has a slot at the end until
+    /// then.
     pub(super) owners: Vec<u32>,
     /// How many slots have an owner.
     pub(super) owned: usize,
@@ -97,7 +98,11 @@ impl BroadPhase for LinearOctree {
             let [a, b] = [a, b].map(|slot| ProxyId::new(owners[slot as usize]));
             proxies.admits(a, b)
         };
-        self.near.find(self.level, &self.tree, proxies.are_filtered().then_some(admits));
+        self.near.find(
+            self.level,
+            &self.tree,
+            proxies.are_filtered().then_some(admits),
+        );
         self.compare_near(proxies, pairs);
         self.near.as_slice().len() as u64
     }
@@ -116,7 +121,11 @@ impl BroadPhase for LinearOctree {
     fn for_each_leaf(&self, found: &mut dyn FnMut(Leaf)) {
         let generation = self.tree.height() - 1;
         for (bounds, objects) in self.tree.blocks_of_boxes() {
-            found(Leaf { bounds, generation, objects });
+            found(Leaf {
+                bounds,
+                generation,
+                objects,
+            });
         }
     }
 
@@ -126,10 +135,20 @@ impl BroadPhase for LinearOctree {
             + self.boxes.capacity() * size_of::<Aabb3d>()
             + self.anchors.capacity() * size_of::<Anchor>()
             + self.tree.memory_bytes();
-        let by_job = self.escaped_by_job.iter().map(List::memory_bytes).sum::<usize>()
-            + self.pairs_by_job.iter().map(|pairs| pairs.capacity() * size_of::<Pair>()).sum::<usize>();
-        let lists =
-            by_job + self.escaped.capacity() * size_of::<u32>() + self.near.memory_bytes() + self.order.memory_bytes();
+        let by_job = self
+            .escaped_by_job
+            .iter()
+            .map(List::memory_bytes)
+            .sum::<usize>()
+            + self
+                .pairs_by_job
+                .iter()
+                .map(|pairs| pairs.capacity() * size_of::<Pair>())
+                .sum::<usize>();
+        let lists = by_job
+            + self.escaped.capacity() * size_of::<u32>()
+            + self.near.memory_bytes()
+            + self.order.memory_bytes();
         BroadPhaseStats {
             nodes: self.tree.blocks(),
             leaves: self.tree.leaves(),

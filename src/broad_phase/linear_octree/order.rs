@@ -19,7 +19,8 @@ pub(super) struct Order {
     for_skins: bool,
     /// How many objects came or went since it was made.
     changes: usize,
-    /// How much looser than at first the tree was, summed over the times at which it was searched as a whole since.
+    /// How much looser than at first the tree was, summed over the times at which it was searched
+    /// as a whole since.
     excess: f64,
     items: Vec<Packed>,
     scratch: Vec<Packed>,
@@ -28,8 +29,8 @@ pub(super) struct Order {
 }
 
 impl Order {
-    /// Searching a loose tree costs more, and so does putting it in order. Once the first has cost about as much as the
-    /// second would have, it is time.
+    /// Searching a loose tree costs more, and so does putting it in order. Once the first has cost
+    /// about as much as the second would have, it is time.
     const WORTH_A_SORT: f64 = 1.0;
 
     /// One in so many may come or go.
@@ -63,7 +64,13 @@ impl Order {
         (self.is_known, self.for_skins, self.changes) = (true, for_skins, 0);
         self.excess = 0.0;
         let objects = proxies.iter().map(|(id, _)| id.get());
-        order(level, proxies.boxes(), objects, &mut self.items, &mut self.scratch);
+        order(
+            level,
+            proxies.boxes(),
+            objects,
+            &mut self.items,
+            &mut self.scratch,
+        );
         &self.items
     }
 
@@ -74,7 +81,13 @@ impl Order {
         proxies: &Proxies,
         objects: impl Iterator<Item = u32>,
     ) -> &[Packed] {
-        order(level, proxies.boxes(), objects, &mut self.items, &mut self.scratch);
+        order(
+            level,
+            proxies.boxes(),
+            objects,
+            &mut self.items,
+            &mut self.scratch,
+        );
         &self.items
     }
 
@@ -141,7 +154,11 @@ pub(super) fn order(
         dispatch!(level, simd => set_keys(simd, boxes, items));
         items.sort_unstable();
         let whole = 0..items.len();
-        long_runs.extend(runs(items, run.start).into_iter().filter(|inner| inner.len() < whole.len()));
+        long_runs.extend(
+            runs(items, run.start)
+                .into_iter()
+                .filter(|inner| inner.len() < whole.len()),
+        );
     }
 }
 
@@ -186,7 +203,8 @@ struct Extent {
 impl Extent {
     /// With so many objects or more, a few of them may be left out.
     const MANY: usize = 128;
-    /// How many are then looked at to see where most of them are. One in eight may be far away, on each side.
+    /// How many are then looked at to see where most of them are. One in eight may be far away, on
+    /// each side.
     const SAMPLE: usize = 32;
     /// How many classes of larger sizes than most have there may be.
     const LARGER_CLASSES: usize = 15;
@@ -201,39 +219,59 @@ impl Extent {
             high = high.max(center);
             largest = largest.max(half_sides(aabb));
         }
-        let mut extent = Self { low, high, largest: largest.max_element(), holds_all: true };
+        let mut extent = Self {
+            low,
+            high,
+            largest: largest.max_element(),
+            holds_all: true,
+        };
         if items.len() >= Self::MANY {
             extent.leave_out_a_few(boxes, items);
         }
         extent
     }
 
-    /// A few objects far away would make cells so large that all others share a few of these, and a few large ones would
-    /// leave no class of size to tell the others apart.
+    /// A few objects far away would make cells so large that all others share a few of these, and a
+    /// few large ones would leave no class of size to tell the others apart.
     fn leave_out_a_few(&mut self, boxes: &[Aabb3d], items: &[u64]) {
         let mut samples = [[0.0; Self::SAMPLE]; 4];
         for number in 0..Self::SAMPLE {
             // By the golden ratio: objects may come in turns.
-            let index = ((number as u32).wrapping_mul(0x9E37_79B9) as u64 * items.len() as u64) >> 32;
+            let index =
+                ((number as u32).wrapping_mul(0x9E37_79B9) as u64 * items.len() as u64) >> 32;
             let aabb = &boxes[items[index as usize] as u32 as usize];
             let [x, y, z] = half_center(aabb).to_array();
-            for (sample, value) in samples.iter_mut().zip([x, y, z, half_sides(aabb).max_element()]) {
+            for (sample, value) in samples
+                .iter_mut()
+                .zip([x, y, z, half_sides(aabb).max_element()])
+            {
                 sample[number] = value;
             }
         }
-        samples.iter_mut().for_each(|sample| sample.sort_unstable_by(f32::total_cmp));
-        let ranked = |rank: usize| Vec3A::from_array(std::array::from_fn(|axis| samples[axis][rank]));
-        let (low, high) = (ranked(Self::SAMPLE / 8), ranked(Self::SAMPLE - 1 - Self::SAMPLE / 8));
+        samples
+            .iter_mut()
+            .for_each(|sample| sample.sort_unstable_by(f32::total_cmp));
+        let ranked =
+            |rank: usize| Vec3A::from_array(std::array::from_fn(|axis| samples[axis][rank]));
+        let (low, high) = (
+            ranked(Self::SAMPLE / 8),
+            ranked(Self::SAMPLE - 1 - Self::SAMPLE / 8),
+        );
         let beyond = (high - low).max_element();
         let (low, high) = (low - beyond, high + beyond);
         self.holds_all = (low.cmple(self.low) & high.cmpge(self.high)).all();
         if !self.holds_all {
-            let centers = items.iter().map(|item| half_center(&boxes[*item as u32 as usize]));
+            let centers = items
+                .iter()
+                .map(|item| half_center(&boxes[*item as u32 as usize]));
             let near = centers.filter(|center| (center.cmpge(low) & center.cmple(high)).all());
             let nothing = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
-            (self.low, self.high) = near.fold(nothing, |(low, high), center| (low.min(center), high.max(center)));
+            (self.low, self.high) = near.fold(nothing, |(low, high), center| {
+                (low.min(center), high.max(center))
+            });
         }
-        // The typical size is in the middle of its class: otherwise, rounding might part objects of the same size.
+        // The typical size is in the middle of its class: otherwise, rounding might part objects of
+        // the same size.
         let mut size = samples[3][Self::SAMPLE / 2] * 2.0;
         if size > 0.0 {
             for _ in 0..Self::LARGER_CLASSES {
@@ -244,15 +282,20 @@ impl Extent {
     }
 }
 
-/// The key of objects that are far away from most. The least: pairs of blocks are joined from the first, of which then no
-/// box reaches into the second.
+/// The key of objects that are far away from most. The least: pairs of blocks are joined from the
+/// first, of which then no box reaches into the second.
 const FAR: u32 = 0;
 
 /// Gives items, which have their objects in the lower halves, keys in the upper halves.
 #[inline(always)]
 fn set_keys<S: Simd>(_: S, boxes: &[Aabb3d], items: &mut [u64]) {
     const CELLS: f32 = (1 << CELL_BITS) as f32;
-    let Extent { low, high, largest, holds_all } = Extent::of(boxes, items);
+    let Extent {
+        low,
+        high,
+        largest,
+        holds_all,
+    } = Extent::of(boxes, items);
     let scale = CELLS / (high - low).max_element();
     let scale = if scale.is_finite() { scale } else { 0.0 };
     for items in items.chunks_mut(LANES) {
@@ -260,7 +303,9 @@ fn set_keys<S: Simd>(_: S, boxes: &[Aabb3d], items: &mut [u64]) {
         let mut classes = [0_u32; LANES];
         for (lane, item) in items.iter().enumerate() {
             let aabb = &boxes[*item as u32 as usize];
-            let cell = ((half_center(aabb) - low) * scale).min(Vec3A::splat(CELLS - 1.0)).to_array();
+            let cell = ((half_center(aabb) - low) * scale)
+                .min(Vec3A::splat(CELLS - 1.0))
+                .to_array();
             for axis in 0..3 {
                 cells[axis][lane] = cell[axis] as u32;
             }
@@ -268,7 +313,10 @@ fn set_keys<S: Simd>(_: S, boxes: &[Aabb3d], items: &mut [u64]) {
         }
         let positions = hilbert(cells);
         for (lane, item) in items.iter_mut().enumerate() {
-            *item = pack(classes[lane] << (3 * CELL_BITS) | positions[lane], *item as u32);
+            *item = pack(
+                classes[lane] << (3 * CELL_BITS) | positions[lane],
+                *item as u32,
+            );
         }
     }
     if !holds_all {
@@ -288,8 +336,8 @@ fn size_class(ratio: f32) -> u32 {
     ((ratio.to_bits() >> 23).saturating_sub(127) / 2).min(31)
 }
 
-/// The positions of cells on the Hilbert curve, by Skilling's transform (AIP Conference Proceedings 707, 2004) without
-/// branches.
+/// The positions of cells on the Hilbert curve, by Skilling's transform (AIP Conference Proceedings
+/// 707, 2004) without branches.
 #[inline(always)]
 fn hilbert(cells: [[u32; LANES]; 3]) -> [u32; LANES] {
     let [mut x, mut y, mut z] = cells;
@@ -335,7 +383,8 @@ mod tests {
 
     #[test]
     fn the_curve_visits_neighbours_one_after_the_other() {
-        // The lower corner of the cube is a curve of its own: 8 × 8 × 8 cells, each next to the one before.
+        // The lower corner of the cube is a curve of its own: 8 × 8 × 8 cells, each next to the one
+        // before.
         let mut cells = Vec::new();
         for x in 0..8_u32 {
             for y in 0..8 {
@@ -348,7 +397,9 @@ mod tests {
         }
         cells.sort_unstable();
         for (index, pair) in cells.windows(2).enumerate() {
-            let distance: u32 = (0..3).map(|axis| pair[0].1[axis].abs_diff(pair[1].1[axis])).sum();
+            let distance: u32 = (0..3)
+                .map(|axis| pair[0].1[axis].abs_diff(pair[1].1[axis]))
+                .sum();
             assert_eq!((pair[0].0 as usize, distance), (index, 1));
         }
     }
@@ -356,7 +407,9 @@ mod tests {
     #[test]
     fn sorting_is_stable_and_complete() {
         let mut rng = fastrand::Rng::with_seed(3);
-        let mut items: Vec<u64> = (0..5000).map(|index| pack(rng.u32(0..1000) << 20, index)).collect();
+        let mut items: Vec<u64> = (0..5000)
+            .map(|index| pack(rng.u32(0..1000) << 20, index))
+            .collect();
         let mut expected = items.clone();
         expected.sort_unstable();
         sort(&mut items, &mut Vec::new());

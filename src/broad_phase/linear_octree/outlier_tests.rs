@@ -1,5 +1,5 @@
-//! Few objects that are unlike the others, by size, place or speed: what they cost, counted over many ticks, and that all
-//! pairs are found.
+//! Few objects that are unlike the others, by size, place or speed: what they cost, counted over
+//! many ticks, and that all pairs are found.
 
 use bevy::math::{Vec3, Vec3A, bounding::Aabb3d};
 use proptest::prelude::*;
@@ -13,7 +13,11 @@ use crate::{
 const TICKS: usize = 300;
 
 /// Objects that have skins, that have none, and that are of many sizes.
-const SCENES: [StressScene; 3] = [StressScene::Brownian, StressScene::Gravity, StressScene::Sizes];
+const SCENES: [StressScene; 3] = [
+    StressScene::Brownian,
+    StressScene::Gravity,
+    StressScene::Sizes,
+];
 
 /// What was counted, all ticks together.
 struct Counts {
@@ -23,15 +27,28 @@ struct Counts {
     skins: f64,
 }
 
-/// Counts what a scene costs with a few more boxes in it; `change` puts those of the scene elsewhere, each tick.
-fn count(scene: StressScene, objects: usize, more: &[Aabb3d], mut change: impl FnMut(usize, &mut [Aabb3d])) -> Counts {
+/// Counts what a scene costs with a few more boxes in it; `change` puts those of the scene
+/// elsewhere, each tick.
+fn count(
+    scene: StressScene,
+    objects: usize,
+    more: &[Aabb3d],
+    mut change: impl FnMut(usize, &mut [Aabb3d]),
+) -> Counts {
     let mut simulation = StressSimulation::new(scene, objects, 7);
     let mut index = SpatialIndex::with_engine(Box::<LinearOctree>::default());
     let mut boxes = simulation.boxes().to_vec();
     change(0, &mut boxes);
-    let ids: Vec<_> = boxes.iter().map(|aabb| index.insert(*aabb).unwrap()).collect();
-    more.iter().for_each(|aabb| assert!(index.insert(*aabb).is_ok()));
-    let mut counts = Counts { blocks: 0.0, skins: 0.0 };
+    let ids: Vec<_> = boxes
+        .iter()
+        .map(|aabb| index.insert(*aabb).unwrap())
+        .collect();
+    more.iter()
+        .for_each(|aabb| assert!(index.insert(*aabb).is_ok()));
+    let mut counts = Counts {
+        blocks: 0.0,
+        skins: 0.0,
+    };
     for tick in 1..=TICKS {
         simulation.step();
         boxes.copy_from_slice(simulation.boxes());
@@ -41,9 +58,18 @@ fn count(scene: StressScene, objects: usize, more: &[Aabb3d], mut change: impl F
         }
         index.update();
         let octree: &LinearOctree = index.engine_as().unwrap();
-        counts.skins += if octree.near.are_all_wanted() { objects } else { octree.escaped.len() } as f64;
-        let blocks: Vec<_> = octree.tree.blocks_of_boxes().map(|(bounds, _)| bounds).collect();
-        let overlapped = |(place, a): (usize, &Aabb3d)| blocks[place..].iter().filter(|b| overlap(a, b)).count();
+        counts.skins += if octree.near.are_all_wanted() {
+            objects
+        } else {
+            octree.escaped.len()
+        } as f64;
+        let blocks: Vec<_> = octree
+            .tree
+            .blocks_of_boxes()
+            .map(|(bounds, _)| bounds)
+            .collect();
+        let overlapped =
+            |(place, a): (usize, &Aabb3d)| blocks[place..].iter().filter(|b| overlap(a, b)).count();
         counts.blocks += blocks.iter().enumerate().map(overlapped).sum::<usize>() as f64;
         index.find_pairs();
     }
@@ -55,14 +81,25 @@ fn leave(_: usize, _: &mut [Aabb3d]) {}
 /// The side of the space that a scene begins in.
 fn side(scene: StressScene, objects: usize) -> f32 {
     let simulation = StressSimulation::new(scene, objects, 7);
-    simulation.boxes().iter().map(|aabb| aabb.max.max_element()).fold(0.0, f32::max)
+    simulation
+        .boxes()
+        .iter()
+        .map(|aabb| aabb.max.max_element())
+        .fold(0.0, f32::max)
 }
 
 #[test]
 fn a_few_objects_of_any_size_anywhere_do_not_leave_the_tree_loose() {
     let cube = |at: Vec3, half: f32| Aabb3d::new(at, Vec3::splat(half));
     let ground = |half: f32| Aabb3d::new(Vec3::NEG_Y * 0.5, Vec3::new(half, 0.5, half));
-    let signs = [Vec3::ONE, Vec3::NEG_ONE, Vec3::new(-1.0, 1.0, 1.0), Vec3::new(1.0, -1.0, 0.0), Vec3::X, Vec3::NEG_Y];
+    let signs = [
+        Vec3::ONE,
+        Vec3::NEG_ONE,
+        Vec3::new(-1.0, 1.0, 1.0),
+        Vec3::new(1.0, -1.0, 0.0),
+        Vec3::X,
+        Vec3::NEG_Y,
+    ];
     let far = |distance: f32| signs.map(|sign| cube(sign * distance, 0.5));
     let huge = |half: f32| signs.map(|sign| cube(sign * half * 1.5, half));
     let more = [
@@ -79,7 +116,12 @@ fn a_few_objects_of_any_size_anywhere_do_not_leave_the_tree_loose() {
         let alone = count(scene, 1000, &[], leave);
         for more in &more {
             let ratio = count(scene, 1000, more, leave).blocks / alone.blocks;
-            assert!(ratio < 1.2, "{scene} with {} more, such as {:?}: {ratio}", more.len(), more[0]);
+            assert!(
+                ratio < 1.2,
+                "{scene} with {} more, such as {:?}: {ratio}",
+                more.len(),
+                more[0]
+            );
         }
     }
 }
@@ -92,13 +134,20 @@ fn objects_that_go_far_away_do_not_leave_the_tree_loose() {
             let ratio = count(scene, 1000, &[], |tick, boxes| {
                 for (number, aabb) in boxes.iter_mut().step_by(100).enumerate() {
                     if tick > 10 + 20 * number {
-                        let sign = if number % 2 == 0 { Vec3A::ONE } else { Vec3A::NEG_X };
+                        let sign = if number % 2 == 0 {
+                            Vec3A::ONE
+                        } else {
+                            Vec3A::NEG_X
+                        };
                         (aabb.min, aabb.max) = (sign * distance, sign * distance + 1.0);
                     }
                 }
             });
             let ratio = ratio.blocks / alone.blocks;
-            assert!(ratio < 1.2, "{scene}, ten of which go {distance} away: {ratio}");
+            assert!(
+                ratio < 1.2,
+                "{scene}, ten of which go {distance} away: {ratio}"
+            );
         }
     }
 }
@@ -107,7 +156,8 @@ fn objects_that_go_far_away_do_not_leave_the_tree_loose() {
 fn rooms_far_apart_are_as_good_as_one() {
     for scene in SCENES {
         let alone = count(scene, 1000, &[], leave);
-        // From so far apart that cells of the curve hold a few objects each to so far that they hold all.
+        // From so far apart that cells of the curve hold a few objects each to so far that they
+        // hold all.
         for (rooms, sides) in [(2, 50.0), (2, 150.0), (2, 1e3), (4, 1e3), (4, 1e5)] {
             let distance = sides * side(scene, 1000);
             let ratio = count(scene, 1000, &[], |_, boxes| {
@@ -118,7 +168,10 @@ fn rooms_far_apart_are_as_good_as_one() {
                 }
             });
             let ratio = ratio.blocks / alone.blocks;
-            assert!(ratio < 1.2, "{scene} in {rooms} rooms, {sides} sides from each other: {ratio}");
+            assert!(
+                ratio < 1.2,
+                "{scene} in {rooms} rooms, {sides} sides from each other: {ratio}"
+            );
         }
     }
 }
@@ -133,16 +186,30 @@ fn a_huge_object_does_not_put_all_others_in_one_class_of_size() {
             let at = Vec3::from(std::array::from_fn(|_| rng.f32())) * 20.0;
             proxies.insert(Aabb3d::new(at, Vec3::splat(half))).unwrap();
         }
-        more.iter().for_each(|aabb| assert!(proxies.insert(*aabb).is_ok()));
+        more.iter()
+            .for_each(|aabb| assert!(proxies.insert(*aabb).is_ok()));
         proxies.begin_update();
         let mut octree = LinearOctree::default();
         octree.maintain(&proxies);
-        let blocks: Vec<_> = octree.tree.blocks_of_boxes().map(|(bounds, _)| bounds).collect();
-        blocks.iter().map(|a| blocks.iter().filter(|b| overlap(a, b)).count()).sum::<usize>()
+        let blocks: Vec<_> = octree
+            .tree
+            .blocks_of_boxes()
+            .map(|(bounds, _)| bounds)
+            .collect();
+        blocks
+            .iter()
+            .map(|a| blocks.iter().filter(|b| overlap(a, b)).count())
+            .sum::<usize>()
     };
     let alone = count(&[], &mut rng.clone());
-    let with_huge = count(&[Aabb3d::new(Vec3::splat(10.0), Vec3::splat(1e30))], &mut rng);
-    assert!(with_huge as f64 <= 1.2 * alone as f64, "{with_huge} pairs of blocks, {alone} without it");
+    let with_huge = count(
+        &[Aabb3d::new(Vec3::splat(10.0), Vec3::splat(1e30))],
+        &mut rng,
+    );
+    assert!(
+        with_huge as f64 <= 1.2 * alone as f64,
+        "{with_huge} pairs of blocks, {alone} without it"
+    );
 }
 
 #[test]
@@ -162,7 +229,10 @@ fn a_few_fast_objects_take_no_skins_from_the_others() {
             }
         });
         let (skins, blocks) = (fast.skins / alone.skins, fast.blocks / alone.blocks);
-        assert!(skins < 1.2 && blocks < 1.2, "{speed}: {skins} times as many new skins, {blocks} times as loose");
+        assert!(
+            skins < 1.2 && blocks < 1.2,
+            "{speed}: {skins} times as many new skins, {blocks} times as loose"
+        );
     }
 }
 
@@ -170,16 +240,30 @@ fn a_few_fast_objects_take_no_skins_from_the_others() {
 fn slots_do_not_grow_with_time() {
     let mut rng = fastrand::Rng::with_seed(3);
     let mut checked = Checked::new(Box::<LinearOctree>::default());
-    let mut anywhere = || Aabb3d::new(Vec3::from(std::array::from_fn(|_| rng.f32() * 20.0)), Vec3::splat(0.5));
-    let ids: Vec<_> = (0..500).map(|_| checked.index.insert(anywhere()).unwrap()).collect();
+    let mut anywhere = || {
+        Aabb3d::new(
+            Vec3::from(std::array::from_fn(|_| rng.f32() * 20.0)),
+            Vec3::splat(0.5),
+        )
+    };
+    let ids: Vec<_> = (0..500)
+        .map(|_| checked.index.insert(anywhere()).unwrap())
+        .collect();
     for tick in 0..1000 {
         // Two that jump, in turns.
         for number in 0..2 {
-            checked.index.set(ids[(2 * tick + number) % ids.len()], &anywhere()).unwrap();
+            checked
+                .index
+                .set(ids[(2 * tick + number) % ids.len()], &anywhere())
+                .unwrap();
         }
         checked.step();
         let octree: &LinearOctree = checked.index.engine_as().unwrap();
-        assert!(octree.owners.len() <= 2 * ids.len(), "{} slots", octree.owners.len());
+        assert!(
+            octree.owners.len() <= 2 * ids.len(),
+            "{} slots",
+            octree.owners.len()
+        );
     }
 }
 
@@ -208,7 +292,8 @@ proptest! {
             checked.step();
             for (number, ((at, step, half), id)) in objects.iter_mut().zip(&ids).enumerate() {
                 *at += *step;
-                // Those of the swarm turn round at walls; now and then one of them comes to rest, or jumps.
+                // Those of the swarm turn round at walls; now and then one of them comes to rest,
+                // or jumps.
                 if number < count {
                     let outward = at.cmpgt(Vec3::splat(4.0)) | at.cmplt(Vec3::splat(-4.0));
                     *step = Vec3::select(outward, -at.signum() * step.abs(), *step);

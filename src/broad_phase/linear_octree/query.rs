@@ -22,11 +22,13 @@ struct Task {
     block: u32,
 }
 
-/// As many blocks as can wait: each level but one leaves seven of eight, and there are 11 levels above 2³² boxes.
+/// As many blocks as can wait: each level but one leaves seven of eight, and there are 11 levels
+/// above 2³² boxes.
 const MOST_TASKS: usize = 11 * (WIDTH - 1) + 1;
 
 impl LinearOctree {
-    /// Calls `visit` with each object within the limit, and its distance; it tells the limit from then on.
+    /// Calls `visit` with each object within the limit, and its distance; it tells the limit from
+    /// then on.
     pub(in crate::broad_phase) fn search<M: Measure>(
         &self,
         proxies: &Proxies,
@@ -54,16 +56,19 @@ impl LinearOctree {
     }
 }
 
-/// A query on its way down: one block after the other, from the top one on. All in one function once it is compiled.
+/// A query on its way down: one block after the other, from the top one on. All in one function
+/// once it is compiled.
 struct Descent<'a, M, V> {
     octree: &'a LinearOctree,
     proxies: &'a Proxies,
     measure: &'a M,
     visit: V,
-    /// Objects farther away than this are of no interest, nor blocks beyond the bound that goes with it.
+    /// Objects farther away than this are of no interest, nor blocks beyond the bound that goes
+    /// with it.
     limit: f32,
     bound: Bound,
-    /// The blocks that wait, the next one last. Lent, so that all else here can be kept in registers.
+    /// The blocks that wait, the next one last. Lent, so that all else here can be kept in
+    /// registers.
     tasks: &'a mut [Task; MOST_TASKS],
     waiting: usize,
 }
@@ -72,7 +77,10 @@ impl<M: Measure, V: FnMut(ProxyId, f32) -> ControlFlow<(), f32>> Descent<'_, M, 
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
         let levels = self.octree.tree.as_slice();
-        let mut task = Task { height: levels.len() as u32 - 1, ..Task::default() };
+        let mut task = Task {
+            height: levels.len() as u32 - 1,
+            ..Task::default()
+        };
         loop {
             let block = &levels[task.height as usize][task.block as usize];
             let (hits, nearness) = self.measure.test_block(simd, block, self.bound);
@@ -83,14 +91,22 @@ impl<M: Measure, V: FnMut(ProxyId, f32) -> ControlFlow<(), f32>> Descent<'_, M, 
             } else {
                 None
             };
-            let Some(next) = only_child.or_else(|| self.next_task()) else { return };
+            let Some(next) = only_child.or_else(|| self.next_task()) else {
+                return;
+            };
             task = next;
         }
     }
 
     /// Visits the objects of a block of boxes that are hit.
     #[inline(always)]
-    fn at_leaf<S: Simd>(&mut self, task: Task, block: &Block, hits: u32, nearness: f32x8<S>) -> ControlFlow<()> {
+    fn at_leaf<S: Simd>(
+        &mut self,
+        task: Task,
+        block: &Block,
+        hits: u32,
+        nearness: f32x8<S>,
+    ) -> ControlFlow<()> {
         let first = task.block * WIDTH as u32;
         let mut lanes = [0; WIDTH];
         let count = ranked::<M, S>(hits, nearness, |lane, rank| lanes[rank] = lane);
@@ -98,7 +114,12 @@ impl<M: Measure, V: FnMut(ProxyId, f32) -> ControlFlow<(), f32>> Descent<'_, M, 
             if M::ORDERED && self.bound.excludes(nearness[lane as usize]) {
                 break;
             }
-            let Some(id) = self.octree.owners.get((first + lane) as usize).map(|id| ProxyId::new(*id)) else {
+            let Some(id) = self
+                .octree
+                .owners
+                .get((first + lane) as usize)
+                .map(|id| ProxyId::new(*id))
+            else {
                 continue;
             };
             let distance = if self.octree.exact && M::EXACT {
@@ -114,7 +135,8 @@ impl<M: Measure, V: FnMut(ProxyId, f32) -> ControlFlow<(), f32>> Descent<'_, M, 
         ControlFlow::Continue(())
     }
 
-    /// Has the blocks that are hit wait, the nearest one on top; or returns it, if it is the only one.
+    /// Has the blocks that are hit wait, the nearest one on top; or returns it, if it is the only
+    /// one.
     #[inline(always)]
     fn at_inner<S: Simd>(&mut self, task: Task, hits: u32, nearness: f32x8<S>) -> Option<Task> {
         let (height, first) = (task.height - 1, task.block * WIDTH as u32);
@@ -122,12 +144,20 @@ impl<M: Measure, V: FnMut(ProxyId, f32) -> ControlFlow<(), f32>> Descent<'_, M, 
             return None;
         }
         if hits & (hits - 1) == 0 {
-            return Some(Task { height, block: first + hits.trailing_zeros(), ..task });
+            return Some(Task {
+                height,
+                block: first + hits.trailing_zeros(),
+                ..task
+            });
         }
         let last = self.waiting + hits.count_ones() as usize - 1;
         debug_assert!(last < MOST_TASKS);
         self.waiting += ranked::<M, S>(hits, nearness, |lane, rank| {
-            self.tasks[last - rank] = Task { nearness: nearness[lane as usize], height, block: first + lane };
+            self.tasks[last - rank] = Task {
+                nearness: nearness[lane as usize],
+                height,
+                block: first + lane,
+            };
         });
         None
     }
@@ -146,10 +176,14 @@ impl<M: Measure, V: FnMut(ProxyId, f32) -> ControlFlow<(), f32>> Descent<'_, M, 
     }
 }
 
-/// Calls `f` with each lane that is hit and its rank, from the nearest to the farthest if that matters. Returns the
-/// number of hits.
+/// Calls `f` with each lane that is hit and its rank, from the nearest to the farthest if that
+/// matters. Returns the number of hits.
 #[inline(always)]
-fn ranked<M: Measure, S: Simd>(hits: u32, nearness: f32x8<S>, mut f: impl FnMut(u32, usize)) -> usize {
+fn ranked<M: Measure, S: Simd>(
+    hits: u32,
+    nearness: f32x8<S>,
+    mut f: impl FnMut(u32, usize),
+) -> usize {
     if hits.is_power_of_two() {
         f(hits.trailing_zeros(), 0);
         return 1;

@@ -62,16 +62,28 @@ fn a_far_away_object_does_not_spoil_the_order() {
     let mut compared = Vec::new();
     for far in [None, Some(1e20)] {
         if let Some(far) = far {
-            proxies.insert(Aabb3d::new(Vec3::splat(far), Vec3::ONE)).unwrap();
+            proxies
+                .insert(Aabb3d::new(Vec3::splat(far), Vec3::ONE))
+                .unwrap();
         }
         proxies.touch_all();
         proxies.begin_update();
         octree.refresh(&proxies);
-        let bounds = octree.tree.as_slice()[1].iter().flat_map(|block| (0..WIDTH).map(|lane| block.get(lane)));
+        let bounds = octree.tree.as_slice()[1]
+            .iter()
+            .flat_map(|block| (0..WIDTH).map(|lane| block.get(lane)));
         let side = |aabb: Aabb3d| (aabb.max - aabb.min).max_element();
-        compared.push(bounds.map(side).filter(|side| side.is_finite() && *side < 1e6).sum::<f32>());
+        compared.push(
+            bounds
+                .map(side)
+                .filter(|side| side.is_finite() && *side < 1e6)
+                .sum::<f32>(),
+        );
     }
-    assert!(compared[1] < compared[0] * 1.5, "leaves are as small as before: {compared:?}");
+    assert!(
+        compared[1] < compared[0] * 1.5,
+        "leaves are as small as before: {compared:?}"
+    );
 }
 
 #[test]
@@ -80,18 +92,31 @@ fn objects_that_jump_do_not_leave_the_tree_loose() {
     let mut checked = checked();
     let objects = swarm(&mut rng, 3000, 40.0, 0.0);
     let half = Vec3::splat(0.5);
-    let ids: Vec<_> = objects.iter().map(|(at, _)| checked.index.insert(Aabb3d::new(*at, half)).unwrap()).collect();
+    let ids: Vec<_> = objects
+        .iter()
+        .map(|(at, _)| checked.index.insert(Aabb3d::new(*at, half)).unwrap())
+        .collect();
     checked.step();
     for share in [300, 20, 8, 5, 2, 1] {
-        for (id, (at, _)) in ids.iter().step_by(share).zip(swarm(&mut rng, 3000, 40.0, 0.0)) {
+        for (id, (at, _)) in ids
+            .iter()
+            .step_by(share)
+            .zip(swarm(&mut rng, 3000, 40.0, 0.0))
+        {
             checked.index.set(*id, &Aabb3d::new(at, half)).unwrap();
         }
         checked.index.update();
         let octree: &LinearOctree = checked.index.engine_as().unwrap();
         let growth = octree.tree.looseness();
         let searches = octree.escaped.len().max(1) as f64;
-        assert!(growth * searches <= 3000.0, "one in {share}: {growth} times as loose, searched {searches} times");
-        assert!(growth <= TOO_LOOSE || !octree.near.are_all_wanted(), "one in {share}: {growth}");
+        assert!(
+            growth * searches <= 3000.0,
+            "one in {share}: {growth} times as loose, searched {searches} times"
+        );
+        assert!(
+            growth <= TOO_LOOSE || !octree.near.are_all_wanted(),
+            "one in {share}: {growth}"
+        );
         checked.step();
     }
 }
@@ -99,12 +124,21 @@ fn objects_that_jump_do_not_leave_the_tree_loose() {
 #[test]
 fn resting_objects_are_not_searched_for() {
     let mut checked = checked();
-    let ids: Vec<_> =
-        (0..100).map(|x| checked.index.insert(Aabb3d::new(Vec3::X * x as f32, Vec3::splat(0.5))).unwrap()).collect();
+    let ids: Vec<_> = (0..100)
+        .map(|x| {
+            checked
+                .index
+                .insert(Aabb3d::new(Vec3::X * x as f32, Vec3::splat(0.5)))
+                .unwrap()
+        })
+        .collect();
     checked.step();
     checked.step();
     assert_eq!(checked.index.pairs_tested(), 0);
-    checked.index.set(ids[0], &Aabb3d::new(Vec3::X * 0.5, Vec3::splat(0.5))).unwrap();
+    checked
+        .index
+        .set(ids[0], &Aabb3d::new(Vec3::X * 0.5, Vec3::splat(0.5)))
+        .unwrap();
     checked.step();
     assert!(checked.index.pairs_tested() < 10);
 }
@@ -117,7 +151,12 @@ fn memory_stays_flat_while_objects_come_and_go() {
     let mut bytes = Vec::new();
     for tick in 0..600 {
         for (at, _) in swarm(&mut rng, 4, 20.0, 0.0) {
-            ids.push_back(checked.index.insert(Aabb3d::new(at, Vec3::splat(0.5))).unwrap());
+            ids.push_back(
+                checked
+                    .index
+                    .insert(Aabb3d::new(at, Vec3::splat(0.5)))
+                    .unwrap(),
+            );
         }
         if ids.len() > 200 {
             for id in ids.drain(..4) {

@@ -1,4 +1,5 @@
-//! Upkeep from tick to tick: what to do about skins that objects have left, and about an order that has become a bad one.
+//! Upkeep from tick to tick: what to do about skins that objects have left, and about an order that
+//! has become a bad one.
 
 use super::{
     list::unpack,
@@ -13,7 +14,8 @@ pub(super) const TOO_LOOSE: f64 = 3.0;
 /// How far the upkeep of a tick has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
-    /// Objects that went have no slot any more, and those that came have one, unless they are too many.
+    /// Objects that went have no slot any more, and those that came have one, unless they are too
+    /// many.
     Counted,
     /// The boxes of this tick are gathered, and it is known who left its skin.
     Followed,
@@ -93,17 +95,26 @@ impl LinearOctree {
         let are_many = |count: usize| count * REFRESH_SHARE > proxies.len();
         match stage {
             Stage::Counted if self.owned != proxies.len() => Work::Refresh { forget_order: true },
-            Stage::Counted if self.tight && are_many(proxies.moved().len()) => Work::Refresh { forget_order: false },
+            Stage::Counted if self.tight && are_many(proxies.moved().len()) => Work::Refresh {
+                forget_order: false,
+            },
             Stage::Counted => Work::Follow,
-            Stage::Followed if self.near.searches_are_slow() => Work::Refresh { forget_order: true },
-            Stage::Followed if are_many(self.changes) => Work::Refresh { forget_order: false },
+            Stage::Followed if self.near.searches_are_slow() => {
+                Work::Refresh { forget_order: true }
+            }
+            Stage::Followed if are_many(self.changes) => Work::Refresh {
+                forget_order: false,
+            },
             Stage::Followed if !self.escaped.is_empty() => Work::Renew,
-            Stage::Renewed if self.searches_would_be_dear(proxies) => Work::Refresh { forget_order: true },
+            Stage::Renewed if self.searches_would_be_dear(proxies) => {
+                Work::Refresh { forget_order: true }
+            }
             Stage::Followed | Stage::Renewed => Work::Nothing,
         }
     }
 
-    /// Returns `true` if the tree has become so loose that what will be searched in it costs more than a new order.
+    /// Returns `true` if the tree has become so loose that what will be searched in it costs more
+    /// than a new order.
     fn searches_would_be_dear(&self, proxies: &Proxies) -> bool {
         let looseness = self.tree.looseness();
         let for_single_slots = looseness * self.escaped.len() as f64 > proxies.len() as f64;
@@ -143,7 +154,8 @@ impl LinearOctree {
         for (slot, item) in (0..).zip(self.order.sort(self.level, proxies, for_skins)) {
             let [_, id] = unpack(*item);
             let old = std::mem::replace(&mut self.slot_of[id as usize], slot);
-            self.anchors.push(old_anchors.get(old as usize).copied().unwrap_or_default());
+            self.anchors
+                .push(old_anchors.get(old as usize).copied().unwrap_or_default());
             self.owners.push(id);
         }
         self.order.spare_anchors = old_anchors;
@@ -161,7 +173,10 @@ impl LinearOctree {
         let one_by_one = self.escaped.len() * 32 < self.owners.len();
         for &slot in &self.escaped {
             let index = slot as usize;
-            debug_assert_ne!(self.owners[index], NONE, "nothing is in an empty slot to leave it");
+            debug_assert_ne!(
+                self.owners[index], NONE,
+                "nothing is in an empty slot to leave it"
+            );
             let aabb = &proxies.boxes()[self.owners[index] as usize];
             let skin = self.anchors[index].renew(self.tick, aabb, horizon);
             self.tree.set(index, &skin.unwrap_or(*aabb));

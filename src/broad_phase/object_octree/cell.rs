@@ -11,8 +11,8 @@ pub struct Cell {
     lo: Vec3A,
     /// Upper corner, not part of the cell; +∞ where the cell is one of the outermost.
     hi: Vec3A,
-    /// Where the cell divides. Planes are computed once, when the cell is made, and inherited from then on, so that
-    /// neighbours agree on their common border to the bit.
+    /// Where the cell divides. Planes are computed once, when the cell is made, and inherited from
+    /// then on, so that neighbours agree on their common border to the bit.
     mid: Vec3A,
     /// From `mid` to the borders of the cell as it would be without infinity.
     half_size: f32,
@@ -20,10 +20,12 @@ pub struct Cell {
     objects: Vec<u32>,
     /// How many of `objects` count against N.
     counted: u32,
-    /// The last turn in which this cell was known to list the object, and in which it was searched for pairs.
+    /// The last turn in which this cell was known to list the object, and in which it was searched
+    /// for pairs.
     pub(super) held: u64,
     pub(super) searched: u64,
-    /// Of a split node: while fewer objects than this have left its leaves, these list too many to merge.
+    /// Of a split node: while fewer objects than this have left its leaves, these list too many to
+    /// merge.
     pub(super) surplus: u32,
     /// Does the node wait for a split or a merge?
     pub(super) queued: bool,
@@ -32,7 +34,13 @@ pub struct Cell {
 impl Cell {
     /// The cell of the root, which is all of space.
     pub(super) fn root(center: Vec3A, half_size: f32) -> Self {
-        Self { lo: Vec3A::NEG_INFINITY, hi: Vec3A::INFINITY, mid: center, half_size, ..Self::default() }
+        Self {
+            lo: Vec3A::NEG_INFINITY,
+            hi: Vec3A::INFINITY,
+            mid: center,
+            half_size,
+            ..Self::default()
+        }
     }
 
     /// Makes this the cell of a child, with an empty list.
@@ -44,7 +52,8 @@ impl Cell {
         *self = Self {
             lo: Vec3A::select(upper, parent.mid, parent.lo),
             hi: Vec3A::select(upper, parent.hi, parent.mid),
-            mid: parent.mid + Vec3A::select(upper, Vec3A::splat(half_size), Vec3A::splat(-half_size)),
+            mid: parent.mid
+                + Vec3A::select(upper, Vec3A::splat(half_size), Vec3A::splat(-half_size)),
             half_size,
             generation: parent.generation + 1,
             objects,
@@ -54,21 +63,33 @@ impl Cell {
 
     /// What children are made from.
     pub(super) const fn frame(&self) -> CellFrame {
-        CellFrame { lo: self.lo, hi: self.hi, mid: self.mid, half_size: self.half_size, generation: self.generation }
+        CellFrame {
+            lo: self.lo,
+            hi: self.hi,
+            mid: self.mid,
+            half_size: self.half_size,
+            generation: self.generation,
+        }
     }
 
-    /// Returns the cell as a box. The corners of outermost cells are infinite; the upper borders are not part of the
-    /// cell.
+    /// Returns the cell as a box. The corners of outermost cells are infinite; the upper borders
+    /// are not part of the cell.
     #[inline]
     #[must_use]
     pub const fn bounds(&self) -> Aabb3d {
-        Aabb3d { min: self.lo, max: self.hi }
+        Aabb3d {
+            min: self.lo,
+            max: self.hi,
+        }
     }
 
     /// Returns the cell's cube, without the reach to infinity of the outermost cells.
     #[must_use]
     pub fn cube(&self) -> Aabb3d {
-        Aabb3d { min: self.mid - self.half_size, max: self.mid + self.half_size }
+        Aabb3d {
+            min: self.mid - self.half_size,
+            max: self.mid + self.half_size,
+        }
     }
 
     /// Returns the generation of the node: 0 for the root.
@@ -78,21 +99,24 @@ impl Cell {
         self.generation
     }
 
-    /// Returns the indices of the objects listed here, in no particular order. Empty for a node that is split.
+    /// Returns the indices of the objects listed here, in no particular order. Empty for a node
+    /// that is split.
     #[inline]
     #[must_use]
     pub fn listed(&self) -> &[u32] {
         &self.objects
     }
 
-    /// Returns how many of the listed objects count against N: those that are not larger than the cell.
+    /// Returns how many of the listed objects count against N: those that are not larger than the
+    /// cell.
     #[inline]
     #[must_use]
     pub const fn counted(&self) -> u32 {
         self.counted
     }
 
-    /// Returns `true` if a box overlaps the cell. Touching the lower borders counts, touching the upper ones does not.
+    /// Returns `true` if a box overlaps the cell. Touching the lower borders counts, touching the
+    /// upper ones does not.
     #[inline]
     #[must_use]
     pub fn overlaps(&self, aabb: &Aabb3d) -> bool {

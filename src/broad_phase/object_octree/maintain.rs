@@ -1,8 +1,8 @@
 //! Maintenance after a tick (Swan 1994, section 2.4): objects leave leaves, and enter others.
 //!
-//! All objects that moved take their turn first; nodes split and merge afterwards, when every list is up to date. The
-//! outcome is that of restructuring after each object, since the shape is canonical, with no node split only to be
-//! merged again in the same tick.
+//! All objects that moved take their turn first; nodes split and merge afterwards, when every list
+//! is up to date. The outcome is that of restructuring after each object, since the shape is
+//! canonical, with no node split only to be merged again in the same tick.
 
 use bevy::math::bounding::Aabb3d;
 use smallvec::SmallVec;
@@ -57,8 +57,8 @@ impl ObjectOctree {
         self.unsettle(object);
     }
 
-    /// The report's first check: takes the object off the lists of the leaves that it has left, and marks the others
-    /// as holding it in this turn.
+    /// The report's first check: takes the object off the lists of the leaves that it has left, and
+    /// marks the others as holding it in this turn.
     fn leave(&mut self, object: u32, aabb: &Aabb3d) {
         let turn = self.next_turn();
         let mut index = 0;
@@ -74,13 +74,18 @@ impl ObjectOctree {
         }
     }
 
-    /// The lowest node above one of an object's leaves that holds all of a box: the second check begins there. (The
-    /// report goes from neighbour to neighbour instead; see `ARCHITECTURE.md` for what that costs.)
+    /// The lowest node above one of an object's leaves that holds all of a box: the second check
+    /// begins there. (The report goes from neighbour to neighbour instead; see `ARCHITECTURE.md`
+    /// for what that costs.)
     fn holder(&self, object: u32, aabb: &Aabb3d) -> NodeId {
-        let Some(&leaf) = self.entries[object as usize].leaves.first() else { return NodeId::ROOT };
+        let Some(&leaf) = self.entries[object as usize].leaves.first() else {
+            return NodeId::ROOT;
+        };
         let mut node = leaf;
         while !self.tree.data(node).holds(aabb) {
-            let Some(parent) = self.tree.parent(node) else { break };
+            let Some(parent) = self.tree.parent(node) else {
+                break;
+            };
             node = parent;
         }
         node
@@ -107,7 +112,8 @@ impl ObjectOctree {
         self.entries[object as usize].stay = StayRegion::NOWHERE;
     }
 
-    /// Enters an object in all leaves at or below a node that its box overlaps and that are not marked as holding it.
+    /// Enters an object in all leaves at or below a node that its box overlaps and that are not
+    /// marked as holding it.
     fn enter_below(&mut self, top: NodeId, object: u32, aabb: &Aabb3d) {
         let mut stack: SmallVec<[NodeId; 32]> = SmallVec::new();
         stack.push(top);
@@ -116,7 +122,12 @@ impl ObjectOctree {
             let cell = self.tree.data_mut(node);
             if children.len() > 0 {
                 let octants = cell.octants(aabb);
-                stack.extend(children.enumerate().filter(|(o, _)| octants >> o & 1 != 0).map(|(_, child)| child));
+                stack.extend(
+                    children
+                        .enumerate()
+                        .filter(|(o, _)| octants >> o & 1 != 0)
+                        .map(|(_, child)| child),
+                );
             } else if cell.held != self.turn {
                 cell.held = self.turn;
                 self.list(node, object);

@@ -27,10 +27,11 @@ pub struct ObjectOctree {
     pub(super) entries: Vec<Entry>,
     /// By proxy index: the last count of distinct objects that saw it.
     pub(super) seen: Vec<u64>,
-    /// Counts the objects' turns in maintenance and other walks; marks on cells and objects that equal it were made
-    /// in the current one.
+    /// Counts the objects' turns in maintenance and other walks; marks on cells and objects that
+    /// equal it were made in the current one.
     pub(super) turn: u64,
-    /// Leaves that came to list more than N objects, and nodes of which a child lost one: each at most once.
+    /// Leaves that came to list more than N objects, and nodes of which a child lost one: each at
+    /// most once.
     pub(super) overfull: Vec<NodeId>,
     pub(super) shrunk: Vec<NodeId>,
     /// Objects whose list of leaves changed.
@@ -80,7 +81,8 @@ impl ObjectOctree {
     /// Creates an empty octree.
     ///
     /// # Panics
-    /// In builds with debug assertions, if the settings do not pass their [check](ObjectOctreeSettings::check).
+    /// In builds with debug assertions, if the settings do not pass their
+    /// [check](ObjectOctreeSettings::check).
     #[must_use]
     pub fn new(settings: ObjectOctreeSettings) -> Self {
         debug_assert_eq!(settings.check(), Ok(()));
@@ -113,16 +115,20 @@ impl ObjectOctree {
         &self.tree
     }
 
-    /// Returns the root cell as laid, without the reach to infinity; `None` while there are no objects.
+    /// Returns the root cell as laid, without the reach to infinity; `None` while there are no
+    /// objects.
     #[must_use]
     pub fn root_cell(&self) -> Option<Aabb3d> {
         self.root.map(|root| root.bounds())
     }
 
-    /// Returns the leaves that list an object, in no particular order; none if there is no such object.
+    /// Returns the leaves that list an object, in no particular order; none if there is no such
+    /// object.
     #[must_use]
     pub fn leaves_of(&self, id: ProxyId) -> &[NodeId] {
-        self.entries.get(id.index()).map_or(&[], |entry| &entry.leaves)
+        self.entries
+            .get(id.index())
+            .map_or(&[], |entry| &entry.leaves)
     }
 
     /// A number that no mark has yet.
@@ -182,14 +188,23 @@ impl BroadPhase for ObjectOctree {
                 continue;
             }
             for &object in cell.listed() {
-                visitor.object(ProxyId::new(object), &self.entries[object as usize].aabb, &bounds);
+                visitor.object(
+                    ProxyId::new(object),
+                    &self.entries[object as usize].aabb,
+                    &bounds,
+                );
             }
-            // From the octant next to the viewpoint to the opposite one, none before one that may hide it.
+            // From the octant next to the viewpoint to the opposite one, none before one that may
+            // hide it.
             if self.tree.is_leaf(node) {
                 continue;
             }
             let near = cell.octant_towards(visitor.viewpoint());
-            stack.extend((0..8).rev().filter_map(|i| self.tree.child(node, Vertex::from_bits(near.bits() ^ i))));
+            stack.extend(
+                (0..8)
+                    .rev()
+                    .filter_map(|i| self.tree.child(node, Vertex::from_bits(near.bits() ^ i))),
+            );
         }
     }
 
@@ -199,7 +214,11 @@ impl BroadPhase for ObjectOctree {
         }
         for leaf in self.tree.leaves(NodeId::ROOT) {
             let cell = self.tree.data(leaf);
-            found(Leaf { bounds: cell.cube(), generation: cell.generation(), objects: cell.listed().len() as u32 });
+            found(Leaf {
+                bounds: cell.cube(),
+                generation: cell.generation(),
+                objects: cell.listed().len() as u32,
+            });
         }
     }
 
@@ -212,7 +231,8 @@ impl BroadPhase for ObjectOctree {
                 + self.entries.capacity() * size_of::<Entry>()
                 + self.seen.capacity() * size_of::<u64>()
                 + queues * size_of::<NodeId>()
-                + (self.unsettled.capacity() + self.spare.iter().map(Vec::capacity).sum::<usize>()) * size_of::<u32>()
+                + (self.unsettled.capacity() + self.spare.iter().map(Vec::capacity).sum::<usize>())
+                    * size_of::<u32>()
                 + self.spare.capacity() * size_of::<Vec<u32>>()
                 + self.group.memory_bytes(),
             ..BroadPhaseStats::default()

@@ -23,8 +23,8 @@ impl ObjectOctree {
         }
     }
 
-    /// Merges leaves that list at most N distinct objects with their siblings, and goes on with the parents. No node
-    /// is made here, so that the handle of a node that is gone names no other.
+    /// Merges leaves that list at most N distinct objects with their siblings, and goes on with the
+    /// parents. No node is made here, so that the handle of a node that is gone names no other.
     fn merge_shrunk(&mut self) {
         // The list grows on the way.
         let mut index = 0;
@@ -44,8 +44,8 @@ impl ObjectOctree {
         self.shrunk.clear();
     }
 
-    /// The distinct objects of a node's eight leaves, and how many of them count against N; `None` if they are too
-    /// many, or the children are not all leaves.
+    /// The distinct objects of a node's eight leaves, and how many of them count against N; `None`
+    /// if they are too many, or the children are not all leaves.
     fn mergeable(&mut self, node: NodeId) -> Option<(Vec<u32>, u32)> {
         let children = self.tree.children(node);
         if children.len() == 0 || children.clone().any(|child| self.tree.is_split(child)) {
@@ -53,7 +53,11 @@ impl ObjectOctree {
         }
         let limit = self.settings.max_objects - self.settings.merge_slack;
         // What one of them lists may be too much already.
-        let most = children.clone().map(|child| self.tree.data(child).counted()).max().unwrap_or(0);
+        let most = children
+            .clone()
+            .map(|child| self.tree.data(child).counted())
+            .max()
+            .unwrap_or(0);
         if most > limit {
             self.tree.data_mut(node).surplus = most - limit;
             return None;
@@ -82,7 +86,9 @@ impl ObjectOctree {
     fn merge(&mut self, node: NodeId, objects: Vec<u32>, counted: u32) {
         for &object in &objects {
             let entry = &mut self.entries[object as usize];
-            entry.leaves.retain(|leaf| self.tree.parent(*leaf) != Some(node));
+            entry
+                .leaves
+                .retain(|leaf| self.tree.parent(*leaf) != Some(node));
             entry.leaves.push(node);
             self.unsettle(object);
         }
@@ -94,7 +100,8 @@ impl ObjectOctree {
         self.tree.data_mut(node).put_list(objects, counted);
     }
 
-    /// Splits leaves that list more than N objects, and their children in turn, down to the depth limit.
+    /// Splits leaves that list more than N objects, and their children in turn, down to the depth
+    /// limit.
     fn split_overfull(&mut self) {
         while let Some(leaf) = self.overfull.pop() {
             if !self.tree.contains(leaf) {
@@ -102,7 +109,9 @@ impl ObjectOctree {
             }
             let cell = self.tree.data_mut(leaf);
             cell.queued = false;
-            if must_split(cell, self.settings.max_objects, self.settings.max_depth) && !self.tree.is_split(leaf) {
+            if must_split(cell, self.settings.max_objects, self.settings.max_depth)
+                && !self.tree.is_split(leaf)
+            {
                 self.split(leaf);
             }
         }
@@ -145,12 +154,16 @@ impl ObjectOctree {
             let entry = &mut self.entries[object as usize];
             entry.unsettled = false;
             let cells = entry.leaves.iter().map(|leaf| self.tree.data(*leaf));
-            entry.stay =
-                if entry.leaves.is_empty() { StayRegion::NOWHERE } else { StayRegion::new(&entry.aabb, cells) };
+            entry.stay = if entry.leaves.is_empty() {
+                StayRegion::NOWHERE
+            } else {
+                StayRegion::new(&entry.aabb, cells)
+            };
         }
     }
 
-    /// Keeps a list for the next leaf. Those that have grown beyond what leaves need are let go: by and by, all would.
+    /// Keeps a list for the next leaf. Those that have grown beyond what leaves need are let go: by
+    /// and by, all would.
     pub(super) fn recycle(&mut self, mut list: Vec<u32>) {
         let most = 2 * (self.settings.max_objects as usize + 1);
         if (1..=most).contains(&list.capacity()) {

@@ -7,8 +7,8 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, Reflect)]
 #[type_path = "bevy_octree"]
 pub enum RootPolicy {
-    /// A cube around the centre of the bounding box of all objects, its side this multiple of the box's longest side. The
-    /// report's heuristic is 1.5.
+    /// A cube around the centre of the bounding box of all objects, its side this multiple of the
+    /// box's longest side. The report's heuristic is 1.5.
     Fit {
         /// Side of the root over the longest side of the bounding box; at least 1.
         scale: f32,
@@ -28,8 +28,21 @@ impl PartialEq for RootPolicy {
         let same = |a: f32, b: f32| a == b || (a.is_nan() && b.is_nan());
         match (*self, *other) {
             (Self::Fit { scale: a }, Self::Fit { scale: b }) => same(a, b),
-            (Self::Cube { center: a, half_size: r }, Self::Cube { center: b, half_size: s }) => {
-                same(r, s) && a.to_array().into_iter().zip(b.to_array()).all(|(a, b)| same(a, b))
+            (
+                Self::Cube {
+                    center: a,
+                    half_size: r,
+                },
+                Self::Cube {
+                    center: b,
+                    half_size: s,
+                },
+            ) => {
+                same(r, s)
+                    && a.to_array()
+                        .into_iter()
+                        .zip(b.to_array())
+                        .all(|(a, b)| same(a, b))
             }
             (Self::Fit { .. }, Self::Cube { .. }) | (Self::Cube { .. }, Self::Fit { .. }) => false,
         }
@@ -46,34 +59,44 @@ impl Default for RootPolicy {
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
 pub struct ObjectOctreeSettings {
-    /// The report's N: a leaf that lists more objects than this splits, unless it is at the depth limit. At least 1.
+    /// The report's N: a leaf that lists more objects than this splits, unless it is at the depth
+    /// limit. At least 1.
     ///
-    /// Small values make many small leaves: few boxes are compared, and much is maintained. Large values do the
-    /// opposite. Boxes are compared eight at a time, which favours large ones. With 1 000 and 8 000 boxes of the scenes
-    /// in [`stress`](crate::scene::stress), the default, 64, takes 0.6 to 1.0 of the time of 32, and 128 takes 0.7 to 1.3
-    /// of that of 64.
+    /// Small values make many small leaves: few boxes are compared, and much is maintained. Large
+    /// values do the opposite. Boxes are compared eight at a time, which favours large ones. With 1
+    /// 000 and 8 000 boxes of the scenes in [`stress`](crate::scene::stress), the default, 64,
+    /// takes 0.6 to 1.0 of the time of 32, and 128 takes 0.7 to 1.3 of that of 64.
     pub max_objects: u32,
-    /// The depth limit: no node has a generation above this. From 1 to [`MAX_DEPTH`](Self::MAX_DEPTH).
+    /// The depth limit: no node has a generation above this. From 1 to
+    /// [`MAX_DEPTH`](Self::MAX_DEPTH).
     ///
     /// Without it, objects in one spot would split for ever.
     pub max_depth: u32,
     /// How the root cell is laid.
     pub root: RootPolicy,
-    /// How often the root cell may double toward objects that leave it, since it was laid. Objects beyond the root are
-    /// still found: they are listed in the outermost cells, which reach to infinity. The bound keeps a single runaway from
-    /// making the root so large that all others share a few cells at the depth limit. When the objects need no more than a
-    /// quarter of the root any longer, or more than an eighth of them are beyond it, the root is
-    /// [laid anew](super#what-holds).
+    /// How often the root cell may double toward objects that leave it, since it was laid. Objects
+    /// beyond the root are still found: they are listed in the outermost cells, which reach to
+    /// infinity. The bound keeps a single runaway from making the root so large that all others
+    /// share a few cells at the depth limit. When the objects need no more than a quarter of the
+    /// root any longer, or more than an eighth of them are beyond it, the root is [laid
+    /// anew](super#what-holds).
     pub max_doublings: u32,
-    /// Eight leaves merge when they list at most `max_objects - merge_slack` distinct objects between them. With a
-    /// slack above 0, objects that wander to and fro across a border do not split and merge the same nodes at each
-    /// crossing; the tree then depends on its history. Below `max_objects`.
+    /// Eight leaves merge when they list at most `max_objects - merge_slack` distinct objects
+    /// between them. With a slack above 0, objects that wander to and fro across a border do not
+    /// split and merge the same nodes at each crossing; the tree then depends on its history. Below
+    /// `max_objects`.
     pub merge_slack: u32,
 }
 
 impl Default for ObjectOctreeSettings {
     fn default() -> Self {
-        Self { max_objects: 64, max_depth: 16, root: RootPolicy::default(), max_doublings: 16, merge_slack: 0 }
+        Self {
+            max_objects: 64,
+            max_depth: 16,
+            root: RootPolicy::default(),
+            max_doublings: 16,
+            merge_slack: 0,
+        }
     }
 }
 
@@ -84,7 +107,10 @@ impl ObjectOctreeSettings {
     /// Returns the defaults, with another N.
     #[must_use]
     pub fn with_max_objects(max_objects: u32) -> Self {
-        Self { max_objects, ..Self::default() }
+        Self {
+            max_objects,
+            ..Self::default()
+        }
     }
 
     /// Checks every setting.
@@ -99,10 +125,15 @@ impl ObjectOctreeSettings {
             return Err(SettingsError::MaxDepth(self.max_depth));
         }
         if self.merge_slack >= self.max_objects {
-            return Err(SettingsError::MergeSlack { slack: self.merge_slack, max_objects: self.max_objects });
+            return Err(SettingsError::MergeSlack {
+                slack: self.merge_slack,
+                max_objects: self.max_objects,
+            });
         }
         match self.root {
-            RootPolicy::Fit { scale } if !(scale.is_finite() && scale >= 1.0) => Err(SettingsError::RootScale(scale)),
+            RootPolicy::Fit { scale } if !(scale.is_finite() && scale >= 1.0) => {
+                Err(SettingsError::RootScale(scale))
+            }
             RootPolicy::Cube { center, half_size }
                 if !(center.is_finite() && half_size.is_finite() && half_size > 0.0) =>
             {
@@ -112,8 +143,8 @@ impl ObjectOctreeSettings {
         }
     }
 
-    /// Returns the nearest settings that pass the [`check`](Self::check), with a warning in the log for what was out of
-    /// range.
+    /// Returns the nearest settings that pass the [`check`](Self::check), with a warning in the log
+    /// for what was out of range.
     #[must_use]
     pub fn clamped(&self) -> Self {
         let mut settings = *self;
@@ -121,10 +152,16 @@ impl ObjectOctreeSettings {
             tracing::warn!("{error}; the nearest allowed value is used");
             match error {
                 SettingsError::MaxObjects => settings.max_objects = 1,
-                SettingsError::MaxDepth(depth) => settings.max_depth = depth.clamp(1, Self::MAX_DEPTH),
+                SettingsError::MaxDepth(depth) => {
+                    settings.max_depth = depth.clamp(1, Self::MAX_DEPTH)
+                }
                 SettingsError::MergeSlack { .. } => settings.merge_slack = settings.max_objects - 1,
-                SettingsError::RootScale(scale) if scale < 1.0 => settings.root = RootPolicy::Fit { scale: 1.0 },
-                SettingsError::RootScale(_) | SettingsError::RootCube { .. } => settings.root = RootPolicy::default(),
+                SettingsError::RootScale(scale) if scale < 1.0 => {
+                    settings.root = RootPolicy::Fit { scale: 1.0 }
+                }
+                SettingsError::RootScale(_) | SettingsError::RootCube { .. } => {
+                    settings.root = RootPolicy::default()
+                }
             }
         }
         settings
@@ -172,23 +209,77 @@ mod tests {
         let good = ObjectOctreeSettings::default();
         assert_eq!(good.check(), Ok(()));
         assert_eq!(good.clamped(), good);
-        let cube = |half_size| RootPolicy::Cube { center: Vec3::ZERO, half_size };
+        let cube = |half_size| RootPolicy::Cube {
+            center: Vec3::ZERO,
+            half_size,
+        };
         let bad = [
-            (ObjectOctreeSettings { max_objects: 0, ..good }, "max_objects is 0"),
-            (ObjectOctreeSettings { max_depth: 0, ..good }, "max_depth is 0"),
-            (ObjectOctreeSettings { max_depth: 25, ..good }, "max_depth is 25"),
-            (ObjectOctreeSettings { merge_slack: 64, ..good }, "merge_slack is 64"),
-            (ObjectOctreeSettings { root: RootPolicy::Fit { scale: 0.5 }, ..good }, "scale is 0.5"),
-            (ObjectOctreeSettings { root: RootPolicy::Fit { scale: f32::NAN }, ..good }, "scale is NaN"),
-            (ObjectOctreeSettings { root: cube(0.0), ..good }, "half size 0"),
-            (ObjectOctreeSettings { root: cube(f32::INFINITY), ..good }, "half size inf"),
+            (
+                ObjectOctreeSettings {
+                    max_objects: 0,
+                    ..good
+                },
+                "max_objects is 0",
+            ),
+            (
+                ObjectOctreeSettings {
+                    max_depth: 0,
+                    ..good
+                },
+                "max_depth is 0",
+            ),
+            (
+                ObjectOctreeSettings {
+                    max_depth: 25,
+                    ..good
+                },
+                "max_depth is 25",
+            ),
+            (
+                ObjectOctreeSettings {
+                    merge_slack: 64,
+                    ..good
+                },
+                "merge_slack is 64",
+            ),
+            (
+                ObjectOctreeSettings {
+                    root: RootPolicy::Fit { scale: 0.5 },
+                    ..good
+                },
+                "scale is 0.5",
+            ),
+            (
+                ObjectOctreeSettings {
+                    root: RootPolicy::Fit { scale: f32::NAN },
+                    ..good
+                },
+                "scale is NaN",
+            ),
+            (
+                ObjectOctreeSettings {
+                    root: cube(0.0),
+                    ..good
+                },
+                "half size 0",
+            ),
+            (
+                ObjectOctreeSettings {
+                    root: cube(f32::INFINITY),
+                    ..good
+                },
+                "half size inf",
+            ),
         ];
         for (settings, expected) in bad {
             let error = settings.check().unwrap_err().to_string();
             assert!(error.contains(expected), "{error}");
             assert_eq!(settings.clamped().check(), Ok(()));
             let same = settings;
-            assert_eq!(settings, same, "settings that stay as they are have not changed");
+            assert_eq!(
+                settings, same,
+                "settings that stay as they are have not changed"
+            );
         }
     }
 }

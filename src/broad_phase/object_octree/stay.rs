@@ -6,13 +6,15 @@ use super::cell::Cell;
 
 /// Where a box may go while the leaves that it overlaps stay the same.
 ///
-/// The report tests whether a box lies completely within its node; this is the same test for boxes that straddle
-/// borders too. The lower corner may move between the nearest plane below it that it must not cross and the nearest
-/// inner plane that it must not pass; the upper corner likewise. Both limits come from the cells of the leaves.
+/// The report tests whether a box lies completely within its node; this is the same test for boxes
+/// that straddle borders too. The lower corner may move between the nearest plane below it that it
+/// must not cross and the nearest inner plane that it must not pass; the upper corner likewise.
+/// Both limits come from the cells of the leaves.
 ///
-/// Why it is enough: each of the leaves still overlaps the box, by the inner limits. And the region between the outer
-/// limits is covered by the leaves: from any point of it, the nearest point of the old box lies in one of them, and
-/// that one reaches as far as the outer limit on each axis that the point had to be moved along.
+/// Why it is enough: each of the leaves still overlaps the box, by the inner limits. And the region
+/// between the outer limits is covered by the leaves: from any point of it, the nearest point of
+/// the old box lies in one of them, and that one reaches as far as the outer limit on each axis
+/// that the point had to be moved along.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct StayRegion {
     /// The lower corner stays at or above this,
@@ -46,8 +48,14 @@ impl StayRegion {
             let Aabb3d { min: lo, max: hi } = cell.bounds();
             let reaches_below = lo.cmple(aabb.min);
             let reaches_above = hi.cmpgt(aabb.max);
-            region.outer_min = region.outer_min.max(Vec3A::select(reaches_below, lo, Vec3A::NEG_INFINITY));
-            region.outer_max = region.outer_max.min(Vec3A::select(reaches_above, hi, Vec3A::INFINITY));
+            region.outer_min =
+                region
+                    .outer_min
+                    .max(Vec3A::select(reaches_below, lo, Vec3A::NEG_INFINITY));
+            region.outer_max =
+                region
+                    .outer_max
+                    .min(Vec3A::select(reaches_above, hi, Vec3A::INFINITY));
             region.inner_min = region.inner_min.min(hi);
             region.inner_max = region.inner_max.max(lo);
         }

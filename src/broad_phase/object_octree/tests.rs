@@ -57,21 +57,31 @@ fn the_object_after_the_nth_splits_the_root() {
 
 #[test]
 fn a_straddler_is_listed_in_every_leaf_that_it_touches() {
-    let root = RootPolicy::Cube { center: Vec3::ZERO, half_size: 4.0 };
+    let root = RootPolicy::Cube {
+        center: Vec3::ZERO,
+        half_size: 4.0,
+    };
     let mut checked = checked(ObjectOctreeSettings { root, ..with_n(1) });
     let middle = checked.index.insert(cube(0.0, 0.0, 0.0, 0.5)).unwrap();
     let edge = checked.index.insert(cube(-0.5, 3.0, 3.0, 0.5)).unwrap();
     let below = checked.index.insert(cube(-0.75, -3.0, 3.0, 0.5)).unwrap();
     checked.step();
     assert_eq!(octree(&checked).leaves_of(middle).len(), 8);
-    assert_eq!(octree(&checked).leaves_of(edge).len(), 2, "touching the upper cell's lower border counts");
+    assert_eq!(
+        octree(&checked).leaves_of(edge).len(),
+        2,
+        "touching the upper cell's lower border counts"
+    );
     assert_eq!(octree(&checked).leaves_of(below).len(), 1);
 }
 
 #[test]
 fn coincident_objects_stop_splitting() {
     for count in [3, 40] {
-        let mut checked = checked(ObjectOctreeSettings { max_depth: 12, ..with_n(2) });
+        let mut checked = checked(ObjectOctreeSettings {
+            max_depth: 12,
+            ..with_n(2)
+        });
         for _ in 0..count {
             checked.index.insert(cube(0.3, 0.2, 0.1, 0.5)).unwrap();
             checked.index.insert(cube(40.0, 0.2, 0.1, 0.0)).unwrap();
@@ -83,7 +93,10 @@ fn coincident_objects_stop_splitting() {
 
 #[test]
 fn objects_far_outside_the_root_are_found() {
-    let mut checked = checked(ObjectOctreeSettings { max_doublings: 2, ..with_n(1) });
+    let mut checked = checked(ObjectOctreeSettings {
+        max_doublings: 2,
+        ..with_n(1)
+    });
     let ids = [0.0, 3.0, 6.0, 9.0].map(|x| checked.index.insert(cube(x, 0.0, 0.0, 1.0)).unwrap());
     checked.step();
     assert!(checked.index.pairs().is_empty());
@@ -100,7 +113,10 @@ fn the_root_doubles_when_an_object_leaves_it() {
     let ids = [0.0, 4.0].map(|x| checked.index.insert(cube(x, 0.0, 0.0, 1.0)).unwrap());
     checked.step();
     let before = octree(&checked).root_cell().unwrap();
-    checked.index.set(ids[1], &cube(9.0, 0.0, 0.0, 1.0)).unwrap();
+    checked
+        .index
+        .set(ids[1], &cube(9.0, 0.0, 0.0, 1.0))
+        .unwrap();
     checked.step();
     let after = octree(&checked).root_cell().unwrap();
     assert_eq!((after.max - after.min).x, 2.0 * (before.max - before.min).x);
@@ -121,13 +137,29 @@ fn half_size(checked: &Checked) -> f32 {
 /// Cubes in a grid of 6 × 6 × 6, and one that goes far away and comes back.
 #[test]
 fn the_root_shrinks_after_an_excursion() {
-    for policy in [RootPolicy::default(), RootPolicy::Cube { center: Vec3::splat(9.0), half_size: 16.0 }] {
-        let mut checked = checked(ObjectOctreeSettings { root: policy, ..with_n(4) });
+    for policy in [
+        RootPolicy::default(),
+        RootPolicy::Cube {
+            center: Vec3::splat(9.0),
+            half_size: 16.0,
+        },
+    ] {
+        let mut checked = checked(ObjectOctreeSettings {
+            root: policy,
+            ..with_n(4)
+        });
         let at = |i: u16| Vec3::from([i % 6, i / 6 % 6, i / 36].map(|c| 3.0 * f32::from(c)));
-        let ids: Vec<_> = (0..216).map(|i| checked.index.insert(Aabb3d::new(at(i), Vec3::ONE)).unwrap()).collect();
+        let ids: Vec<_> = (0..216)
+            .map(|i| checked.index.insert(Aabb3d::new(at(i), Vec3::ONE)).unwrap())
+            .collect();
         let tick = |checked: &mut Checked, wanderer: Vec3, share: usize| {
-            checked.index.set(ids[0], &Aabb3d::new(wanderer, Vec3::ONE)).unwrap();
-            ids.iter().step_by(share).for_each(|id| assert!(checked.index.touch(*id)));
+            checked
+                .index
+                .set(ids[0], &Aabb3d::new(wanderer, Vec3::ONE))
+                .unwrap();
+            ids.iter()
+                .step_by(share)
+                .for_each(|id| assert!(checked.index.touch(*id)));
             step(checked)
         };
         checked.step();
@@ -141,14 +173,26 @@ fn the_root_shrinks_after_an_excursion() {
                 tick(&mut checked, Vec3::ZERO, share);
                 half_size(&checked) <= before * 2.0
             });
-            assert!(back.is_some(), "{policy:?}, {share}: it is still {}", half_size(&checked));
+            assert!(
+                back.is_some(),
+                "{policy:?}, {share}: it is still {}",
+                half_size(&checked)
+            );
             assert_eq!(tick(&mut checked, Vec3::ZERO, 1), compared);
         }
         // From one tick to the next, across the border and back: it is not laid anew each time.
         for (far, most) in [(-15.0, 2), (-100.0, 60)] {
             let mut roots = Vec::new();
             for tick_number in 0..600 {
-                tick(&mut checked, if tick_number % 2 == 0 { Vec3::ZERO } else { Vec3::splat(far) }, 1);
+                tick(
+                    &mut checked,
+                    if tick_number % 2 == 0 {
+                        Vec3::ZERO
+                    } else {
+                        Vec3::splat(far)
+                    },
+                    1,
+                );
                 roots.push(half_size(&checked));
             }
             roots.dedup();
@@ -160,15 +204,24 @@ fn the_root_shrinks_after_an_excursion() {
 #[test]
 fn a_root_that_may_not_double_any_more_is_laid_anew_where_many_need_it() {
     for max_doublings in [0, 2] {
-        let mut checked = checked(ObjectOctreeSettings { max_doublings, ..with_n(4) });
-        let ids: Vec<_> = (0..200).map(|_| checked.index.insert(cube(0.0, 0.0, 0.0, 0.01)).unwrap()).collect();
+        let mut checked = checked(ObjectOctreeSettings {
+            max_doublings,
+            ..with_n(4)
+        });
+        let ids: Vec<_> = (0..200)
+            .map(|_| checked.index.insert(cube(0.0, 0.0, 0.0, 0.01)).unwrap())
+            .collect();
         checked.step();
         let mut compared = 0;
         for tick in 0..400_u16 {
             let shift = f32::from(tick % 2);
             for (id, place) in ids.iter().zip(0_u16..) {
-                let at = [place % 6, place / 6 % 6, place / 36].map(|c| 1e4 + 10.0 * f32::from(c) + shift);
-                checked.index.set(*id, &cube(at[0], at[1], at[2], 1.0)).unwrap();
+                let at = [place % 6, place / 6 % 6, place / 36]
+                    .map(|c| 1e4 + 10.0 * f32::from(c) + shift);
+                checked
+                    .index
+                    .set(*id, &cube(at[0], at[1], at[2], 1.0))
+                    .unwrap();
             }
             checked.index.update();
             checked.index.find_pairs();
@@ -179,25 +232,46 @@ fn a_root_that_may_not_double_any_more_is_laid_anew_where_many_need_it() {
     }
 }
 
-/// Boxes that no octree tells apart by cells: each is as large as the crowd, or far smaller than the smallest cell.
+/// Boxes that no octree tells apart by cells: each is as large as the crowd, or far smaller than
+/// the smallest cell.
 #[test]
 fn crowds_that_share_their_cells_are_not_compared_each_with_each() {
     const COUNT: u16 = 3000;
-    let rod = |i: u16| Aabb3d::new(Vec3::new(0.0, f32::from(i), 0.0), Vec3::new(2000.0, 0.45, 0.45));
-    let plate = |i: u16| Aabb3d::new(Vec3::new(0.0, f32::from(i), 0.0), Vec3::new(2000.0, 0.45, 2000.0));
+    let rod = |i: u16| {
+        Aabb3d::new(
+            Vec3::new(0.0, f32::from(i), 0.0),
+            Vec3::new(2000.0, 0.45, 0.45),
+        )
+    };
+    let plate = |i: u16| {
+        Aabb3d::new(
+            Vec3::new(0.0, f32::from(i), 0.0),
+            Vec3::new(2000.0, 0.45, 2000.0),
+        )
+    };
     let grid = |i: u16| Vec3::from([i % 15, i / 15 % 15, i / 225].map(f32::from));
     let small = |i: u16| Aabb3d::new(grid(i) * 1e-4, Vec3::splat(4e-5));
     let scales = |i: u16| {
         let scale = 2_f32.powi(i32::from(i % 80) - 40);
-        Aabb3d::new(Vec3::new(1.0, 0.01 * f32::from(i / 80), 0.0) * scale, Vec3::splat(0.004 * scale))
+        Aabb3d::new(
+            Vec3::new(1.0, 0.01 * f32::from(i / 80), 0.0) * scale,
+            Vec3::splat(0.004 * scale),
+        )
     };
-    let scenes: [(&str, &dyn Fn(u16) -> Aabb3d); 4] =
-        [("rods", &rod), ("plates", &plate), ("far from one another", &small), ("scales", &scales)];
+    let scenes: [(&str, &dyn Fn(u16) -> Aabb3d); 4] = [
+        ("rods", &rod),
+        ("plates", &plate),
+        ("far from one another", &small),
+        ("scales", &scales),
+    ];
     for (name, scene) in scenes {
         let mut checked = checked(ObjectOctreeSettings::default());
         let mut boxes: Vec<Aabb3d> = (0..COUNT).map(scene).collect();
         boxes.push(cube(1e7, 1e7, 1e7, 1.0));
-        let ids: Vec<_> = boxes.iter().map(|aabb| checked.index.insert(*aabb).unwrap()).collect();
+        let ids: Vec<_> = boxes
+            .iter()
+            .map(|aabb| checked.index.insert(*aabb).unwrap())
+            .collect();
         // Once with all that move, once with half of them.
         let all = step(&mut checked);
         for id in &ids {
@@ -209,7 +283,10 @@ fn crowds_that_share_their_cells_are_not_compared_each_with_each() {
         }
         let half = step(&mut checked);
         let bound = 64 * u64::from(COUNT);
-        assert!(all.max(again).max(half) < bound, "{name}: {all}, {again}, {half} compared");
+        assert!(
+            all.max(again).max(half) < bound,
+            "{name}: {all}, {again}, {half} compared"
+        );
     }
 }
 
@@ -217,7 +294,10 @@ fn crowds_that_share_their_cells_are_not_compared_each_with_each() {
 #[test]
 fn a_crowd_finds_the_pairs_that_a_few_find() {
     let mut rng = fastrand::Rng::with_seed(9);
-    let mut checked = checked(ObjectOctreeSettings { max_depth: 1, ..with_n(1) });
+    let mut checked = checked(ObjectOctreeSettings {
+        max_depth: 1,
+        ..with_n(1)
+    });
     let mut random = |scale: f32| Vec3::from(std::array::from_fn(|_| (rng.f32() - 0.5) * scale));
     let mut ids = Vec::new();
     for layer in 0..1200 {
@@ -227,7 +307,10 @@ fn a_crowd_finds_the_pairs_that_a_few_find() {
             is_static: layer % 5 == 0,
             ..Default::default()
         };
-        let id = checked.index.insert(Aabb3d::new(random(20.0), random(4.0).abs())).unwrap();
+        let id = checked
+            .index
+            .insert(Aabb3d::new(random(20.0), random(4.0).abs()))
+            .unwrap();
         checked.index.set_filter(id, filter).unwrap();
         ids.push(id);
     }
@@ -236,8 +319,10 @@ fn a_crowd_finds_the_pairs_that_a_few_find() {
         for id in ids.iter().step_by(share) {
             let by = random(0.5);
             let old = *checked.index.proxies().get(*id).unwrap();
-            let moved =
-                Aabb3d { min: old.min + bevy::math::Vec3A::from(by), max: old.max + bevy::math::Vec3A::from(by) };
+            let moved = Aabb3d {
+                min: old.min + bevy::math::Vec3A::from(by),
+                max: old.max + bevy::math::Vec3A::from(by),
+            };
             checked.index.set(*id, &moved).unwrap();
         }
         checked.step();
@@ -250,11 +335,21 @@ fn memory_stays_flat_over_a_long_run() {
     fastrand::seed(7);
     let mut checked = checked(with_n(4));
     let spot = || Vec3::new(fastrand::f32(), fastrand::f32(), fastrand::f32()) * 20.0;
-    let ids: Vec<_> = (0..200).map(|_| checked.index.insert(Aabb3d::new(spot(), Vec3::splat(0.5))).unwrap()).collect();
+    let ids: Vec<_> = (0..200)
+        .map(|_| {
+            checked
+                .index
+                .insert(Aabb3d::new(spot(), Vec3::splat(0.5)))
+                .unwrap()
+        })
+        .collect();
     let mut bytes = Vec::new();
     for tick in 0..400 {
         for id in &ids {
-            checked.index.set(*id, &Aabb3d::new(spot(), Vec3::splat(0.5))).unwrap();
+            checked
+                .index
+                .set(*id, &Aabb3d::new(spot(), Vec3::splat(0.5)))
+                .unwrap();
         }
         checked.index.update();
         if tick % 100 == 99 {
@@ -308,6 +403,9 @@ fn the_tree_prints_its_leaves() {
     }
     checked.step();
     let node = octree(&checked).leaves_of(ProxyId::new(1))[0];
-    let left = octree(&checked).tree().neighbor(node, "L".parse::<Direction>().unwrap()).unwrap();
+    let left = octree(&checked)
+        .tree()
+        .neighbor(node, "L".parse::<Direction>().unwrap())
+        .unwrap();
     assert_eq!(octree(&checked).tree().data(left).listed(), [0]);
 }

@@ -8,18 +8,39 @@ fn unit(x: f32) -> Aabb3d {
 #[test]
 fn bad_boxes_are_refused_by_name() {
     let mut proxies = Proxies::default();
-    let nan = Aabb3d { min: Vec3::NAN.into(), max: Vec3::ONE.into() };
+    let nan = Aabb3d {
+        min: Vec3::NAN.into(),
+        max: Vec3::ONE.into(),
+    };
     assert!(matches!(proxies.insert(nan), Err(BoxError::NotFinite(_))));
-    let unbounded = Aabb3d { min: Vec3::ZERO.into(), max: Vec3::INFINITY.into() };
-    assert!(matches!(proxies.insert(unbounded), Err(BoxError::NotFinite(_))));
-    let inverted = Aabb3d { min: Vec3::ONE.into(), max: Vec3::ZERO.into() };
-    assert!(matches!(proxies.insert(inverted), Err(BoxError::Inverted(_))));
+    let unbounded = Aabb3d {
+        min: Vec3::ZERO.into(),
+        max: Vec3::INFINITY.into(),
+    };
+    assert!(matches!(
+        proxies.insert(unbounded),
+        Err(BoxError::NotFinite(_))
+    ));
+    let inverted = Aabb3d {
+        min: Vec3::ONE.into(),
+        max: Vec3::ZERO.into(),
+    };
+    assert!(matches!(
+        proxies.insert(inverted),
+        Err(BoxError::Inverted(_))
+    ));
     assert!(proxies.is_empty());
-    let point = Aabb3d { min: Vec3::ONE.into(), max: Vec3::ONE.into() };
+    let point = Aabb3d {
+        min: Vec3::ONE.into(),
+        max: Vec3::ONE.into(),
+    };
     let id = proxies.insert(point).unwrap();
     assert!(matches!(proxies.set(id, &nan), Err(BoxError::NotFinite(_))));
     assert_eq!(proxies.get(id), Some(&point));
-    assert_eq!(proxies.set(ProxyId::new(7), &point), Err(BoxError::UnknownProxy(ProxyId::new(7))));
+    assert_eq!(
+        proxies.set(ProxyId::new(7), &point),
+        Err(BoxError::UnknownProxy(ProxyId::new(7)))
+    );
 }
 
 #[test]
@@ -28,8 +49,15 @@ fn a_foreign_handle_is_that_of_no_object() {
     let own = proxies.insert(unit(0.0)).unwrap();
     proxies.begin_update();
     for foreign in [ProxyId::new(1), ProxyId::new(u32::MAX)] {
-        assert!(!proxies.contains(foreign) && !proxies.is_moved(foreign) && !proxies.is_resting(foreign));
-        assert_eq!((proxies.get(foreign), proxies.filter(foreign)), (None, PairFilter::default()));
+        assert!(
+            !proxies.contains(foreign)
+                && !proxies.is_moved(foreign)
+                && !proxies.is_resting(foreign)
+        );
+        assert_eq!(
+            (proxies.get(foreign), proxies.filter(foreign)),
+            (None, PairFilter::default())
+        );
         assert!(proxies.admits(own, foreign));
         assert!(!proxies.touch(foreign) && !proxies.remove(foreign));
         let unknown = Err(BoxError::UnknownProxy(foreign));

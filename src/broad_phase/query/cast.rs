@@ -11,12 +11,14 @@ use crate::broad_phase::{
     measure::{Bound, Measure},
 };
 
-/// What [`SpatialIndex::cast`](crate::broad_phase::SpatialIndex::cast) and its kin send through space: a
-/// [`RayCast3d`], or an [`AabbCast3d`], which is a box that moves without turning. Distances are along the ray, so that
-/// for a moving box they are the way that it goes before it touches.
+/// What [`SpatialIndex::cast`](crate::broad_phase::SpatialIndex::cast) and its kin send through
+/// space: a [`RayCast3d`], or an [`AabbCast3d`], which is a box that moves without turning.
+/// Distances are along the ray, so that for a moving box they are the way that it goes before it
+/// touches.
 ///
-/// Touching counts: a ray within the side of a box meets it. A cast that is not finite, but for `max`, meets nothing,
-/// and so does one with a `max` that is negative or NaN, or a moving box that is inverted.
+/// Touching counts: a ray within the side of a box meets it. A cast that is not finite, but for
+/// `max`, meets nothing, and so does one with a `max` that is negative or NaN, or a moving box that
+/// is inverted.
 pub trait Cast: Sweeping {}
 
 /// The measure behind a cast.
@@ -39,8 +41,8 @@ impl Sweeping for AabbCast3d {
     }
 }
 
-/// A box on its way, or a point: the slab test, for axes along which it moves, and an overlap for those along which it
-/// does not.
+/// A box on its way, or a point: the slab test, for axes along which it moves, and an overlap for
+/// those along which it does not.
 pub struct Sweep {
     origin: Vec3A,
     direction: Vec3A,
@@ -71,7 +73,8 @@ impl Sweep {
             still,
             any_still: still.contains(&true),
         };
-        let is_fine = direction.is_finite() && min.is_finite() && max.is_finite() && min.cmple(max).all();
+        let is_fine =
+            direction.is_finite() && min.is_finite() && max.is_finite() && min.cmple(max).all();
         (sweep, if is_fine { ray.max } else { f32::NAN })
     }
 }
@@ -96,8 +99,10 @@ impl Measure for Sweep {
         let (mut enter, mut leave) = (splat(0.0), bound.splat(simd));
         let mut slab = |axis: usize| {
             let (backward, reciprocal) = (self.backward[axis], splat(self.reciprocal[axis]));
-            enter = enter.max((block.side(simd, backward, axis) - splat(self.ahead[axis])) * reciprocal);
-            leave = leave.min((block.side(simd, !backward, axis) - splat(self.behind[axis])) * reciprocal);
+            enter = enter
+                .max((block.side(simd, backward, axis) - splat(self.ahead[axis])) * reciprocal);
+            leave = leave
+                .min((block.side(simd, !backward, axis) - splat(self.behind[axis])) * reciprocal);
         };
         let mut hits = u32::MAX;
         if self.any_still {
@@ -127,7 +132,11 @@ impl Measure for Sweep {
                     return None;
                 }
             } else {
-                let (near, far) = if self.backward[axis] { (max[axis], min[axis]) } else { (min[axis], max[axis]) };
+                let (near, far) = if self.backward[axis] {
+                    (max[axis], min[axis])
+                } else {
+                    (min[axis], max[axis])
+                };
                 enter = enter.max((near - self.ahead[axis]) * self.reciprocal[axis]);
                 leave = leave.min((far - self.behind[axis]) * self.reciprocal[axis]);
             }
@@ -141,14 +150,28 @@ impl Measure for Sweep {
         corner.max(aabb.min).min(aabb.max)
     }
 
-    /// The anchor is a rounded point of the way, so that its cell may be next to one that the way goes through.
+    /// The anchor is a rounded point of the way, so that its cell may be next to one that the way
+    /// goes through.
     fn test_cell(&self, cell: &Aabb3d, limit: f32) -> bool {
-        let size = self.origin.abs() + Vec3A::from_array(self.ahead).abs() + Vec3A::from_array(self.behind).abs();
+        let size = self.origin.abs()
+            + Vec3A::from_array(self.ahead).abs()
+            + Vec3A::from_array(self.behind).abs();
         let slack = |corner: Vec3A| (size + corner.abs()) * (16.0 * f32::EPSILON);
-        self.test_box(&Aabb3d { min: cell.min - slack(cell.min), max: cell.max + slack(cell.max) }, limit).is_some()
+        self.test_box(
+            &Aabb3d {
+                min: cell.min - slack(cell.min),
+                max: cell.max + slack(cell.max),
+            },
+            limit,
+        )
+        .is_some()
     }
 
     fn viewpoint(&self) -> Vec3A {
-        Vec3A::select(self.direction.cmpge(Vec3A::ZERO), Vec3A::NEG_INFINITY, Vec3A::INFINITY)
+        Vec3A::select(
+            self.direction.cmpge(Vec3A::ZERO),
+            Vec3A::NEG_INFINITY,
+            Vec3A::INFINITY,
+        )
     }
 }

@@ -2,7 +2,8 @@
 
 use std::ops::ControlFlow;
 
-/// What the callback of a query returns: nothing, to go on to the end, or a [`ControlFlow`], to stop when it likes.
+/// What the callback of a query returns: nothing, to go on to the end, or a [`ControlFlow`], to
+/// stop when it likes.
 ///
 /// These two, and no others: the trait is sealed.
 pub trait Flow: Answer {}

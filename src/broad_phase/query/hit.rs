@@ -7,7 +7,8 @@ use crate::broad_phase::boxes::ProxyId;
 pub struct Hit {
     /// Which one.
     pub proxy: ProxyId,
-    /// How far away it is: along the way of a cast, in a straight line from the point to which it is near; 0 inside.
+    /// How far away it is: along the way of a cast, in a straight line from the point to which it
+    /// is near; 0 inside.
     pub distance: f32,
 }
 

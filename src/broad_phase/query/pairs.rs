@@ -9,19 +9,20 @@ use crate::broad_phase::{boxes::ProxyId, index::SpatialIndex};
 
 /// # Pairs of two groups
 impl SpatialIndex {
-    /// Calls `found` with every pair of an object of a first group and one of a second whose boxes are no farther apart
-    /// than `distance`, in a straight line, and with their distance: 0 for boxes that overlap or touch.
+    /// Calls `found` with every pair of an object of a first group and one of a second whose boxes
+    /// are no farther apart than `distance`, in a straight line, and with their distance: 0 for
+    /// boxes that overlap or touch.
     ///
-    /// The groups are told by predicates, and may share members. No object makes a pair with itself, and a pair that could
-    /// be told in either order is told once, by its lower handle first. [Pair filters](crate::broad_phase::PairFilter)
-    /// are not asked.
+    /// The groups are told by predicates, and may share members. No object makes a pair with
+    /// itself, and a pair that could be told in either order is told once, by its lower handle
+    /// first. [Pair filters](crate::broad_phase::PairFilter) are not asked.
     ///
-    /// In the order of the handles of the first group; the partners of one as the broad phase comes upon them, which
-    /// depends on the history of the index alone.
+    /// In the order of the handles of the first group; the partners of one as the broad phase comes
+    /// upon them, which depends on the history of the index alone.
     ///
-    /// One query for each member of the first group, which had better be the smaller one, around its grown box; both
-    /// predicates are asked about the objects that are found there. Allocates nothing. A distance that is negative or NaN
-    /// finds nothing; an infinite one, all pairs.
+    /// One query for each member of the first group, which had better be the smaller one, around
+    /// its grown box; both predicates are asked about the objects that are found there. Allocates
+    /// nothing. A distance that is negative or NaN finds nothing; an infinite one, all pairs.
     ///
     /// ```
     /// use bevy::math::{Vec3, bounding::Aabb3d};
@@ -62,7 +63,11 @@ impl SpatialIndex {
                 if gap <= distance && !(b < a && is_first(b) && is_second(a)) {
                     goes_on = found(a, b, gap).goes_on();
                 }
-                if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+                if goes_on {
+                    ControlFlow::Continue(())
+                } else {
+                    ControlFlow::Break(())
+                }
             });
             if !goes_on {
                 return;
@@ -75,5 +80,8 @@ impl SpatialIndex {
 fn grown(aabb: &Aabb3d, distance: f32) -> Aabb3d {
     let far = aabb.min.abs().max(aabb.max.abs()) + distance;
     let by = far * (2.0 * f32::EPSILON) + distance;
-    Aabb3d { min: aabb.min - by, max: aabb.max + by }
+    Aabb3d {
+        min: aabb.min - by,
+        max: aabb.max + by,
+    }
 }

@@ -8,8 +8,8 @@ use crate::broad_phase::{
     measure::{Bound, Measure},
 };
 
-/// Returns how far two boxes are from each other, in a straight line. In double precision, in which no square
-/// overflows.
+/// Returns how far two boxes are from each other, in a straight line. In double precision, in which
+/// no square overflows.
 #[inline(always)]
 pub fn distance(a: &Aabb3d, b: &Aabb3d) -> f32 {
     let gap = (a.min - b.max).max(b.min - a.max).max(Vec3A::ZERO);
@@ -23,7 +23,14 @@ pub struct PointDistance<const ORDERED: bool>(Vec3A);
 impl<const ORDERED: bool> PointDistance<ORDERED> {
     /// Returns the measure, and the limit if it makes sense; NaN otherwise.
     pub fn new(point: Vec3A, limit: f32) -> (Self, f32) {
-        (Self(point), if point.is_finite() && limit >= 0.0 { limit } else { f32::NAN })
+        (
+            Self(point),
+            if point.is_finite() && limit >= 0.0 {
+                limit
+            } else {
+                f32::NAN
+            },
+        )
     }
 }
 
@@ -34,7 +41,11 @@ impl<const ORDERED: bool> Measure for PointDistance<ORDERED> {
     /// Squared, and so much larger that neither rounding nor underflow leaves a box out.
     #[inline(always)]
     fn bound(&self, limit: f32) -> Bound {
-        Bound(if limit >= 0.0 { limit * limit * (1.0 + 8.0 * f32::EPSILON) + f32::MIN_POSITIVE } else { f32::NAN })
+        Bound(if limit >= 0.0 {
+            limit * limit * (1.0 + 8.0 * f32::EPSILON) + f32::MIN_POSITIVE
+        } else {
+            f32::NAN
+        })
     }
 
     #[inline(always)]
@@ -50,13 +61,21 @@ impl<const ORDERED: bool> Measure for PointDistance<ORDERED> {
         let squared = square(0) + square(1) + square(2);
         let within = squared.simd_le(bound.splat(simd));
         // Lanes without a box are infinitely far away, which an infinite bound does not leave out.
-        let is_box = block.side(simd, false, 0).simd_le(block.side(simd, true, 0));
+        let is_box = block
+            .side(simd, false, 0)
+            .simd_le(block.side(simd, true, 0));
         ((within & is_box).to_bitmask() as u32, squared)
     }
 
     #[inline(always)]
     fn test_box(&self, aabb: &Aabb3d, limit: f32) -> Option<f32> {
-        let distance = distance(aabb, &Aabb3d { min: self.0, max: self.0 });
+        let distance = distance(
+            aabb,
+            &Aabb3d {
+                min: self.0,
+                max: self.0,
+            },
+        );
         (distance <= limit).then_some(distance)
     }
 

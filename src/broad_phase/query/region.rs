@@ -14,15 +14,17 @@ use crate::broad_phase::{
     measure::{Bound, Measure},
 };
 
-/// A part of space that [`for_each_overlapping`](crate::broad_phase::SpatialIndex::for_each_overlapping) looks into.
+/// A part of space that
+/// [`for_each_overlapping`](crate::broad_phase::SpatialIndex::for_each_overlapping) looks into.
 /// Touching counts as overlapping.
 ///
 /// - [`Aabb3d`]: a box. One that is inverted along an axis, or NaN, overlaps nothing.
 /// - [`BoundingSphere`]: a ball. One with a negative radius, or NaN, overlaps nothing.
 /// - [`Vec3`], [`Vec3A`]: a point. NaN is in no box.
-/// - [`ViewFrustum`], [`[HalfSpace]`](HalfSpace): what lies on the inner side of all planes. As is usual, a box overlaps
-///   it unless it lies beyond a single plane: large boxes near an edge may be found though they are outside. Nothing is
-///   inside a plane that is NaN; no planes at all are all of space.
+/// - [`ViewFrustum`], [`[HalfSpace]`](HalfSpace): what lies on the inner side of all planes. As is
+///   usual, a box overlaps it unless it lies beyond a single plane: large boxes near an edge may be
+///   found though they are outside. Nothing is inside a plane that is NaN; no planes at all are all
+///   of space.
 pub trait Region: Measured {}
 
 /// The measure behind a region.
@@ -42,7 +44,10 @@ impl Measured for Aabb3d {
 
     fn measure(&self) -> (Overlap, f32) {
         // Lanes without a box are at infinity, where no box is.
-        let finite = Self { min: self.min.max(Vec3A::MIN), max: self.max.min(Vec3A::MAX) };
+        let finite = Self {
+            min: self.min.max(Vec3A::MIN),
+            max: self.max.min(Vec3A::MAX),
+        };
         // An inverted box would overlap those that hold it.
         let is_box = self.min.cmple(self.max).all() && finite.min.cmple(finite.max).all();
         (Overlap(finite), if is_box { 0.0 } else { f32::NAN })
@@ -54,7 +59,11 @@ impl Measured for Vec3A {
     type Measure<'a> = Overlap;
 
     fn measure(&self) -> (Overlap, f32) {
-        Aabb3d { min: *self, max: *self }.measure()
+        Aabb3d {
+            min: *self,
+            max: *self,
+        }
+        .measure()
     }
 }
 
@@ -103,7 +112,10 @@ impl Measure for Overlap {
 
     #[inline(always)]
     fn test_block<S: Simd>(&self, simd: S, block: &Block, _: Bound) -> (u32, f32x8<S>) {
-        (block.overlaps(simd, self.0.min.to_array(), self.0.max.to_array()), f32x8::splat(simd, 0.0))
+        (
+            block.overlaps(simd, self.0.min.to_array(), self.0.max.to_array()),
+            f32x8::splat(simd, 0.0),
+        )
     }
 
     #[inline(always)]
@@ -140,10 +152,14 @@ impl Measure for Inside<'_> {
     fn test_block<S: Simd>(&self, simd: S, block: &Block, _: Bound) -> (u32, f32x8<S>) {
         let zero = f32x8::splat(simd, 0.0);
         // Lanes without a box are inverted without end.
-        let mut hits: mask32x8<S> = block.side(simd, false, 0).simd_le(block.side(simd, true, 0));
+        let mut hits: mask32x8<S> = block
+            .side(simd, false, 0)
+            .simd_le(block.side(simd, true, 0));
         for plane in self.0 {
             let normal = plane.normal().to_array();
-            let term = |axis: usize| block.side(simd, normal[axis] >= 0.0, axis) * f32x8::splat(simd, normal[axis]);
+            let term = |axis: usize| {
+                block.side(simd, normal[axis] >= 0.0, axis) * f32x8::splat(simd, normal[axis])
+            };
             let depth = term(0) + term(1) + term(2) + f32x8::splat(simd, plane.d());
             hits &= depth.simd_ge(zero);
         }
@@ -152,17 +168,25 @@ impl Measure for Inside<'_> {
 
     #[inline(always)]
     fn test_box(&self, aabb: &Aabb3d, _: f32) -> Option<f32> {
-        self.0.iter().all(|plane| depth(plane, aabb) >= 0.0).then_some(0.0)
+        self.0
+            .iter()
+            .all(|plane| depth(plane, aabb) >= 0.0)
+            .then_some(0.0)
     }
 
     fn anchor(&self, aabb: &Aabb3d, _: f32) -> Vec3A {
-        self.0.first().map_or(aabb.min, |plane| innermost(plane, aabb))
+        self.0
+            .first()
+            .map_or(aabb.min, |plane| innermost(plane, aabb))
     }
 
-    /// A box may have its part inside one plane in one cell, and that inside another plane in another: only the plane
-    /// that the anchor is chosen by can rule a cell out.
+    /// A box may have its part inside one plane in one cell, and that inside another plane in
+    /// another: only the plane that the anchor is chosen by can rule a cell out.
     fn test_cell(&self, cell: &Aabb3d, _: f32) -> bool {
         // Zero times infinity rules nothing out.
-        self.0.first().map(|plane| depth(plane, cell)).is_none_or(|depth| depth >= 0.0 || depth.is_nan())
+        self.0
+            .first()
+            .map(|plane| depth(plane, cell))
+            .is_none_or(|depth| depth >= 0.0 || depth.is_nan())
     }
 }

@@ -6,20 +6,21 @@ use bevy::math::{Vec3A, bounding::Aabb3d};
 
 use super::{cast::Cast, flow::Flow, hit::Hit, point_distance::PointDistance, region::Region};
 use crate::broad_phase::{
-    boxes::ProxyId, engine::Visitor, index::SpatialIndex, linear_octree::LinearOctree, measure::Measure,
+    boxes::ProxyId, engine::Visitor, index::SpatialIndex, linear_octree::LinearOctree,
+    measure::Measure,
 };
 
 /// # Queries
 ///
-/// Written once, with the same answers whatever the broad phase. None allocates, and none panics: bad input finds
-/// nothing. They are fastest with a [`LinearOctree`], whose blocks they search eight boxes at a
-/// time.
+/// Written once, with the same answers whatever the broad phase. None allocates, and none panics:
+/// bad input finds nothing. They are fastest with a [`LinearOctree`], whose blocks they search
+/// eight boxes at a time.
 ///
-/// Unbounded objects are found by each, at a distance of 0, wherever they are: what lies where is for `distance`, or
-/// `found`, to say.
+/// Unbounded objects are found by each, at a distance of 0, wherever they are: what lies where is
+/// for `distance`, or `found`, to say.
 ///
-/// They see the boxes as of the last [`update`](Self::update). Of an object that changed since, a query may see the old
-/// box, the new one, or none.
+/// They see the boxes as of the last [`update`](Self::update). Of an object that changed since, a
+/// query may see the old box, the new one, or none.
 ///
 /// ```
 /// use bevy::math::{Dir3, Vec3, bounding::{Aabb3d, AabbCast3d, BoundingSphere, RayCast3d}};
@@ -54,17 +55,27 @@ use crate::broad_phase::{
 /// # Ok::<(), bevy_octree::broad_phase::BoxError>(())
 /// ```
 impl SpatialIndex {
-    /// Calls `found` with every object whose box overlaps a region, each once, in no particular order.
+    /// Calls `found` with every object whose box overlaps a region, each once, in no particular
+    /// order.
     #[doc(alias = "aabb")]
     #[doc(alias = "intersections")]
-    pub fn for_each_overlapping<F: Flow>(&self, region: &(impl Region + ?Sized), mut found: impl FnMut(ProxyId) -> F) {
+    pub fn for_each_overlapping<F: Flow>(
+        &self,
+        region: &(impl Region + ?Sized),
+        mut found: impl FnMut(ProxyId) -> F,
+    ) {
         let (measure, limit) = region.measure();
         self.search(&measure, limit, |id, _| {
-            if found(id).goes_on() { ControlFlow::Continue(limit) } else { ControlFlow::Break(()) }
+            if found(id).goes_on() {
+                ControlFlow::Continue(limit)
+            } else {
+                ControlFlow::Break(())
+            }
         });
     }
 
-    /// Returns the first box that a cast meets; of several at the same distance, that of the lowest handle.
+    /// Returns the first box that a cast meets; of several at the same distance, that of the lowest
+    /// handle.
     #[doc(alias = "raycast")]
     #[doc(alias = "shapecast")]
     #[must_use]
@@ -74,13 +85,18 @@ impl SpatialIndex {
 
     /// Returns the first object that a cast meets, by a distance of your own.
     ///
-    /// `distance` gets an object and the distance of its box, and returns that of the object itself, which is no
-    /// smaller; `None` if the cast passes it by, or is not to see it: this is both a filter and the way to cast against
-    /// exact shapes. It is called only for objects whose boxes are not beyond the best hit so far.
+    /// `distance` gets an object and the distance of its box, and returns that of the object
+    /// itself, which is no smaller; `None` if the cast passes it by, or is not to see it: this is
+    /// both a filter and the way to cast against exact shapes. It is called only for objects whose
+    /// boxes are not beyond the best hit so far.
     #[doc(alias = "raycast")]
     #[doc(alias = "shapecast")]
     #[must_use]
-    pub fn cast_with(&self, cast: &impl Cast, distance: impl FnMut(ProxyId, f32) -> Option<f32>) -> Option<Hit> {
+    pub fn cast_with(
+        &self,
+        cast: &impl Cast,
+        distance: impl FnMut(ProxyId, f32) -> Option<f32>,
+    ) -> Option<Hit> {
         let (sweep, limit) = cast.sweep();
         self.first(&sweep, limit, distance)
     }
@@ -91,20 +107,25 @@ impl SpatialIndex {
     pub fn for_each_hit<F: Flow>(&self, cast: &impl Cast, mut found: impl FnMut(Hit) -> F) {
         let (sweep, limit) = cast.sweep();
         self.search(&sweep, limit, |proxy, distance| {
-            if found(Hit { proxy, distance }).goes_on() { ControlFlow::Continue(limit) } else { ControlFlow::Break(()) }
+            if found(Hit { proxy, distance }).goes_on() {
+                ControlFlow::Continue(limit)
+            } else {
+                ControlFlow::Break(())
+            }
         });
     }
 
-    /// Returns the box nearest to a point, no farther than `max_distance`; of several as near, that of the lowest
-    /// handle. `None` too if the point is not finite, or `max_distance` negative or NaN.
+    /// Returns the box nearest to a point, no farther than `max_distance`; of several as near, that
+    /// of the lowest handle. `None` too if the point is not finite, or `max_distance` negative or
+    /// NaN.
     #[must_use]
     pub fn nearest(&self, point: impl Into<Vec3A>, max_distance: f32) -> Option<Hit> {
         self.nearest_with(point, max_distance, |_, distance| Some(distance))
     }
 
-    /// Returns the object nearest to a point, by a distance of your own: as with [`cast_with`](Self::cast_with),
-    /// `distance` gets an object and the distance of its box, and returns that of the object, which is no smaller, or
-    /// `None`.
+    /// Returns the object nearest to a point, by a distance of your own: as with
+    /// [`cast_with`](Self::cast_with), `distance` gets an object and the distance of its box, and
+    /// returns that of the object, which is no smaller, or `None`.
     #[must_use]
     pub fn nearest_with(
         &self,
@@ -116,15 +137,22 @@ impl SpatialIndex {
         self.first(&measure, limit, distance)
     }
 
-    /// Finds the `k` boxes nearest to a point, no farther than `max_distance`, nearest first, those as near by
-    /// ascending handle. They replace what is in `hits`, which grows to at most `k` and is yours to use again. Meant
-    /// for a few: O(k) for each candidate.
+    /// Finds the `k` boxes nearest to a point, no farther than `max_distance`, nearest first, those
+    /// as near by ascending handle. They replace what is in `hits`, which grows to at most `k` and
+    /// is yours to use again. Meant for a few: O(k) for each candidate.
     #[doc(alias = "knn")]
-    pub fn k_nearest(&self, point: impl Into<Vec3A>, k: usize, max_distance: f32, hits: &mut Vec<Hit>) {
+    pub fn k_nearest(
+        &self,
+        point: impl Into<Vec3A>,
+        k: usize,
+        max_distance: f32,
+        hits: &mut Vec<Hit>,
+    ) {
         self.k_nearest_with(point, k, max_distance, hits, |_, distance| Some(distance));
     }
 
-    /// Finds the `k` objects nearest to a point, by a distance of your own: see [`nearest_with`](Self::nearest_with).
+    /// Finds the `k` objects nearest to a point, by a distance of your own: see
+    /// [`nearest_with`](Self::nearest_with).
     #[doc(alias = "knn")]
     pub fn k_nearest_with(
         &self,
@@ -180,7 +208,8 @@ impl SpatialIndex {
         best
     }
 
-    /// Calls `visit` with each object within the limit, and its distance; it tells the limit from then on.
+    /// Calls `visit` with each object within the limit, and its distance; it tells the limit from
+    /// then on.
     #[inline(always)]
     fn search<M: Measure>(
         &self,
@@ -202,7 +231,12 @@ impl SpatialIndex {
         let engine: &dyn Any = engine.inner().unwrap_or(engine);
         match engine.downcast_ref::<LinearOctree>() {
             Some(linear) => linear.search(self.proxies(), measure, limit, visit),
-            None => self.traverse(&mut Walk { measure, limit, visit, is_over: false }),
+            None => self.traverse(&mut Walk {
+                measure,
+                limit,
+                visit,
+                is_over: false,
+            }),
         }
     }
 }
@@ -224,7 +258,9 @@ impl<M: Measure, V: FnMut(ProxyId, f32) -> ControlFlow<(), f32>> Visitor for Wal
         if self.is_over {
             return;
         }
-        let Some(distance) = self.measure.test_box(aabb, self.limit) else { return };
+        let Some(distance) = self.measure.test_box(aabb, self.limit) else {
+            return;
+        };
         // Of the cells that list an object, one has its anchor.
         let anchor = self.measure.anchor(aabb, distance);
         if !(anchor.cmpge(cell.min) & anchor.cmplt(cell.max)).all() {

@@ -19,14 +19,21 @@ fn place() -> impl Strategy<Value = Vec3> {
 
 /// A box; flat ones and points among them.
 fn a_box() -> impl Strategy<Value = Aabb3d> {
-    let half = prop::array::uniform3(prop::sample::select(vec![0.0_f32, 0.25, 0.5, 0.5, 1.0, 4.0]));
+    let half = prop::array::uniform3(prop::sample::select(vec![
+        0.0_f32, 0.25, 0.5, 0.5, 1.0, 4.0,
+    ]));
     (place(), half).prop_map(|(at, half)| Aabb3d::new(at, Vec3::from(half)))
 }
 
 /// A direction, often along an axis or a diagonal.
 fn direction() -> impl Strategy<Value = Dir3> {
-    prop_oneof![prop::array::uniform3(-1_i8..=1).prop_map(|d| d.map(f32::from)), prop::array::uniform3(-1.0_f32..1.0),]
-        .prop_filter_map("a direction has a length", |d| Dir3::new(Vec3::from(d)).ok())
+    prop_oneof![
+        prop::array::uniform3(-1_i8..=1).prop_map(|d| d.map(f32::from)),
+        prop::array::uniform3(-1.0_f32..1.0),
+    ]
+    .prop_filter_map("a direction has a length", |d| {
+        Dir3::new(Vec3::from(d)).ok()
+    })
 }
 
 /// What happens to the boxes before they are queried, tick by tick.
@@ -52,15 +59,31 @@ fn worlds(boxes: &[Aabb3d], changes: &[Change]) -> Vec<SpatialIndex> {
     let methods = ["auto", "linear", "object", "exhaustive"];
     let world = |name: &str| {
         let mut index = SpatialIndex::new(&name.parse::<BroadPhaseMethod>().unwrap());
-        let mut ids: Vec<_> = boxes.iter().map(|aabb| index.insert(*aabb).unwrap()).collect();
+        let mut ids: Vec<_> = boxes
+            .iter()
+            .map(|aabb| index.insert(*aabb).unwrap())
+            .collect();
         for change in changes {
             let shift = |index: &mut SpatialIndex, id: ProxyId, by: Vec3A| {
                 let aabb = *index.proxies().get(id).unwrap();
-                index.set(id, &Aabb3d { min: aabb.min + by, max: aabb.max + by }).unwrap();
+                index
+                    .set(
+                        id,
+                        &Aabb3d {
+                            min: aabb.min + by,
+                            max: aabb.max + by,
+                        },
+                    )
+                    .unwrap();
             };
             match change {
-                Change::Move(which, by) if !ids.is_empty() => shift(&mut index, ids[which % ids.len()], (*by).into()),
-                Change::Drift(by) => ids.iter().step_by(2).for_each(|id| shift(&mut index, *id, (*by).into())),
+                Change::Move(which, by) if !ids.is_empty() => {
+                    shift(&mut index, ids[which % ids.len()], (*by).into())
+                }
+                Change::Drift(by) => ids
+                    .iter()
+                    .step_by(2)
+                    .for_each(|id| shift(&mut index, *id, (*by).into())),
                 Change::Remove(which) if !ids.is_empty() => {
                     index.remove(ids.swap_remove(which % ids.len()));
                 }
@@ -85,14 +108,23 @@ fn found<R: Region + ?Sized>(index: &SpatialIndex, region: &R) -> Vec<ProxyId> {
 }
 
 fn expected(index: &SpatialIndex, test: impl Fn(&Aabb3d) -> bool) -> Vec<ProxyId> {
-    index.proxies().iter().filter(|(_, aabb)| test(aabb)).map(|(id, _)| id).collect()
+    index
+        .proxies()
+        .iter()
+        .filter(|(_, aabb)| test(aabb))
+        .map(|(id, _)| id)
+        .collect()
 }
 
 /// Objects by distance, as far as they have one.
 fn by_distance(index: &SpatialIndex, distance: impl Fn(&Aabb3d) -> Option<f32>) -> Vec<Hit> {
     let hit = |(proxy, aabb)| distance(aabb).map(|distance| Hit { proxy, distance });
     let mut hits: Vec<Hit> = index.proxies().iter().filter_map(hit).collect();
-    hits.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.proxy.cmp(&b.proxy)));
+    hits.sort_by(|a, b| {
+        a.distance
+            .total_cmp(&b.distance)
+            .then(a.proxy.cmp(&b.proxy))
+    });
     hits
 }
 
@@ -117,7 +149,9 @@ fn meets(cast: &AabbCast3d, aabb: &Aabb3d) -> Option<f32> {
 
 fn distance(point: Vec3, aabb: &Aabb3d) -> f32 {
     let point = Vec3A::from(point);
-    (point.clamp(aabb.min, aabb.max) - point).as_dvec3().length() as f32
+    (point.clamp(aabb.min, aabb.max) - point)
+        .as_dvec3()
+        .length() as f32
 }
 
 /// The distance of a made-up shape within the box of an object; some are missed.
@@ -129,15 +163,27 @@ fn check_first_and_all(index: &SpatialIndex, cast: &impl Cast, expected: &[Hit])
     assert_eq!(index.cast(cast), expected.first().copied());
     let mut all = vec![];
     index.for_each_hit(cast, |hit| all.push(hit));
-    all.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.proxy.cmp(&b.proxy)));
+    all.sort_by(|a, b| {
+        a.distance
+            .total_cmp(&b.distance)
+            .then(a.proxy.cmp(&b.proxy))
+    });
     assert_eq!(all, expected);
 }
 
 /// What [`shape`] makes of hits, by distance.
 fn reshaped(hits: &[Hit], limit: f32) -> Vec<Hit> {
     let hit = |hit: &Hit| shape(hit.proxy, hit.distance).map(|distance| Hit { distance, ..*hit });
-    let mut hits: Vec<Hit> = hits.iter().filter_map(hit).filter(|hit| hit.distance <= limit).collect();
-    hits.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.proxy.cmp(&b.proxy)));
+    let mut hits: Vec<Hit> = hits
+        .iter()
+        .filter_map(hit)
+        .filter(|hit| hit.distance <= limit)
+        .collect();
+    hits.sort_by(|a, b| {
+        a.distance
+            .total_cmp(&b.distance)
+            .then(a.proxy.cmp(&b.proxy))
+    });
     hits
 }
 
@@ -250,19 +296,33 @@ proptest! {
 /// A heap of equal boxes, each listed in many cells of the octree.
 fn heap() -> Vec<SpatialIndex> {
     let mut boxes = vec![Aabb3d::new(Vec3::X * 4.0, Vec3::ONE); 100];
-    boxes.extend((0..300).map(|x| Aabb3d::new(Vec3::new(x as f32 * 0.1, 9.0, 0.0), Vec3::splat(3.0))));
+    boxes.extend(
+        (0..300).map(|x| Aabb3d::new(Vec3::new(x as f32 * 0.1, 9.0, 0.0), Vec3::splat(3.0))),
+    );
     worlds(&boxes, &[])
 }
 
 #[test]
 fn of_equals_the_lowest_handle_wins() {
     for index in heap() {
-        let hit = Hit { proxy: ProxyId::new(0), distance: 3.0 };
-        assert_eq!(index.cast(&RayCast3d::new(Vec3::ZERO, Dir3::X, 10.0)), Some(hit));
+        let hit = Hit {
+            proxy: ProxyId::new(0),
+            distance: 3.0,
+        };
+        assert_eq!(
+            index.cast(&RayCast3d::new(Vec3::ZERO, Dir3::X, 10.0)),
+            Some(hit)
+        );
         assert_eq!(index.nearest(Vec3::ZERO, 10.0), Some(hit));
         let mut nearest = vec![];
         index.k_nearest(Vec3::ZERO, 3, 10.0, &mut nearest);
-        assert_eq!(nearest.iter().map(|hit| hit.proxy.get()).collect::<Vec<_>>(), [0, 1, 2]);
+        assert_eq!(
+            nearest
+                .iter()
+                .map(|hit| hit.proxy.get())
+                .collect::<Vec<_>>(),
+            [0, 1, 2]
+        );
     }
 }
 
@@ -272,7 +332,11 @@ fn callbacks_may_stop() {
         let mut count = 0;
         index.for_each_hit(&RayCast3d::new(Vec3::ZERO, Dir3::X, 10.0), |_| {
             count += 1;
-            if count == 7 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if count == 7 {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         });
         assert_eq!(count, 7);
     }
@@ -281,23 +345,46 @@ fn callbacks_may_stop() {
 #[test]
 fn bad_input_finds_nothing() {
     let nan = Vec3::NAN;
-    let inverted = Aabb3d { min: Vec3A::X * 5.0, max: Vec3A::X * 3.0 };
+    let inverted = Aabb3d {
+        min: Vec3A::X * 5.0,
+        max: Vec3A::X * 3.0,
+    };
     let mut cases = heap();
     cases.extend(worlds(&[], &[]));
     for index in cases {
         assert_eq!(found(&index, &nan), []);
         assert_eq!(found(&index, &Vec3A::INFINITY), []);
         assert_eq!(found(&index, &inverted), []);
-        assert_eq!(found(&index, &Aabb3d { min: nan.into(), max: Vec3A::ONE }), []);
-        for (center, radius) in [(nan, 1.0), (Vec3::INFINITY, 1.0), (Vec3::ZERO, -1.0), (Vec3::ZERO, f32::NAN)] {
+        assert_eq!(
+            found(
+                &index,
+                &Aabb3d {
+                    min: nan.into(),
+                    max: Vec3A::ONE
+                }
+            ),
+            []
+        );
+        for (center, radius) in [
+            (nan, 1.0),
+            (Vec3::INFINITY, 1.0),
+            (Vec3::ZERO, -1.0),
+            (Vec3::ZERO, f32::NAN),
+        ] {
             let mut ball = BoundingSphere::new(center, 0.0);
             ball.sphere.radius = radius;
             assert_eq!(found(&index, &ball), []);
         }
         assert_eq!(found(&index, &[HalfSpace::new(nan.extend(0.0))][..]), []);
-        assert_eq!(found(&index, &[][..]).len(), index.proxies().len(), "no planes are all of space");
+        assert_eq!(
+            found(&index, &[][..]).len(),
+            index.proxies().len(),
+            "no planes are all of space"
+        );
         let mut frustum = ViewFrustum::default();
-        frustum.half_spaces.fill(HalfSpace::new(Vec3::X.extend(f32::NAN)));
+        frustum
+            .half_spaces
+            .fill(HalfSpace::new(Vec3::X.extend(f32::NAN)));
         assert_eq!(found(&index, &frustum), []);
         let unit = Aabb3d::new(Vec3::ZERO, Vec3::ONE);
         let bad_rays = [
@@ -311,28 +398,76 @@ fn bad_input_finds_nothing() {
             assert_eq!(index.cast(&AabbCast3d { ray, aabb: unit }), None);
         }
         let ray = RayCast3d::new(Vec3::ZERO, Dir3::X, 9.0);
-        for aabb in [inverted, Aabb3d { min: Vec3A::NEG_INFINITY, max: Vec3A::ONE }] {
-            assert_eq!(index.cast(&AabbCast3d { ray: ray.clone(), aabb }), None);
+        for aabb in [
+            inverted,
+            Aabb3d {
+                min: Vec3A::NEG_INFINITY,
+                max: Vec3A::ONE,
+            },
+        ] {
+            assert_eq!(
+                index.cast(&AabbCast3d {
+                    ray: ray.clone(),
+                    aabb
+                }),
+                None
+            );
         }
         assert_eq!(index.cast_with(&ray, |_, _| Some(f32::NAN)), None);
-        for (point, max) in [(nan, 1.0), (Vec3::INFINITY, f32::INFINITY), (Vec3::ZERO, -1.0), (Vec3::ZERO, f32::NAN)] {
+        for (point, max) in [
+            (nan, 1.0),
+            (Vec3::INFINITY, f32::INFINITY),
+            (Vec3::ZERO, -1.0),
+            (Vec3::ZERO, f32::NAN),
+        ] {
             assert_eq!(index.nearest(point, max), None);
-            let mut hits = vec![Hit { proxy: ProxyId::new(0), distance: 0.0 }];
+            let mut hits = vec![Hit {
+                proxy: ProxyId::new(0),
+                distance: 0.0,
+            }];
             index.k_nearest(point, 3, max, &mut hits);
             assert_eq!(hits, []);
         }
-        assert_eq!(index.nearest_with(Vec3::ZERO, 9.0, |_, _| Some(f32::NAN)), None);
+        assert_eq!(
+            index.nearest_with(Vec3::ZERO, 9.0, |_, _| Some(f32::NAN)),
+            None
+        );
     }
 }
 
 #[test]
 fn the_ends_of_the_number_range_are_queried_too() {
-    let at = |x: f32| Aabb3d { min: Vec3A::splat(x), max: Vec3A::splat(x) };
+    let at = |x: f32| Aabb3d {
+        min: Vec3A::splat(x),
+        max: Vec3A::splat(x),
+    };
     for index in worlds(&[at(f32::MIN), at(-1e30), at(1e30), at(f32::MAX)], &[]) {
-        assert_eq!(index.nearest(Vec3::splat(2e30), f32::INFINITY).unwrap().proxy, ProxyId::new(2));
+        assert_eq!(
+            index
+                .nearest(Vec3::splat(2e30), f32::INFINITY)
+                .unwrap()
+                .proxy,
+            ProxyId::new(2)
+        );
         assert_eq!(index.nearest(Vec3::ZERO, 1e20), None);
         let ray = RayCast3d::new(Vec3::splat(1e30), Dir3::X, f32::INFINITY);
-        assert_eq!(index.cast(&ray), Some(Hit { proxy: ProxyId::new(2), distance: 0.0 }));
-        assert_eq!(found(&index, &Aabb3d { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY }).len(), 4);
+        assert_eq!(
+            index.cast(&ray),
+            Some(Hit {
+                proxy: ProxyId::new(2),
+                distance: 0.0
+            })
+        );
+        assert_eq!(
+            found(
+                &index,
+                &Aabb3d {
+                    min: Vec3A::NEG_INFINITY,
+                    max: Vec3A::INFINITY
+                }
+            )
+            .len(),
+            4
+        );
     }
 }

@@ -1,7 +1,12 @@
 use super::*;
 
 fn corner() -> PositionTrack {
-    PositionTrack::new([(10, Vec3::ZERO), (14, Vec3::new(4.0, 0.0, 0.0)), (22, Vec3::new(4.0, 16.0, 0.0))]).unwrap()
+    PositionTrack::new([
+        (10, Vec3::ZERO),
+        (14, Vec3::new(4.0, 0.0, 0.0)),
+        (22, Vec3::new(4.0, 16.0, 0.0)),
+    ])
+    .unwrap()
 }
 
 #[test]
@@ -67,8 +72,15 @@ fn smooth_passes_through_keys_and_keeps_straight_lines_straight() {
 /// Dense ticks make differences of successive positions approximate velocities.
 #[test]
 fn smooth_has_no_sudden_turns_and_linear_does() {
-    let keyframes = [(0, Vec3::ZERO), (1000, Vec3::X), (3000, Vec3::Y), (4000, Vec3::ZERO)];
-    let track = PositionTrack::new(keyframes).unwrap().with_outside(Outside::Loop);
+    let keyframes = [
+        (0, Vec3::ZERO),
+        (1000, Vec3::X),
+        (3000, Vec3::Y),
+        (4000, Vec3::ZERO),
+    ];
+    let track = PositionTrack::new(keyframes)
+        .unwrap()
+        .with_outside(Outside::Loop);
     let turn = |track: &PositionTrack, tick: u64| {
         let at = |tick| track.position(tick);
         ((at(tick + 1) - at(tick)) - (at(tick) - at(tick - 1))).length() * 1000.0
@@ -82,16 +94,32 @@ fn smooth_has_no_sudden_turns_and_linear_does() {
 
 #[test]
 fn positions_are_finite_whatever_the_keyframes() {
-    let eases = [EaseFunction::ElasticInOut, EaseFunction::BackOut, EaseFunction::Linear].map(Interpolation::Ease);
+    let eases = [
+        EaseFunction::ElasticInOut,
+        EaseFunction::BackOut,
+        EaseFunction::Linear,
+    ]
+    .map(Interpolation::Ease);
     let ends = [Vec3::MIN, Vec3::MAX, Vec3::ZERO, Vec3::MAX, Vec3::MIN];
     for outside in [Outside::Hold, Outside::Loop] {
-        for interpolation in [Interpolation::Linear, Interpolation::Smooth].into_iter().chain(eases) {
-            let keyframes = ends.into_iter().enumerate().map(|(place, at)| (10 * place as u64, at));
+        for interpolation in [Interpolation::Linear, Interpolation::Smooth]
+            .into_iter()
+            .chain(eases)
+        {
+            let keyframes = ends
+                .into_iter()
+                .enumerate()
+                .map(|(place, at)| (10 * place as u64, at));
             let track = PositionTrack::new(keyframes).unwrap();
-            let track = track.with_interpolation(interpolation).with_outside(outside);
+            let track = track
+                .with_interpolation(interpolation)
+                .with_outside(outside);
             for tick in 0..50 {
                 let position = track.position(tick);
-                assert!(position.is_finite(), "{interpolation:?} {outside:?} {tick}: {position}");
+                assert!(
+                    position.is_finite(),
+                    "{interpolation:?} {outside:?} {tick}: {position}"
+                );
             }
             assert_eq!(track.position(10), Vec3::MAX);
         }
@@ -102,7 +130,9 @@ fn positions_are_finite_whatever_the_keyframes() {
 fn a_single_key_is_a_place() {
     assert_eq!(PositionTrack::default().position(9), Vec3::ZERO);
     for outside in [Outside::Hold, Outside::Loop] {
-        let track = PositionTrack::new([(7, Vec3::ONE)]).unwrap().with_outside(outside);
+        let track = PositionTrack::new([(7, Vec3::ONE)])
+            .unwrap()
+            .with_outside(outside);
         assert_eq!([0, 7, 8].map(|tick| track.position(tick)), [Vec3::ONE; 3]);
     }
 }
@@ -127,7 +157,10 @@ fn bad_keyframes_are_refused() {
 #[test]
 fn an_emptied_track_does_not_panic() {
     for outside in [Outside::Hold, Outside::Loop] {
-        let track = PositionTrack { keyframes: Vec::new(), ..corner().with_outside(outside) };
+        let track = PositionTrack {
+            keyframes: Vec::new(),
+            ..corner().with_outside(outside)
+        };
         assert_eq!(track.position(3), Vec3::ZERO);
     }
 }

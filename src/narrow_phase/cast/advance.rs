@@ -11,18 +11,23 @@ use crate::narrow_phase::{
     },
 };
 
-/// So often may two that turn look how far they are from each other; after that, they go on by steps of no less than
-/// [`LEAST_STEP`] of the way that is left.
+/// So often may two that turn look how far they are from each other; after that, they go on by
+/// steps of no less than [`LEAST_STEP`] of the way that is left.
 const LOOKS: u32 = 64;
 
-/// So often do they look at most. What is left of the way is gone long before, for no step is less than the next number.
+/// So often do they look at most. What is left of the way is gone long before, for no step is less
+/// than the next number.
 const MOST_LOOKS: u32 = 4 * LOOKS;
 
 /// See [`LOOKS`]: it is two that pass each other within a hair's breadth that get there.
 const LEAST_STEP: f32 = 1.0 / 64.0;
 
 /// The first meeting of two of which one turns, which are apart at `from`.
-pub fn first_meeting(moments: Moments, from: f32, workspace: &mut Workspace) -> Option<TimedContact> {
+pub fn first_meeting(
+    moments: Moments,
+    from: f32,
+    workspace: &mut Workspace,
+) -> Option<TimedContact> {
     let mut advance = Advance::new(moments, from);
     while advance.looks < MOST_LOOKS && advance.time <= 1.0 {
         match advance.step(workspace) {
@@ -41,7 +46,8 @@ struct Advance<'a> {
     velocity: Vec3,
     /// How much faster turns may bring the two together.
     turning: f32,
-    /// Between two convex shapes that are apart there is a plane, and what counts is how fast they come to it.
+    /// Between two convex shapes that are apart there is a plane, and what counts is how fast they
+    /// come to it.
     have_plane: bool,
     /// At least what rounding leaves uncertain at the size of the two.
     tolerance: f32,
@@ -85,7 +91,8 @@ impl<'a> Advance<'a> {
         }
     }
 
-    /// Looks how far the two are from each other, and goes on to the moment up to which they cannot meet.
+    /// Looks how far the two are from each other, and goes on to the moment up to which they cannot
+    /// meet.
     fn step(&mut self, workspace: &mut Workspace) -> Step {
         let near = self.moments.closest_points(self.time, workspace);
         let touching = match &near {
@@ -104,7 +111,11 @@ impl<'a> Advance<'a> {
             None => 0.0,
         };
         let hurries = self.looks >= LOOKS || near.is_none();
-        let least = if hurries { LEAST_STEP * (1.0 - self.from) } else { 0.0 };
+        let least = if hurries {
+            LEAST_STEP * (1.0 - self.from)
+        } else {
+            0.0
+        };
         // A step that rounding swallows is none: the next number is the least.
         let step = free.max(least).max(self.time.next_up() - self.time);
         self.overshot = free < step;
@@ -116,7 +127,12 @@ impl<'a> Advance<'a> {
     /// For how long two that are so near cannot meet; `None` if they never do.
     fn free_time(&self, near: &Proximity) -> Option<f32> {
         let towards = self.velocity.dot(near.offset / near.distance);
-        let closing = self.turning + if self.have_plane { towards } else { self.velocity.length() };
+        let closing = self.turning
+            + if self.have_plane {
+                towards
+            } else {
+                self.velocity.length()
+            };
         let free = (near.distance - 0.5 * self.tolerance) / closing;
         (closing > 0.0 && free.is_finite()).then_some(free)
     }
@@ -124,12 +140,25 @@ impl<'a> Advance<'a> {
     /// How the two meet that are in contact at the moment, or were since the last one.
     fn meeting(&self, near: Option<Proximity>, workspace: &mut Workspace) -> TimedContact {
         debug_assert!(self.last <= self.time, "{} {}", self.last, self.time);
-        let time = if self.overshot { self.moments.narrow([self.time, self.last], workspace)[0] } else { self.time };
+        let time = if self.overshot {
+            self.moments.narrow([self.time, self.last], workspace)[0]
+        } else {
+            self.time
+        };
         self.moments.touch(time, workspace).unwrap_or_else(|| {
             // Within the tolerance, but for rounding.
-            let normal = near.and_then(|near| near.offset.try_normalize()).unwrap_or(Vec3::Y);
+            let normal = near
+                .and_then(|near| near.offset.try_normalize())
+                .unwrap_or(Vec3::Y);
             let point = near.map_or(self.moments.b.at(time).translation, |near| near.points[1]);
-            TimedContact { time, contact: Contact { normal, point, depth: 0.0 } }
+            TimedContact {
+                time,
+                contact: Contact {
+                    normal,
+                    point,
+                    depth: 0.0,
+                },
+            }
         })
     }
 }

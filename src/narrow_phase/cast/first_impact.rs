@@ -1,5 +1,5 @@
-//! The first time of impact of something that moves along a line, as the least of those of its parts: each the solution of
-//! an equation.
+//! The first time of impact of something that moves along a line, as the least of those of its
+//! parts: each the solution of an equation.
 
 use bevy::math::Vec3A;
 
@@ -24,7 +24,11 @@ pub struct LocalImpact {
 impl LocalImpact {
     /// That of the other shape on its way, along `direction`, with this one at rest.
     pub fn reversed(self, direction: Vec3A) -> Self {
-        Self { point: self.point + direction * self.distance, normal: -self.normal, ..self }
+        Self {
+            point: self.point + direction * self.distance,
+            normal: -self.normal,
+            ..self
+        }
     }
 }
 
@@ -37,24 +41,41 @@ pub struct FirstImpact {
 
 impl FirstImpact {
     pub fn new(direction: Vec3A, limit: f32) -> Self {
-        Self { direction, limit, found: None }
+        Self {
+            direction,
+            limit,
+            found: None,
+        }
     }
 
     /// Of two spheres.
     pub fn of_spheres(mut self, pair: &PlacedPair) -> Option<LocalImpact> {
-        self.ball(pair.box_a.center, pair.box_b.center, pair.box_a.radius, pair.box_b.radius);
+        self.ball(
+            pair.box_a.center,
+            pair.box_b.center,
+            pair.box_a.radius,
+            pair.box_b.radius,
+        );
         self.found
     }
 
     /// Of a sphere, the first of the pair, and a shape made of polygons.
-    pub fn of_sphere(mut self, pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalImpact> {
+    pub fn of_sphere(
+        mut self,
+        pair: &PlacedPair,
+        workspace: &mut Workspace,
+    ) -> Option<LocalImpact> {
         let (mesh, surface) = edge_polygon::fill_second_all(pair, workspace)?;
         self.ball_surface(pair.box_a.center, pair.box_a.radius, mesh, surface);
         self.found
     }
 
     /// Of two shapes made of polygons.
-    pub fn of_polygons(mut self, pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalImpact> {
+    pub fn of_polygons(
+        mut self,
+        pair: &PlacedPair,
+        workspace: &mut Workspace,
+    ) -> Option<LocalImpact> {
         let meshes = edge_polygon::fill_all(pair, workspace)?;
         self.surfaces(meshes, &workspace.surfaces, pair.tolerance);
         self.found
@@ -63,16 +84,28 @@ impl FirstImpact {
     /// Takes up an impact if it is the first so far.
     fn consider(&mut self, distance: f32, point: impl FnOnce() -> Vec3A, normal: Vec3A) {
         if distance >= 0.0 && distance <= self.limit {
-            let normal = if normal.dot(self.direction) > 0.0 { -normal } else { normal };
+            let normal = if normal.dot(self.direction) > 0.0 {
+                -normal
+            } else {
+                normal
+            };
             self.limit = distance;
-            self.found = Some(LocalImpact { distance, point: point(), normal });
+            self.found = Some(LocalImpact {
+                distance,
+                point: point(),
+                normal,
+            });
         }
     }
 
     /// A moving ball against a resting one.
     fn ball(&mut self, center: Vec3A, target: Vec3A, radius: f32, target_radius: f32) {
-        let Some(distance) = self.reach(target - center, radius + target_radius) else { return };
-        let Some(normal) = (center + self.direction * distance - target).try_normalize() else { return };
+        let Some(distance) = self.reach(target - center, radius + target_radius) else {
+            return;
+        };
+        let Some(normal) = (center + self.direction * distance - target).try_normalize() else {
+            return;
+        };
         self.consider(distance, || target + normal * target_radius, normal);
     }
 
@@ -110,7 +143,9 @@ impl FirstImpact {
         self.ball(center, start, radius, 0.0);
         self.ball(center, end, radius, 0.0);
         let along = end - start;
-        let Some(axis) = along.try_normalize() else { return };
+        let Some(axis) = along.try_normalize() else {
+            return;
+        };
         // In the plane across the edge, it is a point.
         let across = |v: Vec3A| v - axis * v.dot(axis);
         let (offset, velocity) = (across(start - center), across(self.direction));
@@ -130,19 +165,29 @@ impl FirstImpact {
         }
     }
 
-    /// A moving surface, the first, against a resting one: corners against faces, both ways, and edges against edges.
-    fn surfaces(&mut self, meshes: [&PolygonMesh; 2], [moving, resting]: &[Surface; 2], tolerance: f32) {
+    /// A moving surface, the first, against a resting one: corners against faces, both ways, and
+    /// edges against edges.
+    fn surfaces(
+        &mut self,
+        meshes: [&PolygonMesh; 2],
+        [moving, resting]: &[Surface; 2],
+        tolerance: f32,
+    ) {
         let direction = self.direction;
         for corner in moving.edges.iter().flat_map(|edge| edge.ends) {
             for face in &resting.faces {
-                if let Some(distance) = corner_to_face(corner, direction, meshes[1], resting, face, tolerance) {
+                if let Some(distance) =
+                    corner_to_face(corner, direction, meshes[1], resting, face, tolerance)
+                {
                     self.consider(distance, || corner + direction * distance, face.normal);
                 }
             }
         }
         for corner in resting.edges.iter().flat_map(|edge| edge.ends) {
             for face in &moving.faces {
-                if let Some(distance) = corner_to_face(corner, -direction, meshes[0], moving, face, tolerance) {
+                if let Some(distance) =
+                    corner_to_face(corner, -direction, meshes[0], moving, face, tolerance)
+                {
                     self.consider(distance, || corner, face.normal);
                 }
             }
@@ -154,8 +199,8 @@ impl FirstImpact {
         }
     }
 
-    /// A moving edge against a resting one. Those that move within the plane that both span meet at their ends, which are
-    /// corners.
+    /// A moving edge against a resting one. Those that move within the plane that both span meet at
+    /// their ends, which are corners.
     fn edges(&mut self, a: [Vec3A; 2], b: [Vec3A; 2], slack: f32) {
         let (u, v, offset) = (a[1] - a[0], b[1] - b[0], b[0] - a[0]);
         let normal = u.cross(v);
@@ -168,14 +213,16 @@ impl FirstImpact {
         let distance = offset.dot(normal) / volume;
         let s = offset.cross(v).dot(self.direction) / volume;
         let t = offset.cross(u).dot(self.direction) / volume;
-        let within = |share: f32, length: f32| share * length >= -slack && (share - 1.0) * length <= slack;
+        let within =
+            |share: f32, length: f32| share * length >= -slack && (share - 1.0) * length <= slack;
         if within(s, length_u) && within(t, length_v) {
             self.consider(distance, || b[0] + v * t, normal.normalize());
         }
     }
 }
 
-/// How far a corner has to go to a face, border included: corners that come to meet are where no edges cross.
+/// How far a corner has to go to a face, border included: corners that come to meet are where no
+/// edges cross.
 fn corner_to_face(
     corner: Vec3A,
     way: Vec3A,
@@ -189,7 +236,9 @@ fn corner_to_face(
         return None;
     }
     let (corners, point) = (mesh.polygon(face.polygon as usize), corner + way * distance);
-    let is_on =
-        |[a, b]: [Vec3A; 2]| closest::point_segment(point, a, b).distance_squared(point) <= tolerance * tolerance;
-    (surface.covers(corners, face.normal, point) || surface.border(corners).any(is_on)).then_some(distance)
+    let is_on = |[a, b]: [Vec3A; 2]| {
+        closest::point_segment(point, a, b).distance_squared(point) <= tolerance * tolerance
+    };
+    (surface.covers(corners, face.normal, point) || surface.border(corners).any(is_on))
+        .then_some(distance)
 }

@@ -1,4 +1,5 @@
-//! What comes along a way, and where it first meets something: rays, shapes, two shapes that both move.
+//! What comes along a way, and where it first meets something: rays, shapes, two shapes that both
+//! move.
 
 mod advance;
 mod first_impact;

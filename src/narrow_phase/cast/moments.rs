@@ -24,7 +24,10 @@ impl Moments<'_> {
     /// Asks about the two where they are at a moment.
     fn at<T>(&self, time: f32, ask: impl FnOnce(Placed, Placed) -> T) -> T {
         let Self { a, b, .. } = self;
-        ask(Placed::new(a.shape(), &a.at(time)), Placed::new(b.shape(), &b.at(time)))
+        ask(
+            Placed::new(a.shape(), &a.at(time)),
+            Placed::new(b.shape(), &b.at(time)),
+        )
     }
 
     /// How fast, per whole way, the first comes to the second.
@@ -43,13 +46,17 @@ impl Moments<'_> {
 
     /// Is there a plane between the two wherever they are apart?
     pub fn are_convex(&self) -> bool {
-        [self.a, self.b].iter().all(|moving| moving.shape().kind().is_convex())
+        [self.a, self.b]
+            .iter()
+            .all(|moving| moving.shape().kind().is_convex())
     }
 
     /// The contact at a moment.
     pub fn touch(&self, time: f32, workspace: &mut Workspace) -> Option<TimedContact> {
         let velocity = |point| self.a.velocity_at(time, point) - self.b.velocity_at(time, point);
-        let contact = self.at(time, |a, b| self.tests.contact_in_passing(a, b, velocity, workspace))?;
+        let contact = self.at(time, |a, b| {
+            self.tests.contact_in_passing(a, b, velocity, workspace)
+        })?;
         Some(TimedContact { time, contact })
     }
 
@@ -61,23 +68,32 @@ impl Moments<'_> {
         self.at(time, |a, b| self.tests.closest_points(a, b, workspace))
     }
 
-    /// Of all normals that part the two, which touch at a moment, the one along which they come nearer to each other the
-    /// least.
+    /// Of all normals that part the two, which touch at a moment, the one along which they come
+    /// nearer to each other the least.
     pub fn normal_in_passing(&self, time: f32, normal: Vec3, workspace: &mut Workspace) -> Vec3 {
-        self.at(time, |a, b| self.tests.normal_in_passing(a, b, normal, self.velocity(), workspace))
+        self.at(time, |a, b| {
+            self.tests
+                .normal_in_passing(a, b, normal, self.velocity(), workspace)
+        })
     }
 
-    /// Between a moment at which the two are in contact and one at which they are not: two such, close to each other.
+    /// Between a moment at which the two are in contact and one at which they are not: two such,
+    /// close to each other.
     pub fn narrow(&self, times: [f32; 2], workspace: &mut Workspace) -> [f32; 2] {
         (0..HALVINGS).fold(times, |[touching, free], _| {
             let middle = touching.midpoint(free);
-            if self.touches(middle, workspace) { [middle, free] } else { [touching, middle] }
+            if self.touches(middle, workspace) {
+                [middle, free]
+            } else {
+                [touching, middle]
+            }
         })
     }
 
     /// Do the two come nearer to each other where they meet?
     pub fn come_nearer(&self, met: &TimedContact) -> bool {
-        let velocities = [self.a, self.b].map(|moving| moving.velocity_at(met.time, met.contact.point));
+        let velocities =
+            [self.a, self.b].map(|moving| moving.velocity_at(met.time, met.contact.point));
         approach(velocities, met.contact.normal)
     }
 }

@@ -11,8 +11,8 @@ use crate::narrow_phase::{
     shape::Shape,
 };
 
-/// A shape on its way: from one position to another in a straight line, at constant speed, turning at a constant rate by
-/// the shorter way.
+/// A shape on its way: from one position to another in a straight line, at constant speed, turning
+/// at a constant rate by the shorter way.
 ///
 /// Its size is that which it has at the end, all the way.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +26,11 @@ impl<'a> Moving<'a> {
     /// Makes a shape move from `start` to `end`.
     #[must_use]
     pub fn new(shape: &'a Shape, start: &Transform, end: &Transform) -> Self {
-        Self { shape, start: start.with_scale(end.scale), end: *end }
+        Self {
+            shape,
+            start: start.with_scale(end.scale),
+            end: *end,
+        }
     }
 
     /// Makes a shape stay where it is.
@@ -44,9 +48,16 @@ impl<'a> Moving<'a> {
     /// Returns where the shape is after a share of its way, 0 to 1.
     #[must_use]
     pub fn at(&self, time: f32) -> Transform {
-        let rotation =
-            if self.turns() { self.start.rotation.slerp(self.end.rotation, time) } else { self.end.rotation };
-        Transform { translation: self.start.translation + self.way() * time, rotation, scale: self.end.scale }
+        let rotation = if self.turns() {
+            self.start.rotation.slerp(self.end.rotation, time)
+        } else {
+            self.end.rotation
+        };
+        Transform {
+            translation: self.start.translation + self.way() * time,
+            rotation,
+            scale: self.end.scale,
+        }
     }
 
     /// From the start to the end, but for turns.
@@ -60,12 +71,24 @@ impl<'a> Moving<'a> {
 
     /// What is left of the way after a share of it.
     pub(crate) fn after(&self, time: f32) -> Self {
-        Self { start: self.at(time), ..*self }
+        Self {
+            start: self.at(time),
+            ..*self
+        }
     }
 
     /// Turning as it does, on another way.
     pub(crate) fn along(self, from: Vec3, to: Vec3) -> Self {
-        let (start, end) = (Transform { translation: from, ..self.start }, Transform { translation: to, ..self.end });
+        let (start, end) = (
+            Transform {
+                translation: from,
+                ..self.start
+            },
+            Transform {
+                translation: to,
+                ..self.end
+            },
+        );
         Self { start, end, ..self }
     }
 
@@ -79,9 +102,14 @@ impl<'a> Moving<'a> {
         shorter.to_scaled_axis()
     }
 
-    /// How fast, per whole way, the part of it moves that turning moves fastest; infinite if it has no end.
+    /// How fast, per whole way, the part of it moves that turning moves fastest; infinite if it has
+    /// no end.
     pub(super) fn turning_speed(&self) -> f32 {
-        if self.turns() { self.turn().length() * self.reach().unwrap_or(f32::INFINITY) } else { 0.0 }
+        if self.turns() {
+            self.turn().length() * self.reach().unwrap_or(f32::INFINITY)
+        } else {
+            0.0
+        }
     }
 
     /// How fast, per whole way, a point moves that is part of the shape after a share of it.
@@ -97,17 +125,26 @@ impl<'a> Moving<'a> {
 }
 
 impl NarrowPhase {
-    /// Returns the box to feed to a broad phase for all of a shape's way: see [`world_aabb`](Self::world_aabb). The smallest one if
-    /// the shape does not turn.
+    /// Returns the box to feed to a broad phase for all of a shape's way: see
+    /// [`world_aabb`](Self::world_aabb). The smallest one if the shape does not turn.
     ///
     /// # Errors
     /// As for [`Shape::world_aabb`].
     #[doc(alias = "aabb")]
     pub fn swept_aabb(&self, moving: &Moving) -> Result<Aabb3d, BoundsError> {
         // Whatever a shape turns through is in a ball around the point that it turns about.
-        let ball = if moving.turns() { Some(Shape::Sphere { radius: moving.reach()? }) } else { None };
+        let ball = if moving.turns() {
+            Some(Shape::Sphere {
+                radius: moving.reach()?,
+            })
+        } else {
+            None
+        };
         let aabb = |at: &Transform| match &ball {
-            Some(ball) => self.world_aabb(Placed::new(ball, &Transform::from_translation(at.translation))),
+            Some(ball) => self.world_aabb(Placed::new(
+                ball,
+                &Transform::from_translation(at.translation),
+            )),
             None => self.world_aabb(Placed::new(moving.shape, at)),
         };
         Ok(aabb(&moving.start)?.merge(&aabb(&moving.end)?))

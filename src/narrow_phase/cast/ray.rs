@@ -11,26 +11,30 @@ use crate::narrow_phase::{
     shape::{Kind, Shape},
 };
 
-/// How close to its border a point counts as on a polygon, as a share of the distances at hand: more than the rounding
-/// of 64-bit floats, so that no ray slips through where polygons join.
+/// How close to its border a point counts as on a polygon, as a share of the distances at hand:
+/// more than the rounding of 64-bit floats, so that no ray slips through where polygons join.
 const BORDER: f64 = 1e-9;
 /// The sine of the angle below which a ray counts as along a plane.
 const ALONG: f64 = 1e-12;
-/// The least scale along an axis, as a share of the greatest: a shape flattened by a scale of zero is so thick to rays.
+/// The least scale along an axis, as a share of the greatest: a shape flattened by a scale of zero
+/// is so thick to rays.
 const FLAT: f64 = 1e-7;
 
 impl NarrowPhase {
-    /// Casts a ray against a shape: returns where it first meets it, if it does so within `max_distance`.
+    /// Casts a ray against a shape: returns where it first meets it, if it does so within
+    /// `max_distance`.
     ///
-    /// Exact for every kind of shape, wherever the ray starts. One rule holds for all: a shape has its border, and is
-    /// solid if it is closed. A ray that starts inside or on it meets it at once, whichever way it goes, as does a shape
-    /// [on its way](Self::sweep) that touches another at the start; on it is what is so but for the rounding of 32-bit
-    /// floats. To go on from a surface that was met, leave its entity out, or start a little off. Polygons that bound no
-    /// solid are met from both sides, and at their border by rays that run along them. A shape that a scale of zero shrinks
-    /// to a point is met by rays that start there only. `None` too if anything is not finite, but for `max_distance`, or
-    /// that is negative or NaN.
+    /// Exact for every kind of shape, wherever the ray starts. One rule holds for all: a shape has
+    /// its border, and is solid if it is closed. A ray that starts inside or on it meets it at
+    /// once, whichever way it goes, as does a shape [on its way](Self::sweep) that touches another
+    /// at the start; on it is what is so but for the rounding of 32-bit floats. To go on from a
+    /// surface that was met, leave its entity out, or start a little off. Polygons that bound no
+    /// solid are met from both sides, and at their border by rays that run along them. A shape that
+    /// a scale of zero shrinks to a point is met by rays that start there only. `None` too if
+    /// anything is not finite, but for `max_distance`, or that is negative or NaN.
     ///
-    /// Allocates nothing, but for a mesh that is a shape of Rapier's. Cuboids, spheres: O(1); meshes: linear in their polygons.
+    /// Allocates nothing, but for a mesh that is a shape of Rapier's. Cuboids, spheres: O(1);
+    /// meshes: linear in their polygons.
     ///
     /// ```
     /// use bevy::{math::{Dir3, Vec3}, transform::components::Transform};
@@ -42,13 +46,25 @@ impl NarrowPhase {
     /// ```
     #[doc(alias = "raycast")]
     #[must_use]
-    pub fn cast_ray(&self, target: Placed, origin: Vec3, direction: Dir3, max_distance: f32) -> Option<Impact> {
-        if !(max_distance >= 0.0 && origin.is_finite() && direction.is_finite() && target.transform.is_finite()) {
+    pub fn cast_ray(
+        &self,
+        target: Placed,
+        origin: Vec3,
+        direction: Dir3,
+        max_distance: f32,
+    ) -> Option<Impact> {
+        if !(max_distance >= 0.0
+            && origin.is_finite()
+            && direction.is_finite()
+            && target.transform.is_finite())
+        {
             return None;
         }
         if target.shape.kind() == Kind::Foreign {
             return match parry::as_own(target) {
-                Some((own, at)) => self.cast_ray(Placed::new(&own, &at), origin, direction, max_distance),
+                Some((own, at)) => {
+                    self.cast_ray(Placed::new(&own, &at), origin, direction, max_distance)
+                }
                 None => parry::cast_ray(target, origin, direction, max_distance),
             };
         }
@@ -65,13 +81,15 @@ impl NarrowPhase {
         (distance <= max_distance && distance.is_finite()).then(|| Impact {
             distance,
             point: (origin.as_dvec3() + direction.as_dvec3() * met.distance).as_vec3(),
-            normal: met.normal.map_or(-*direction, |normal| ray.to_world(normal, target, direction)),
+            normal: met.normal.map_or(-*direction, |normal| {
+                ray.to_world(normal, target, direction)
+            }),
         })
     }
 }
 
-/// A ray in the coordinates of a shape, in which distances along it are those in the world. In double precision, so that
-/// neither the scale nor the way from afar costs exactness.
+/// A ray in the coordinates of a shape, in which distances along it are those in the world. In
+/// double precision, so that neither the scale nor the way from afar costs exactness.
 struct LocalRay {
     origin: DVec3,
     direction: DVec3,
@@ -87,26 +105,53 @@ struct Met {
 }
 
 impl Met {
-    const INSIDE: Self = Self { distance: 0.0, normal: None };
+    const INSIDE: Self = Self {
+        distance: 0.0,
+        normal: None,
+    };
 }
 
 impl LocalRay {
     fn new(target: Placed, origin: Vec3, direction: Dir3) -> Option<Self> {
-        let scale = target.shape.effective_scale(target.transform.scale).as_dvec3();
+        let scale = target
+            .shape
+            .effective_scale(target.transform.scale)
+            .as_dvec3();
         let least = FLAT * scale.abs().max_element();
-        let scale = DVec3::select(scale.abs().cmplt(DVec3::splat(least)), DVec3::splat(least), scale);
-        let back = target.transform.rotation.normalize().as_dquat().normalize().inverse();
+        let scale = DVec3::select(
+            scale.abs().cmplt(DVec3::splat(least)),
+            DVec3::splat(least),
+            scale,
+        );
+        let back = target
+            .transform
+            .rotation
+            .normalize()
+            .as_dquat()
+            .normalize()
+            .inverse();
         let from_center = origin.as_dvec3() - target.transform.translation.as_dvec3();
-        let (origin_in_shape, along) = (back * from_center / scale, back * direction.as_dvec3() / scale);
+        let (origin_in_shape, along) = (
+            back * from_center / scale,
+            back * direction.as_dvec3() / scale,
+        );
         let slack = slack(origin, from_center);
-        let ray = Self { origin: origin_in_shape, direction: along, scale, slack };
+        let ray = Self {
+            origin: origin_in_shape,
+            direction: along,
+            scale,
+            slack,
+        };
         (ray.origin.is_finite() && ray.direction.is_finite()).then_some(ray)
     }
 
     /// Normals scale inversely. Turned against the ray, whichever side of a polygon it meets.
     fn to_world(&self, normal: DVec3, target: Placed, direction: Dir3) -> Vec3 {
         let scaled = (normal / self.scale).normalize_or_zero().as_vec3();
-        against((target.transform.rotation.normalize() * scaled).normalize_or(-*direction), direction)
+        against(
+            (target.transform.rotation.normalize() * scaled).normalize_or(-*direction),
+            direction,
+        )
     }
 
     /// How high the start is over a plane, in the world.
@@ -122,7 +167,11 @@ impl LocalRay {
         for axis in 0..3 {
             let unit = DVec3::AXES[axis];
             pass.clip(self.origin[axis] - half[axis], self.direction[axis], unit)?;
-            pass.clip(-self.origin[axis] - half[axis], -self.direction[axis], -unit)?;
+            pass.clip(
+                -self.origin[axis] - half[axis],
+                -self.direction[axis],
+                -unit,
+            )?;
         }
         Some(pass.met())
     }
@@ -139,7 +188,11 @@ impl LocalRay {
                 return None;
             }
         }
-        if highest <= self.slack { Some(Met::INSIDE) } else { pass.map(Passage::met) }
+        if highest <= self.slack {
+            Some(Met::INSIDE)
+        } else {
+            pass.map(Passage::met)
+        }
     }
 
     fn sphere(&self, radius: f64) -> Option<Met> {
@@ -147,14 +200,20 @@ impl LocalRay {
             return Some(Met::INSIDE);
         }
         // From the point of the ray that is closest to the centre.
-        let (squared, along) = (self.direction.length_squared(), -self.origin.dot(self.direction));
+        let (squared, along) = (
+            self.direction.length_squared(),
+            -self.origin.dot(self.direction),
+        );
         let closest = self.origin + self.direction * (along / squared);
         let room = radius * radius - closest.length_squared();
         if along < 0.0 || room < 0.0 {
             return None;
         }
         let distance = ((along - (room * squared).sqrt()) / squared).max(0.0);
-        Some(Met { distance, normal: Some(self.origin + self.direction * distance) })
+        Some(Met {
+            distance,
+            normal: Some(self.origin + self.direction * distance),
+        })
     }
 
     fn mesh(&self, mesh: &PolygonMesh, max_distance: f64) -> Option<Met> {
@@ -163,7 +222,11 @@ impl LocalRay {
         // A rounded box may leave out what is on its side.
         let slack = BORDER * (f64::from(radius) + from_center.length());
         let within = from_center.abs().cmple(half.as_dvec3() + slack).all();
-        let way_to = |corner| (vertex(mesh, corner) - self.origin).normalize_or_zero().as_vec3a();
+        let way_to = |corner| {
+            (vertex(mesh, corner) - self.origin)
+                .normalize_or_zero()
+                .as_vec3a()
+        };
         if within && winds_around(mesh, way_to) {
             return Some(Met::INSIDE);
         }
@@ -184,16 +247,28 @@ impl LocalRay {
                     && let Some(distance) = self.border(mesh, corners, normal, slack)
                     && distance <= limit
                 {
-                    best = Some(Met { distance, normal: None });
+                    best = Some(Met {
+                        distance,
+                        normal: None,
+                    });
                     continue;
                 }
             }
             // Not for a ray within the plane, for which this is not a number, or infinite.
             if distance >= 0.0
                 && distance <= limit
-                && is_on_polygon(mesh, corners, normal, self.origin + self.direction * distance, slack)
+                && is_on_polygon(
+                    mesh,
+                    corners,
+                    normal,
+                    self.origin + self.direction * distance,
+                    slack,
+                )
             {
-                best = Some(Met { distance, normal: Some(normal) });
+                best = Some(Met {
+                    distance,
+                    normal: Some(normal),
+                });
             }
         }
         best
@@ -202,17 +277,30 @@ impl LocalRay {
 
 impl LocalRay {
     /// How far a ray in the plane of a polygon, but not on it, goes to its border.
-    fn border(&self, mesh: &PolygonMesh, corners: &[u32], normal: DVec3, slack: f64) -> Option<f64> {
+    fn border(
+        &self,
+        mesh: &PolygonMesh,
+        corners: &[u32],
+        normal: DVec3,
+        slack: f64,
+    ) -> Option<f64> {
         let across = normal.cross(self.direction);
-        let distances = corners.iter().zip(corners.iter().cycle().skip(1)).filter_map(|(a, b)| {
-            let (a, b) = (vertex(mesh, *a) - self.origin, vertex(mesh, *b) - self.origin);
-            let [at_a, at_b] = [a, b].map(|end| end.dot(across));
-            let is_ahead = at_a.min(at_b) <= slack * across.length() && at_a.max(at_b) >= -slack * across.length();
-            // Those along the ray have neighbours that are not.
-            let share = (at_a / (at_a - at_b)).clamp(0.0, 1.0);
-            let met = a.lerp(b, share).dot(self.direction) / self.direction.length_squared();
-            (is_ahead && met >= 0.0).then_some(met)
-        });
+        let distances = corners
+            .iter()
+            .zip(corners.iter().cycle().skip(1))
+            .filter_map(|(a, b)| {
+                let (a, b) = (
+                    vertex(mesh, *a) - self.origin,
+                    vertex(mesh, *b) - self.origin,
+                );
+                let [at_a, at_b] = [a, b].map(|end| end.dot(across));
+                let is_ahead = at_a.min(at_b) <= slack * across.length()
+                    && at_a.max(at_b) >= -slack * across.length();
+                // Those along the ray have neighbours that are not.
+                let share = (at_a / (at_a - at_b)).clamp(0.0, 1.0);
+                let met = a.lerp(b, share).dot(self.direction) / self.direction.length_squared();
+                (is_ahead && met >= 0.0).then_some(met)
+            });
         distances.min_by(f64::total_cmp)
     }
 }
@@ -222,7 +310,13 @@ fn vertex(mesh: &PolygonMesh, index: u32) -> DVec3 {
 }
 
 /// Is a point in the plane of a polygon inside its border, by the even-odd rule, or on it?
-fn is_on_polygon(mesh: &PolygonMesh, corners: &[u32], normal: DVec3, point: DVec3, slack: f64) -> bool {
+fn is_on_polygon(
+    mesh: &PolygonMesh,
+    corners: &[u32],
+    normal: DVec3,
+    point: DVec3,
+    slack: f64,
+) -> bool {
     // Seen along the axis that shows most of it.
     let (x, y) = match normal.abs().max_position() {
         0 => (1, 2),
@@ -253,7 +347,11 @@ struct Passage {
 
 impl Default for Passage {
     fn default() -> Self {
-        Self { enter: 0.0, leave: f64::INFINITY, normal: None }
+        Self {
+            enter: 0.0,
+            leave: f64::INFINITY,
+            normal: None,
+        }
     }
 }
 
@@ -263,8 +361,8 @@ impl Passage {
         Some(self)
     }
 
-    /// Goes on with the part that is in a half-space too, if there is one: the origin is at a height above its plane, and
-    /// climbs.
+    /// Goes on with the part that is in a half-space too, if there is one: the origin is at a
+    /// height above its plane, and climbs.
     fn clip(&mut self, height: f64, climb: f64, normal: DVec3) -> Option<()> {
         if climb < 0.0 {
             let enter = -height / climb;
@@ -280,6 +378,9 @@ impl Passage {
     }
 
     fn met(self) -> Met {
-        Met { distance: self.enter, normal: self.normal }
+        Met {
+            distance: self.enter,
+            normal: self.normal,
+        }
     }
 }

@@ -1,4 +1,5 @@
-//! Shapes on their way against others at rest: the first time of impact, solved for rather than approached by steps.
+//! Shapes on their way against others at rest: the first time of impact, solved for rather than
+//! approached by steps.
 
 use bevy::math::{Dir3, Vec3, Vec3A};
 use bevy::transform::components::Transform;
@@ -19,16 +20,18 @@ use crate::narrow_phase::{
 };
 
 impl NarrowPhase {
-    /// Casts a shape that moves without turning against another: returns where it first meets it, if it does so within
-    /// `max_distance`.
+    /// Casts a shape that moves without turning against another: returns where it first meets it,
+    /// if it does so within `max_distance`.
     ///
-    /// Exact for every kind of shape, up to the rounding of 32-bit floats, and as exact after a long way as after a short
-    /// one. Shapes [in contact](Self::intersects) at the start meet at once, whichever way they go. Those that only graze each
-    /// other, closer than the tolerance, may count as meeting or not. `None` too if anything is not finite, but for
-    /// `max_distance`, or that is negative or NaN.
+    /// Exact for every kind of shape, up to the rounding of 32-bit floats, and as exact after a
+    /// long way as after a short one. Shapes [in contact](Self::intersects) at the start meet at
+    /// once, whichever way they go. Those that only graze each other, closer than the tolerance,
+    /// may count as meeting or not. `None` too if anything is not finite, but for `max_distance`,
+    /// or that is negative or NaN.
     ///
-    /// Two shapes made of polygons: linear in the pairs of their edges; a sphere and one of these: linear in its edges; two
-    /// spheres: O(1). Allocates nothing once the workspace is warm, but when a mesh first meets a shape of Rapier's.
+    /// Two shapes made of polygons: linear in the pairs of their edges; a sphere and one of these:
+    /// linear in its edges; two spheres: O(1). Allocates nothing once the workspace is warm, but
+    /// when a mesh first meets a shape of Rapier's.
     ///
     /// ```
     /// use bevy::{math::{Dir3, Vec3}, transform::components::Transform};
@@ -55,17 +58,21 @@ impl NarrowPhase {
         if !(max_distance >= 0.0 && direction.is_finite()) {
             return None;
         }
-        if let Some(impact) =
-            parry::with_own(moving, target, |a, b| self.sweep(a, direction, max_distance, b, workspace))
-        {
+        if let Some(impact) = parry::with_own(moving, target, |a, b| {
+            self.sweep(a, direction, max_distance, b, workspace)
+        }) {
             return impact;
         }
         if self.intersects(moving, target, workspace) {
             return Some(self.at_the_start(moving, direction, target, workspace));
         }
         match PlacedPair::new(moving, target, self.tolerance()) {
-            Ok(pair) if pair.case() != Case::Foreign => self.sweep_apart(&pair, direction, max_distance, workspace),
-            Ok(_) | Err(BoundsError::Unbounded) => parry::sweep(moving, direction, max_distance, target),
+            Ok(pair) if pair.case() != Case::Foreign => {
+                self.sweep_apart(&pair, direction, max_distance, workspace)
+            }
+            Ok(_) | Err(BoundsError::Unbounded) => {
+                parry::sweep(moving, direction, max_distance, target)
+            }
             Err(BoundsError::NonFinite) => None,
         }
     }
@@ -78,20 +85,30 @@ impl NarrowPhase {
         max_distance: f32,
         workspace: &mut Workspace,
     ) -> Option<Impact> {
-        // Up to where their bounding spheres touch: what follows is as exact after a long way as after a short one.
-        let (free, nearer) = nearer(pair, direction).filter(|(free, _)| *free <= f64::from(max_distance))?;
+        // Up to where their bounding spheres touch: what follows is as exact after a long way as
+        // after a short one.
+        let (free, nearer) =
+            nearer(pair, direction).filter(|(free, _)| *free <= f64::from(max_distance))?;
         let left = (f64::from(max_distance) - free) as f32;
         let in_all = |rest: f32| (free + f64::from(rest)) as f32;
         // Relative to the target, so that neither position costs exactness.
-        let (origin, moving) = (pair.b.transform.translation, Placed::new(pair.a.shape, &nearer));
-        let here = Transform { translation: Vec3::ZERO, ..*pair.b.transform };
+        let (origin, moving) = (
+            pair.b.transform.translation,
+            Placed::new(pair.a.shape, &nearer),
+        );
+        let here = Transform {
+            translation: Vec3::ZERO,
+            ..*pair.b.transform
+        };
         let target = Placed::new(pair.b.shape, &here);
         let pair = PlacedPair::new(moving, target, self.tolerance()).ok()?;
         if pair.is_large()
             && let Some(smaller) = Smaller::of(&pair, self)
         {
             let ([moving, target], factor) = (smaller.placed(&pair), smaller.factor);
-            let found = smaller.tests.sweep(moving, direction, left / factor, target, workspace)?;
+            let found = smaller
+                .tests
+                .sweep(moving, direction, left / factor, target, workspace)?;
             return Some(Impact {
                 distance: in_all(found.distance * factor),
                 point: origin + found.point * factor,
@@ -106,9 +123,21 @@ impl NarrowPhase {
         })
     }
 
-    fn at_the_start(&self, moving: Placed, direction: Dir3, target: Placed, workspace: &mut Workspace) -> Impact {
+    fn at_the_start(
+        &self,
+        moving: Placed,
+        direction: Dir3,
+        target: Placed,
+        workspace: &mut Workspace,
+    ) -> Impact {
         let contact = self.contact(moving, target, workspace);
-        let against = |normal: Vec3| if normal.dot(*direction) > 0.0 { -*direction } else { normal };
+        let against = |normal: Vec3| {
+            if normal.dot(*direction) > 0.0 {
+                -*direction
+            } else {
+                normal
+            }
+        };
         Impact {
             distance: 0.0,
             point: contact.map_or(moving.transform.translation, |contact| contact.point),
@@ -118,7 +147,12 @@ impl NarrowPhase {
 }
 
 /// Where the first of two, on its way, meets the second, in the frame of the pair.
-fn first_impact(pair: &PlacedPair, direction: Vec3A, limit: f32, workspace: &mut Workspace) -> Option<LocalImpact> {
+fn first_impact(
+    pair: &PlacedPair,
+    direction: Vec3A,
+    limit: f32,
+    workspace: &mut Workspace,
+) -> Option<LocalImpact> {
     let first = FirstImpact::new(direction, limit);
     match pair.case() {
         Case::Spheres => first.of_spheres(pair),
@@ -134,20 +168,30 @@ fn first_impact(pair: &PlacedPair, direction: Vec3A, limit: f32, workspace: &mut
     }
 }
 
-/// How far the first of two goes before their bounding spheres touch, and where it is then, relative to that of the second;
-/// `None` if they do not.
+/// How far the first of two goes before their bounding spheres touch, and where it is then,
+/// relative to that of the second; `None` if they do not.
 fn nearer(pair: &PlacedPair, direction: Dir3) -> Option<(f64, Transform)> {
     let way = direction.as_dvec3();
     let [a, b] = [pair.a, pair.b].map(|placed| (placed.transform.translation, placed));
-    let center = |(origin, placed): (Vec3, Placed)| OrientedBox::of(placed.shape, placed.transform, origin);
-    let [center_a, center_b] = [center(a).ok()?.center.as_dvec3(), center(b).ok()?.center.as_dvec3()];
+    let center =
+        |(origin, placed): (Vec3, Placed)| OrientedBox::of(placed.shape, placed.transform, origin);
+    let [center_a, center_b] = [
+        center(a).ok()?.center.as_dvec3(),
+        center(b).ok()?.center.as_dvec3(),
+    ];
     let start = a.0.as_dvec3() - b.0.as_dvec3();
     let offset = center_b - center_a - start;
     // A little more than they are, for rounding.
     let radii = f64::from(pair.box_a.radius) + f64::from(pair.box_b.radius);
     let reach = 1.0001 * radii + f64::from(pair.tolerance);
     if offset.length_squared() <= reach * reach {
-        return Some((0.0, Transform { translation: start.as_vec3(), ..*pair.a.transform }));
+        return Some((
+            0.0,
+            Transform {
+                translation: start.as_vec3(),
+                ..*pair.a.transform
+            },
+        ));
     }
     let squared = way.length_squared();
     let along = offset.dot(way) / squared;
@@ -158,5 +202,11 @@ fn nearer(pair: &PlacedPair, direction: Dir3) -> Option<(f64, Transform)> {
     }
     let back = (room / squared).sqrt();
     let translation = center_b - center_a - aside - way * back;
-    Some((along - back, Transform { translation: translation.as_vec3(), ..*pair.a.transform }))
+    Some((
+        along - back,
+        Transform {
+            translation: translation.as_vec3(),
+            ..*pair.a.transform
+        },
+    ))
 }

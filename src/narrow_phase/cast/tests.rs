@@ -1,4 +1,5 @@
-//! Rays, sweeps and closest points, each checked by tests that know nothing of how they are computed.
+//! Rays, sweeps and closest points, each checked by tests that know nothing of how they are
+//! computed.
 
 use bevy::math::{Dir3, Quat, Vec3};
 use bevy::transform::components::Transform;
@@ -12,7 +13,12 @@ const MARGIN: f32 = 2e-3;
 
 /// A pyramid, an L that is not convex, an open square, and the usual ones.
 pub fn shapes() -> Vec<Shape> {
-    let pyramid = [Vec3::new(-1., 0., -1.), Vec3::new(1., 0., -1.), Vec3::new(0., 0., 1.), Vec3::Y];
+    let pyramid = [
+        Vec3::new(-1., 0., -1.),
+        Vec3::new(1., 0., -1.),
+        Vec3::new(0., 0., 1.),
+        Vec3::Y,
+    ];
     let outline = [[0., 0.], [2., 0.], [2., 1.], [1., 1.], [1., 2.], [0., 2.]];
     let level = |z: f32| outline.iter().map(move |&[x, y]| Vec3::new(x, y, z));
     let mut sides = vec![vec![5, 4, 3, 2, 1, 0], vec![6, 7, 8, 9, 10, 11]];
@@ -34,10 +40,14 @@ pub fn shapes() -> Vec<Shape> {
 #[cfg(feature = "rapier")]
 fn rapier() -> Vec<Shape> {
     use bevy_rapier3d::geometry::Collider;
-    [Collider::cuboid(0.5, 1.0, 0.5), Collider::capsule_y(0.5, 0.5), Collider::ball(0.5)]
-        .iter()
-        .map(Into::into)
-        .collect()
+    [
+        Collider::cuboid(0.5, 1.0, 0.5),
+        Collider::capsule_y(0.5, 0.5),
+        Collider::ball(0.5),
+    ]
+    .iter()
+    .map(Into::into)
+    .collect()
 }
 
 #[cfg(not(feature = "rapier"))]
@@ -52,10 +62,25 @@ pub fn vectors(reach: f32) -> impl Strategy<Value = Vec3> {
 pub fn placed() -> impl Strategy<Value = (Shape, Transform)> {
     let scale = prop::array::uniform3(prop_oneof![0.5f32..1.5, -1.5f32..-0.5]).prop_map(Vec3::from);
     let rotation = (vectors(1.0), 0f32..3.0).prop_map(|(axis, angle)| {
-        axis.try_normalize().map_or(Quat::IDENTITY, |axis| Quat::from_axis_angle(axis, angle))
+        axis.try_normalize()
+            .map_or(Quat::IDENTITY, |axis| Quat::from_axis_angle(axis, angle))
     });
-    (prop::sample::select(shapes()), vectors(2.0), rotation, scale)
-        .prop_map(|(shape, translation, rotation, scale)| (shape, Transform { translation, rotation, scale }))
+    (
+        prop::sample::select(shapes()),
+        vectors(2.0),
+        rotation,
+        scale,
+    )
+        .prop_map(|(shape, translation, rotation, scale)| {
+            (
+                shape,
+                Transform {
+                    translation,
+                    rotation,
+                    scale,
+                },
+            )
+        })
 }
 
 fn directions() -> impl Strategy<Value = Dir3> {
@@ -63,7 +88,10 @@ fn directions() -> impl Strategy<Value = Dir3> {
 }
 
 pub fn distance(target: Placed, point: Vec3) -> f32 {
-    NarrowPhase::default().closest_point(target, point, &mut Workspace::default()).unwrap().distance(point)
+    NarrowPhase::default()
+        .closest_point(target, point, &mut Workspace::default())
+        .unwrap()
+        .distance(point)
 }
 
 fn is_away(impact: Impact, direction: Dir3) -> bool {
@@ -72,7 +100,9 @@ fn is_away(impact: Impact, direction: Dir3) -> bool {
 
 /// Along a way of `length`, at up to 64 places short of it.
 fn places(length: f32) -> impl Iterator<Item = f32> {
-    (0..64).map(move |i| length * i as f32 / 64.0).filter(move |_| length > 0.0)
+    (0..64)
+        .map(move |i| length * i as f32 / 64.0)
+        .filter(move |_| length > 0.0)
 }
 
 proptest! {
@@ -148,9 +178,17 @@ proptest! {
 #[test]
 fn rays_through_edges_and_corners_do_not_slip_through() {
     let (mesh, here) = (mesh_of(Vec3::ONE), at(0.0, 0.0, 0.0));
-    for turn in [Quat::IDENTITY, Quat::from_rotation_x(0.3) * Quat::from_rotation_y(1.1)] {
+    for turn in [
+        Quat::IDENTITY,
+        Quat::from_rotation_x(0.3) * Quat::from_rotation_y(1.1),
+    ] {
         let placed = here.with_rotation(turn);
-        for corner in [Vec3::ONE, Vec3::new(1.0, 1.0, 0.3), Vec3::new(-0.2, 1.0, 1.0), Vec3::new(1.0, 0.1, 0.2)] {
+        for corner in [
+            Vec3::ONE,
+            Vec3::new(1.0, 1.0, 0.3),
+            Vec3::new(-0.2, 1.0, 1.0),
+            Vec3::new(1.0, 0.1, 0.2),
+        ] {
             let origin = turn * (corner * 4.0);
             let hit = NarrowPhase::default().cast_ray(
                 Placed::new(&mesh, &placed),
@@ -159,32 +197,63 @@ fn rays_through_edges_and_corners_do_not_slip_through() {
                 100.0,
             );
             let expected = corner.length() * 3.0;
-            assert!(hit.is_some_and(|hit| (hit.distance - expected).abs() < 1e-4), "{corner} {hit:?}");
+            assert!(
+                hit.is_some_and(|hit| (hit.distance - expected).abs() < 1e-4),
+                "{corner} {hit:?}"
+            );
         }
     }
 }
 
 #[test]
 fn rays_from_inside_and_afar_and_at_flat_shapes() {
-    let inside =
-        |shape: &Shape| NarrowPhase::default().cast_ray(Placed::new(shape, &at(1.0, 0.0, 0.0)), Vec3::X, Dir3::Z, 0.0);
-    for solid in [box_of(1.0, 1.0, 1.0), Shape::sphere(1.0), mesh_of(Vec3::ONE)] {
+    let inside = |shape: &Shape| {
+        NarrowPhase::default().cast_ray(
+            Placed::new(shape, &at(1.0, 0.0, 0.0)),
+            Vec3::X,
+            Dir3::Z,
+            0.0,
+        )
+    };
+    for solid in [
+        box_of(1.0, 1.0, 1.0),
+        Shape::sphere(1.0),
+        mesh_of(Vec3::ONE),
+    ] {
         let hit = inside(&solid).unwrap();
-        assert_eq!((hit.distance, hit.point, hit.normal), (0.0, Vec3::X, Vec3::NEG_Z));
+        assert_eq!(
+            (hit.distance, hit.point, hit.normal),
+            (0.0, Vec3::X, Vec3::NEG_Z)
+        );
         // A million sides away.
         let far = at(0.0, 0.0, 1e6);
         let hit = NarrowPhase::default()
-            .cast_ray(Placed::new(&solid, &far), Vec3::new(0.5, 0.25, 0.0), Dir3::Z, f32::INFINITY)
+            .cast_ray(
+                Placed::new(&solid, &far),
+                Vec3::new(0.5, 0.25, 0.0),
+                Dir3::Z,
+                f32::INFINITY,
+            )
             .unwrap();
-        assert!((hit.distance - 1e6).abs() <= 1.0 && hit.normal.z < -0.8, "{hit:?}");
+        assert!(
+            (hit.distance - 1e6).abs() <= 1.0 && hit.normal.z < -0.8,
+            "{hit:?}"
+        );
         if !matches!(solid, Shape::Sphere { .. }) {
             let flat = at(0.0, 0.0, 5.0).with_scale(Vec3::new(1.0, 1.0, 0.0));
-            let hit =
-                NarrowPhase::default().cast_ray(Placed::new(&solid, &flat), Vec3::splat(0.5), Dir3::Z, 10.0).unwrap();
-            assert!((hit.distance - 4.5).abs() < 1e-5 && hit.normal == Vec3::NEG_Z, "{hit:?}");
+            let hit = NarrowPhase::default()
+                .cast_ray(Placed::new(&solid, &flat), Vec3::splat(0.5), Dir3::Z, 10.0)
+                .unwrap();
+            assert!(
+                (hit.distance - 4.5).abs() < 1e-5 && hit.normal == Vec3::NEG_Z,
+                "{hit:?}"
+            );
         }
         let point = at(0.0, 0.0, 5.0).with_scale(Vec3::ZERO);
-        assert_eq!(NarrowPhase::default().cast_ray(Placed::new(&solid, &point), Vec3::ZERO, Dir3::Z, 10.0), None);
+        assert_eq!(
+            NarrowPhase::default().cast_ray(Placed::new(&solid, &point), Vec3::ZERO, Dir3::Z, 10.0),
+            None
+        );
     }
 }
 
@@ -196,10 +265,21 @@ fn equal_cubes_turned_alike_meet_face_to_face() {
         let there = here.with_translation(here.translation + turn * Vec3::X * 50.0);
         let (moving, target) = (Placed::new(&shape, &here), Placed::new(&shape, &there));
         let way = Dir3::new(turn * Vec3::X).unwrap();
-        let hit = NarrowPhase::default().sweep(moving, way, 100.0, target, &mut Workspace::default()).unwrap();
-        assert!((hit.distance - 48.0).abs() < 1e-3 && hit.normal.distance(-*way) < 1e-3, "{hit:?}");
-        assert_eq!(NarrowPhase::default().sweep(moving, -way, 100.0, target, &mut Workspace::default()), None);
-        assert_eq!(NarrowPhase::default().sweep(moving, way, 47.9, target, &mut Workspace::default()), None);
+        let hit = NarrowPhase::default()
+            .sweep(moving, way, 100.0, target, &mut Workspace::default())
+            .unwrap();
+        assert!(
+            (hit.distance - 48.0).abs() < 1e-3 && hit.normal.distance(-*way) < 1e-3,
+            "{hit:?}"
+        );
+        assert_eq!(
+            NarrowPhase::default().sweep(moving, -way, 100.0, target, &mut Workspace::default()),
+            None
+        );
+        assert_eq!(
+            NarrowPhase::default().sweep(moving, way, 47.9, target, &mut Workspace::default()),
+            None
+        );
     }
 }
 
@@ -212,12 +292,19 @@ fn the_way_may_be_endless() {
         let target = Placed::new(&shape, &there);
         let towards = Dir3::new(there.translation + turn * Vec3::splat(0.1)).unwrap();
         let ray = NarrowPhase::default().cast_ray(target, Vec3::ZERO, towards, f32::INFINITY);
-        assert!(ray.is_some_and(|hit| (47.0..51.0).contains(&hit.distance)), "{ray:?} {shape:?}");
+        assert!(
+            ray.is_some_and(|hit| (47.0..51.0).contains(&hit.distance)),
+            "{ray:?} {shape:?}"
+        );
         for (a, b) in [(&ball, &shape), (&shape, &ball), (&shape, &shape)] {
             let (moving, target) = (Placed::new(a, &here), Placed::new(b, &there));
             let workspace = &mut Workspace::default();
-            let hit = NarrowPhase::default().sweep(moving, towards, f32::INFINITY, target, workspace);
-            assert!(hit.is_some_and(|hit| (45.0..51.0).contains(&hit.distance)), "{hit:?} {a:?} {b:?}");
+            let hit =
+                NarrowPhase::default().sweep(moving, towards, f32::INFINITY, target, workspace);
+            assert!(
+                hit.is_some_and(|hit| (45.0..51.0).contains(&hit.distance)),
+                "{hit:?} {a:?} {b:?}"
+            );
         }
     }
 }
@@ -229,15 +316,39 @@ fn bad_input_meets_nothing() {
     for shape in shapes() {
         let (good, bad) = (Placed::new(&shape, &here), Placed::new(&shape, &nan));
         let workspace = &mut Workspace::default();
-        assert_eq!(NarrowPhase::default().cast_ray(bad, Vec3::ZERO, Dir3::X, 1.0), None);
-        assert_eq!(NarrowPhase::default().cast_ray(good, Vec3::NAN, Dir3::X, 1.0), None);
+        assert_eq!(
+            NarrowPhase::default().cast_ray(bad, Vec3::ZERO, Dir3::X, 1.0),
+            None
+        );
+        assert_eq!(
+            NarrowPhase::default().cast_ray(good, Vec3::NAN, Dir3::X, 1.0),
+            None
+        );
         for max in [-1.0, f32::NAN] {
-            assert_eq!(NarrowPhase::default().cast_ray(good, Vec3::ZERO, Dir3::X, max), None);
-            assert_eq!(NarrowPhase::default().sweep(good, Dir3::X, max, good, workspace), None);
+            assert_eq!(
+                NarrowPhase::default().cast_ray(good, Vec3::ZERO, Dir3::X, max),
+                None
+            );
+            assert_eq!(
+                NarrowPhase::default().sweep(good, Dir3::X, max, good, workspace),
+                None
+            );
         }
-        assert_eq!(NarrowPhase::default().sweep(bad, Dir3::X, 1.0, good, workspace), None);
-        assert_eq!(NarrowPhase::default().sweep(good, Dir3::X, 1.0, bad, workspace), None);
-        assert_eq!(NarrowPhase::default().closest_point(good, Vec3::INFINITY, workspace), None);
-        assert_eq!(NarrowPhase::default().closest_point(bad, Vec3::ZERO, workspace), None);
+        assert_eq!(
+            NarrowPhase::default().sweep(bad, Dir3::X, 1.0, good, workspace),
+            None
+        );
+        assert_eq!(
+            NarrowPhase::default().sweep(good, Dir3::X, 1.0, bad, workspace),
+            None
+        );
+        assert_eq!(
+            NarrowPhase::default().closest_point(good, Vec3::INFINITY, workspace),
+            None
+        );
+        assert_eq!(
+            NarrowPhase::default().closest_point(bad, Vec3::ZERO, workspace),
+            None
+        );
     }
 }

@@ -1,10 +1,11 @@
 //! When two shapes on their way first meet, and where.
 //!
-//! The space-time and swept-volume techniques of Cameron (*A Study of the Clash Detection Problem in Robotics*, 1985),
-//! which the report names as the cure for objects that pass through each other: without rotation, the first meeting is
-//! solved for; with it, it is approached by conservative advancement (Mirtich, *Impulse-based Dynamic Simulation of Rigid
-//! Body Systems*, 1996): the two go on for as long as they cannot possibly meet, given their distance and how fast they
-//! move and turn, and then look again.
+//! The space-time and swept-volume techniques of Cameron (*A Study of the Clash Detection Problem
+//! in Robotics*, 1985), which the report names as the cure for objects that pass through each
+//! other: without rotation, the first meeting is solved for; with it, it is approached by
+//! conservative advancement (Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*,
+//! 1996): the two go on for as long as they cannot possibly meet, given their distance and how fast
+//! they move and turn, and then look again.
 
 use super::advance;
 use super::moments::Moments;
@@ -16,31 +17,35 @@ use crate::narrow_phase::{
     settings::NarrowPhase,
 };
 
-/// So many steps at most lead to a time at which two have parted: doubled, the smallest number there is becomes one after
-/// 149.
+/// So many steps at most lead to a time at which two have parted: doubled, the smallest number
+/// there is becomes one after 149.
 const MOST_PARTING_STEPS: u32 = 192;
 
 /// So many times at most may two graze each other before they meet.
 const MOST_GRAZES: u32 = 8;
 
-/// The longest step, as a share of the way, in search of a moment at which two have parted that may soon meet again.
+/// The longest step, as a share of the way, in search of a moment at which two have parted that may
+/// soon meet again.
 const LONGEST_STEP: f32 = 1.0 / 16.0;
 
 impl NarrowPhase {
-    /// Returns when two shapes on their way first come into contact, and how they then touch; `None` if they do not, or
-    /// anything is not finite.
+    /// Returns when two shapes on their way first come into contact, and how they then touch;
+    /// `None` if they do not, or anything is not finite.
     ///
-    /// Two that are [in contact](Self::intersects) at the start meet at once if they come nearer to each other, and if they
-    /// stay in contact to the end; those that part count from then on, if they are apart for more than 1/16 of the way or
-    /// do so at once. Whatever is in contact at the end has met.
+    /// Two that are [in contact](Self::intersects) at the start meet at once if they come nearer to
+    /// each other, and if they stay in contact to the end; those that part count from then on, if
+    /// they are apart for more than 1/16 of the way or do so at once. Whatever is in contact at the
+    /// end has met.
     ///
-    /// Where two touch so that more than one plane parts them, as edge on edge, the normal is the one along which they come
-    /// nearer to each other the least. If that is not at all, as for a box that slides over the seam of a floor, it is a
-    /// graze, and a meeting only if none comes later that stops them.
+    /// Where two touch so that more than one plane parts them, as edge on edge, the normal is the
+    /// one along which they come nearer to each other the least. If that is not at all, as for a
+    /// box that slides over the seam of a floor, it is a graze, and a meeting only if none comes
+    /// later that stops them.
     ///
-    /// Without turns the answer is exact, as that of [`sweep`](Self::sweep); with them it is as exact as the tolerance, but
-    /// for two that pass each other within a hair's breadth: of these, a contact shorter than 1/64 of the way may be missed.
-    /// Half-spaces and their like have to stand still, or not turn.
+    /// Without turns the answer is exact, as that of [`sweep`](Self::sweep); with them it is as
+    /// exact as the tolerance, but for two that pass each other within a hair's breadth: of these,
+    /// a contact shorter than 1/64 of the way may be missed. Half-spaces and their like have to
+    /// stand still, or not turn.
     ///
     /// ```
     /// use bevy::transform::components::Transform;
@@ -57,13 +62,19 @@ impl NarrowPhase {
     #[doc(alias = "toi")]
     #[doc(alias = "tunneling")]
     #[must_use]
-    pub fn time_of_impact(&self, a: &Moving, b: &Moving, workspace: &mut Workspace) -> Option<TimedContact> {
+    pub fn time_of_impact(
+        &self,
+        a: &Moving,
+        b: &Moving,
+        workspace: &mut Workspace,
+    ) -> Option<TimedContact> {
         Moments { tests: self, a, b }.meeting(MOST_GRAZES, workspace)
     }
 }
 
 impl Moments<'_> {
-    /// The first meeting that keeps the two from going on, or else the first one: at most so many grazes are passed over.
+    /// The first meeting that keeps the two from going on, or else the first one: at most so many
+    /// grazes are passed over.
     fn meeting(self, grazes: u32, workspace: &mut Workspace) -> Option<TimedContact> {
         let mut free_from = 0.0;
         if let Some(met) = self.touch(0.0, workspace) {
@@ -79,27 +90,41 @@ impl Moments<'_> {
         let mut on_the_way = None;
         if !turn {
             let (a, b) = (self.a.after(free_from), self.b.after(free_from));
-            let rest = Moments { a: &a, b: &b, ..self };
+            let rest = Moments {
+                a: &a,
+                b: &b,
+                ..self
+            };
             on_the_way = rest.straight(workspace).map(|met| met.after(free_from));
         }
         // Parry does not find every impact.
-        if turn || (on_the_way.is_none() && Case::of(self.a.shape(), self.b.shape()) == Case::Foreign) {
+        if turn
+            || (on_the_way.is_none() && Case::of(self.a.shape(), self.b.shape()) == Case::Foreign)
+        {
             on_the_way = advance::first_meeting(self, free_from, workspace);
         }
         // Within the tolerance, or as rounding has it.
         let met = on_the_way.or_else(|| self.touch(1.0, workspace))?;
-        // Two convex shapes that pass each other on two sides of a plane do not meet again, but for turns.
+        // Two convex shapes that pass each other on two sides of a plane do not meet again, but for
+        // turns.
         let goes_on = turn || !self.are_convex();
         if goes_on && grazes > 0 && met.time < 1.0 && !self.come_nearer(&met) {
             let (a, b) = (self.a.after(met.time), self.b.after(met.time));
-            let rest = Moments { a: &a, b: &b, ..self };
-            let later = rest.meeting(grazes - 1, workspace).filter(|later| rest.come_nearer(later));
+            let rest = Moments {
+                a: &a,
+                b: &b,
+                ..self
+            };
+            let later = rest
+                .meeting(grazes - 1, workspace)
+                .filter(|later| rest.come_nearer(later));
             return later.map(|later| later.after(met.time)).or(Some(met));
         }
         Some(met)
     }
 
-    /// A moment at which two that are in contact at the start have parted, soon after they did. `None` if they do not.
+    /// A moment at which two that are in contact at the start have parted, soon after they did.
+    /// `None` if they do not.
     fn parted(&self, workspace: &mut Workspace) -> Option<f32> {
         let speed = self.velocity().length() + self.a.turning_speed() + self.b.turning_speed();
         // Two convex shapes that part do not come back, but for turns.
@@ -113,7 +138,11 @@ impl Moments<'_> {
             let now = time.min(1.0);
             if !self.touches(now, workspace) {
                 // Those that begin to part at once, as after a bounce, have not gone far.
-                return Some(if last == 0.0 { now } else { self.narrow([last, now], workspace)[1] });
+                return Some(if last == 0.0 {
+                    now
+                } else {
+                    self.narrow([last, now], workspace)[1]
+                });
             }
             last = now;
             time += time.min(longest);
@@ -121,16 +150,27 @@ impl Moments<'_> {
         None
     }
 
-    /// The first meeting of two that do not turn: as one of them sees it, the other comes along a line.
+    /// The first meeting of two that do not turn: as one of them sees it, the other comes along a
+    /// line.
     fn straight(&self, workspace: &mut Workspace) -> Option<TimedContact> {
         let Self { tests, a, b } = self;
         let (direction, distance) = direction_and_length(self.velocity())?;
-        let (moving, target) = (Placed::new(a.shape(), &a.start), Placed::new(b.shape(), &b.start));
+        let (moving, target) = (
+            Placed::new(a.shape(), &a.start),
+            Placed::new(b.shape(), &b.start),
+        );
         let impact = tests.sweep(moving, direction, distance, target, workspace)?;
         let time = (impact.distance / distance).min(1.0);
         let point = impact.point + b.way() * time;
         let normal = self.normal_in_passing(time, -impact.normal, workspace);
-        Some(TimedContact { time, contact: Contact { normal, point, depth: 0.0 } })
+        Some(TimedContact {
+            time,
+            contact: Contact {
+                normal,
+                point,
+                depth: 0.0,
+            },
+        })
     }
 }
 

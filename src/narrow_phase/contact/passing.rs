@@ -1,8 +1,9 @@
 //! Whether two that touch keep each other from going on, where more than one plane parts them.
 //!
-//! A box that slides over a floor of flush boxes comes to touch each of them edge on edge. Its front and its bottom both
-//! part it from the next one, and the contact says nothing about which of them counts. Its way does: what stays on its side
-//! of a plane that parts the two is not in the way of the other, whatever else they touch.
+//! A box that slides over a floor of flush boxes comes to touch each of them edge on edge. Its
+//! front and its bottom both part it from the next one, and the contact says nothing about which of
+//! them counts. Its way does: what stays on its side of a plane that parts the two is not in the
+//! way of the other, whatever else they touch.
 
 use std::ops::ControlFlow;
 
@@ -22,16 +23,18 @@ use crate::narrow_phase::{
     settings::NarrowPhase,
 };
 
-/// So many planes at most are looked at: there are few where two solids touch, and the first ones do.
+/// So many planes at most are looked at: there are few where two solids touch, and the first ones
+/// do.
 const MOST_PLANES: usize = 16;
 
 /// The square of the distance of two normals that count as one: what rounding makes of it.
 const SAME: f32 = 1e-12;
 
 impl NarrowPhase {
-    /// The contact of two of which the first moves with a velocity, as the second sees it, which may depend on the point of
-    /// contact: as [`contact`](Self::contact), but where they no more than touch, and the planes of several faces part them
-    /// to within the tolerance, with the normal along which they come nearer to each other the least.
+    /// The contact of two of which the first moves with a velocity, as the second sees it, which
+    /// may depend on the point of contact: as [`contact`](Self::contact), but where they no more
+    /// than touch, and the planes of several faces part them to within the tolerance, with the
+    /// normal along which they come nearer to each other the least.
     pub(crate) fn contact_in_passing(
         &self,
         a: Placed,
@@ -40,12 +43,13 @@ impl NarrowPhase {
         workspace: &mut Workspace,
     ) -> Option<Contact> {
         let contact = self.contact(a, b, workspace)?;
-        let normal = self.normal_in_passing(a, b, contact.normal, velocity(contact.point), workspace);
+        let normal =
+            self.normal_in_passing(a, b, contact.normal, velocity(contact.point), workspace);
         Some(Contact { normal, ..contact })
     }
 
-    /// Of all normals that part two which touch, that one among them, the one along which they come nearer to each other the
-    /// least.
+    /// Of all normals that part two which touch, that one among them, the one along which they come
+    /// nearer to each other the least.
     pub(crate) fn normal_in_passing(
         &self,
         a: Placed,
@@ -57,15 +61,26 @@ impl NarrowPhase {
         if !approach([velocity, Vec3::ZERO], normal) {
             return normal;
         }
-        if let Some(normal) = parry::with_own(a, b, |a, b| self.normal_in_passing(a, b, normal, velocity, workspace)) {
+        if let Some(normal) = parry::with_own(a, b, |a, b| {
+            self.normal_in_passing(a, b, normal, velocity, workspace)
+        }) {
             return normal;
         }
         let (first, second, swapped) = in_order(a, b);
         let turn = if swapped { -1.0 } else { 1.0 };
-        let Ok(pair) = PlacedPair::new(first, second, self.tolerance()) else { return normal };
+        let Ok(pair) = PlacedPair::new(first, second, self.tolerance()) else {
+            return normal;
+        };
         // By more than rounding, as the early stages have it.
-        let pair = PlacedPair { tolerance: 2.0 * pair.tolerance, ..pair };
-        let planes = Planes::new(Vec3A::from(normal) * turn, Vec3A::from(velocity) * turn, pair.tolerance);
+        let pair = PlacedPair {
+            tolerance: 2.0 * pair.tolerance,
+            ..pair
+        };
+        let planes = Planes::new(
+            Vec3A::from(normal) * turn,
+            Vec3A::from(velocity) * turn,
+            pair.tolerance,
+        );
         let best = match pair.case() {
             Case::Spheres | Case::Foreign => return normal,
             Case::SphereFirst => planes.of_sphere(&pair, workspace),
@@ -83,7 +98,8 @@ struct Planes {
     count: usize,
     /// The first is that of the contact.
     normals: [Vec3A; MOST_PLANES],
-    /// How far the first shape reaches along each of them, where the two touch, and where the second begins.
+    /// How far the first shape reaches along each of them, where the two touch, and where the
+    /// second begins.
     reach: [f32; MOST_PLANES],
     begin: [f32; MOST_PLANES],
 }
@@ -107,7 +123,11 @@ impl Planes {
 
     /// Takes up a plane, by its normal from the first shape to the second.
     fn suggest(&mut self, normal: Vec3A) {
-        let is_new = || self.normals[..self.count].iter().all(|known| known.distance_squared(normal) > SAME);
+        let is_new = || {
+            self.normals[..self.count]
+                .iter()
+                .all(|known| known.distance_squared(normal) > SAME)
+        };
         if normal != Vec3A::ZERO && self.count < MOST_PLANES && is_new() {
             self.normals[self.count] = normal;
             self.count += 1;
@@ -116,29 +136,40 @@ impl Planes {
 
     fn reaches(&mut self, points: impl Iterator<Item = Vec3A> + Clone) {
         for (reach, normal) in self.reach.iter_mut().zip(&self.normals[..self.count]) {
-            *reach = points.clone().fold(*reach, |reach, point| reach.max(point.dot(*normal)));
+            *reach = points
+                .clone()
+                .fold(*reach, |reach, point| reach.max(point.dot(*normal)));
         }
     }
 
     fn begins(&mut self, points: impl Iterator<Item = Vec3A> + Clone) {
         for (begin, normal) in self.begin.iter_mut().zip(&self.normals[..self.count]) {
-            *begin = points.clone().fold(*begin, |begin, point| begin.min(point.dot(*normal)));
+            *begin = points
+                .clone()
+                .fold(*begin, |begin, point| begin.min(point.dot(*normal)));
         }
     }
 
-    /// The best of those that part the two; that of the contact, if there is none, or none that is better.
+    /// The best of those that part the two; that of the contact, if there is none, or none that is
+    /// better.
     fn best(&self) -> Vec3A {
         let slowest = |best: Option<usize>, plane: usize| {
             let closing = |plane: usize| self.normals[plane].dot(self.velocity);
-            let is_slower = |best: usize| closing(plane) < closing(best) - 1e-6 * self.velocity.length();
-            if best.is_none_or(is_slower) { Some(plane) } else { best }
+            let is_slower =
+                |best: usize| closing(plane) < closing(best) - 1e-6 * self.velocity.length();
+            if best.is_none_or(is_slower) {
+                Some(plane)
+            } else {
+                best
+            }
         };
         let parts = |plane: &usize| self.begin[*plane] - self.reach[*plane] >= -self.tolerance;
         let best = (0..self.count).filter(parts).fold(None, slowest);
         self.normals[best.unwrap_or(0)]
     }
 
-    /// A sphere, the first of the pair, and a shape made of polygons: the planes of faces that it touches.
+    /// A sphere, the first of the pair, and a shape made of polygons: the planes of faces that it
+    /// touches.
     fn of_sphere(mut self, pair: &PlacedPair, workspace: &mut Workspace) -> Vec3A {
         let (center, radius) = (pair.box_a.center, pair.box_a.radius);
         let Some((mesh, surface)) = edge_polygon::fill_second_near(pair, workspace) else {
@@ -165,7 +196,9 @@ impl Planes {
 
     /// Two shapes made of polygons: the planes of faces that edges of the other touch.
     fn of_polygons(mut self, pair: &PlacedPair, workspace: &mut Workspace) -> Vec3A {
-        let Some(meshes) = edge_polygon::fill(pair, workspace) else { return self.normals[0] };
+        let Some(meshes) = edge_polygon::fill(pair, workspace) else {
+            return self.normals[0];
+        };
         let workspace = &*workspace;
         let each = |visit: &mut dyn FnMut(Touch)| {
             let _ = edge_polygon::for_each_touch(meshes, workspace, pair.tolerance, |hit| {

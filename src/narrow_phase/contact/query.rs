@@ -20,8 +20,8 @@ use crate::narrow_phase::{
 };
 
 impl NarrowPhase {
-    /// Returns the contact of two shapes: some if and only if they [intersect](Self::intersects), which
-    /// counts the stages once.
+    /// Returns the contact of two shapes: some if and only if they [intersect](Self::intersects),
+    /// which counts the stages once.
     ///
     /// Swapping the two turns the normal around exactly and changes nothing else, unless they are
     /// equal in all things, position included. The normal is
@@ -33,8 +33,8 @@ impl NarrowPhase {
     /// * for a sphere, the direction of the closest point of the other shape;
     /// * for other meshes, an approximation: the mean normal of the polygons that are crossed. The
     ///   depth is then how far the crossing reaches along it;
-    /// * for Rapier shapes, that along which they overlap least; of shapes that consist of parts, that of the two that are
-    ///   deepest in each other;
+    /// * for Rapier shapes, that along which they overlap least; of shapes that consist of parts,
+    ///   that of the two that are deepest in each other;
     /// * where all that fails (a mesh inside another, without crossing), the direction from centre
     ///   to centre, and +Y if these coincide. The depth is then the overlap of the two boxes that
     ///   way.
@@ -48,8 +48,9 @@ impl NarrowPhase {
         let origin = Vec3A::from(first.transform.translation);
         let found = match PlacedPair::new(first, second, self.tolerance()) {
             Ok(pair) if pair.is_large() => {
-                let found =
-                    self.large_contact(&pair, workspace).map(|found| if swapped { found.reversed() } else { found });
+                let found = self
+                    .large_contact(&pair, workspace)
+                    .map(|found| if swapped { found.reversed() } else { found });
                 if found.is_some() {
                     return found;
                 }
@@ -61,7 +62,11 @@ impl NarrowPhase {
             Err(BoundsError::NonFinite) => straight(first, second),
         };
         let found = if swapped { found.reversed() } else { found };
-        Some(Contact { normal: found.normal.into(), point: (origin + found.point).into(), depth: found.depth })
+        Some(Contact {
+            normal: found.normal.into(),
+            point: (origin + found.point).into(),
+            depth: found.depth,
+        })
     }
 }
 
@@ -94,7 +99,9 @@ fn local_contact(pair: &PlacedPair, workspace: &mut Workspace) -> LocalContact {
     let found = match pair.case() {
         Case::Spheres => sphere::spheres(pair),
         Case::SphereFirst => sphere::sphere_other(pair, workspace),
-        Case::SphereSecond => sphere::sphere_other(&pair.swapped(), workspace).map(LocalContact::reversed),
+        Case::SphereSecond => {
+            sphere::sphere_other(&pair.swapped(), workspace).map(LocalContact::reversed)
+        }
         Case::Cuboids => cuboids(pair, workspace),
         Case::Convex => convex::contact(pair, workspace),
         Case::Polygons => meshes(pair, workspace),
@@ -112,7 +119,11 @@ fn foreign(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact>
 fn cuboids(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
     let found = Separation::of(&pair.box_a, &pair.box_b, f32::INFINITY)?;
     let point = common_point(pair).or_else(|| mean_touch(pair, workspace));
-    Some(LocalContact { normal: found.axis, point: point?, depth: (-found.along).max(0.0) })
+    Some(LocalContact {
+        normal: found.axis,
+        point: point?,
+        depth: (-found.along).max(0.0),
+    })
 }
 
 /// Meshes of any form: the mean of all crossings.
@@ -124,14 +135,20 @@ fn meshes(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> 
         normals += normal;
     });
     // Normals that cancel out leave rounding behind, and no direction.
-    let normal = normals.try_normalize().filter(|_| normals.length() > 1e-3 * count);
+    let normal = normals
+        .try_normalize()
+        .filter(|_| normals.length() > 1e-3 * count);
     let normal = normal.unwrap_or_else(|| center_direction(pair));
     let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
     edge_polygon::touches(pair, workspace, |hit| {
         low = low.min(hit.point.dot(normal));
         high = high.max(hit.point.dot(normal));
     });
-    (count > 0.0).then(|| LocalContact { normal, point: points / count, depth: high - low })
+    (count > 0.0).then(|| LocalContact {
+        normal,
+        point: points / count,
+        depth: high - low,
+    })
 }
 
 fn center_direction(pair: &PlacedPair) -> Vec3A {
@@ -145,7 +162,11 @@ fn from_centers(pair: &PlacedPair) -> LocalContact {
     let normal = center_direction(pair);
     let extents = a.extent(normal) + b.extent(normal);
     let smaller = if b.radius < a.radius { b } else { a };
-    LocalContact { normal, point: smaller.center, depth: (extents - (b.center - a.center).dot(normal)).max(0.0) }
+    LocalContact {
+        normal,
+        point: smaller.center,
+        depth: (extents - (b.center - a.center).dot(normal)).max(0.0),
+    }
 }
 
 /// Of which one has no bounds.
@@ -156,5 +177,9 @@ fn unbounded(a: Placed, b: Placed, tolerance: f32) -> LocalContact {
 /// From position to position, for want of bounds.
 fn straight(a: Placed, b: Placed) -> LocalContact {
     let offset = Vec3A::from(b.transform.translation - a.transform.translation);
-    LocalContact { normal: offset.try_normalize().unwrap_or(Vec3A::Y), point: offset * 0.5, depth: 0.0 }
+    LocalContact {
+        normal: offset.try_normalize().unwrap_or(Vec3A::Y),
+        point: offset * 0.5,
+        depth: 0.0,
+    }
 }

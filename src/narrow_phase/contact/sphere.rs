@@ -43,7 +43,11 @@ pub fn sphere_other(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Loca
         (Some(towards), true) => (-towards, radius + distance),
         (None, _) => (-outwards, radius),
     };
-    Some(LocalContact { normal: normal.try_normalize()?, point, depth: depth.max(0.0) })
+    Some(LocalContact {
+        normal: normal.try_normalize()?,
+        point,
+        depth: depth.max(0.0),
+    })
 }
 
 /// The point on a cuboid closest to the centre of a sphere, its normal, and whether the centre is
@@ -54,7 +58,10 @@ fn sphere_cuboid(pair: &PlacedPair) -> (Vec3A, Vec3A, bool) {
     let axis = (local.abs() - cuboid.half).max_position();
     let outwards = cuboid.axes.col(axis) * sign(local[axis]);
     let inside = local.abs().cmple(cuboid.half).all();
-    let point =
-        if inside { center + outwards * (cuboid.half[axis] - local[axis].abs()) } else { cuboid.closest_point(center) };
+    let point = if inside {
+        center + outwards * (cuboid.half[axis] - local[axis].abs())
+    } else {
+        cuboid.closest_point(center)
+    };
     (point, outwards, inside)
 }

@@ -18,7 +18,9 @@ fn contact(a: (&Shape, Transform), b: (&Shape, Transform)) -> Contact {
 }
 
 fn assert_close(found: Contact, normal: Vec3, depth: f32) {
-    let off = (found.normal - normal).length().max((found.depth - depth).abs());
+    let off = (found.normal - normal)
+        .length()
+        .max((found.depth - depth).abs());
     assert!(off < 1e-4, "{found:?}, expected {normal} {depth}");
 }
 
@@ -28,7 +30,14 @@ fn every_kind_of_pair_pushes_the_second_away() {
     let (mesh, here) = (mesh_of(Vec3::ONE), at(0.0, 0.0, 0.0));
     let convex = Shape::convex(
         mesh_vertices(&mesh).to_vec(),
-        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]],
+        [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ],
     );
     let convex = convex.unwrap();
     for a in [&cube, &ball, &mesh, &convex] {
@@ -52,7 +61,10 @@ fn a_mirror_does_not_turn_a_mesh_inside_out() {
     assert_close(found, Vec3::Y, 0.25);
     let flattened = mirrored.with_scale(Vec3::new(-1.0, 0.0, 1.0));
     let found = contact((&mesh, flattened), (&mesh, at(0.0, 1.0, 0.0)));
-    assert!(found.normal.is_normalized() && found.depth < 1e-4, "{found:?}");
+    assert!(
+        found.normal.is_normalized() && found.depth < 1e-4,
+        "{found:?}"
+    );
 }
 
 fn mesh_vertices(shape: &Shape) -> &[Vec3] {
@@ -79,12 +91,18 @@ fn a_ball_inside_leaves_by_the_nearest_face() {
 fn cuboids_at_an_edge_and_on_a_floor() {
     let cube = box_of(1.0, 1.0, 1.0);
     let turned = Quat::from_rotation_z(std::f32::consts::FRAC_PI_4);
-    let found = contact((&cube, at(0.0, 0.0, 0.0)), (&cube, at(2.3, 0.0, 0.0).with_rotation(turned)));
+    let found = contact(
+        (&cube, at(0.0, 0.0, 0.0)),
+        (&cube, at(2.3, 0.0, 0.0).with_rotation(turned)),
+    );
     assert_close(found, Vec3::X, 1.0 + 2f32.sqrt() - 2.3);
     let floor = box_of(100.0, 1.0, 100.0);
     let found = contact((&floor, at(0.0, 0.0, 0.0)), (&cube, at(40.0, 1.9, 7.0)));
     assert_close(found, Vec3::Y, 0.1);
-    assert!(found.point.distance(Vec3::new(40.0, 0.95, 7.0)) < 0.1, "{found:?}");
+    assert!(
+        found.point.distance(Vec3::new(40.0, 0.95, 7.0)) < 0.1,
+        "{found:?}"
+    );
 }
 
 #[test]

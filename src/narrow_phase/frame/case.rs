@@ -13,8 +13,8 @@ use crate::narrow_phase::shape::{Kind, Shape};
 /// | mesh | `SphereSecond` | `Polygons` | `Polygons` | `Polygons` | `Foreign` |
 /// | Rapier's | `Foreign` | `Foreign` | `Foreign` | `Foreign` | `Foreign` |
 ///
-/// Each exact test has one `match` of it, without a `_`: a new kind of shape gets a row and a column here, and if these need
-/// a new case, the compiler asks every test for it.
+/// Each exact test has one `match` of it, without a `_`: a new kind of shape gets a row and a
+/// column here, and if these need a new case, the compiler asks every test for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Case {
     Spheres,
@@ -64,10 +64,17 @@ mod tests {
     #[test]
     fn swapping_two_swaps_the_case() {
         let convex = match mesh_of(Vec3::ONE) {
-            Shape::Mesh(mesh) => crate::narrow_phase::ConvexMesh::new((*mesh).clone()).unwrap().into(),
+            Shape::Mesh(mesh) => crate::narrow_phase::ConvexMesh::new((*mesh).clone())
+                .unwrap()
+                .into(),
             _ => unreachable!(),
         };
-        let shapes = [box_of(1.0, 1.0, 1.0), Shape::Sphere { radius: 1.0 }, convex, mesh_of(Vec3::ONE)];
+        let shapes = [
+            box_of(1.0, 1.0, 1.0),
+            Shape::Sphere { radius: 1.0 },
+            convex,
+            mesh_of(Vec3::ONE),
+        ];
         for a in &shapes {
             for b in &shapes {
                 let swapped = match Case::of(b, a) {

@@ -16,7 +16,11 @@ pub fn point_segment(point: Vec3A, a: Vec3A, b: Vec3A) -> Vec3A {
 fn parameter(point: Vec3A, a: Vec3A, b: Vec3A) -> f32 {
     let along = b - a;
     let length_squared = along.length_squared();
-    if length_squared > 0.0 { ((point - a).dot(along) / length_squared).clamp(0.0, 1.0) } else { 0.0 }
+    if length_squared > 0.0 {
+        ((point - a).dot(along) / length_squared).clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
 }
 
 /// The points of two segments that are closest to each other.
@@ -53,7 +57,10 @@ mod tests {
     fn crossing_touching_and_parallel_segments() {
         let x = [Vec3A::NEG_X, Vec3A::X];
         assert_eq!(distance(x, [Vec3A::NEG_Y, Vec3A::Y]), 0.0);
-        assert_eq!(distance(x, [Vec3A::new(1.0, -1.0, 0.5), Vec3A::new(1.0, 1.0, 0.5)]), 0.5);
+        assert_eq!(
+            distance(x, [Vec3A::new(1.0, -1.0, 0.5), Vec3A::new(1.0, 1.0, 0.5)]),
+            0.5
+        );
         assert_eq!(distance(x, x.map(|p| p + Vec3A::Y)), 1.0);
         assert_eq!(distance(x, x.map(|p| p + Vec3A::X * 5.0)), 3.0);
         assert_eq!(distance(x, [Vec3A::Y; 2]), 1.0);

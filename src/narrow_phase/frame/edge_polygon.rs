@@ -29,7 +29,8 @@ pub fn intersects(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
         return false;
     };
     let stop = |_| ControlFlow::Break(());
-    for_each_touch(meshes, workspace, pair.tolerance, stop).is_break() || nested(pair, meshes, workspace).is_some()
+    for_each_touch(meshes, workspace, pair.tolerance, stop).is_break()
+        || nested(pair, meshes, workspace).is_some()
 }
 
 /// Calls `visit` with all points where the surfaces of two shapes made of polygons meet.
@@ -49,13 +50,17 @@ pub fn sphere_intersects(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
     let limit = sphere.radius + pair.tolerance;
     fill_second_near(pair, workspace).is_some_and(|(mesh, surface)| {
         let closest = surface.closest_point(mesh, sphere.center);
-        closest.is_some_and(|closest| closest.distance <= limit) || surface.encloses(mesh, sphere.center)
+        closest.is_some_and(|closest| closest.distance <= limit)
+            || surface.encloses(mesh, sphere.center)
     })
 }
 
 /// The point on a mesh, the second of the pair, that is closest to the centre of a sphere, the
 /// first; and whether the centre is inside the mesh.
-pub fn sphere_closest(pair: &PlacedPair, workspace: &mut Workspace) -> Option<(ClosestPoint, bool)> {
+pub fn sphere_closest(
+    pair: &PlacedPair,
+    workspace: &mut Workspace,
+) -> Option<(ClosestPoint, bool)> {
     let (mesh, surface) = fill_second(pair, &LocalAabb::EVERYWHERE, workspace)?;
     let center = pair.box_a.center;
     let closest = surface.closest_point(mesh, center)?;
@@ -63,10 +68,16 @@ pub fn sphere_closest(pair: &PlacedPair, workspace: &mut Workspace) -> Option<(C
 }
 
 /// Whether a point is inside a closed mesh, the second of the pair.
-#[cfg_attr(not(feature = "rapier"), expect(dead_code, reason = "asked for shapes of Rapier's alone"))]
+#[cfg_attr(
+    not(feature = "rapier"),
+    expect(dead_code, reason = "asked for shapes of Rapier's alone")
+)]
 pub fn encloses(pair: &PlacedPair, point: Vec3A, workspace: &mut Workspace) -> bool {
     // An open one is not even put in place.
-    pair.b.shape.polygons().is_some_and(|(mesh, _)| mesh.is_closed())
+    pair.b
+        .shape
+        .polygons()
+        .is_some_and(|(mesh, _)| mesh.is_closed())
         && fill_second(pair, &LocalAabb::NOWHERE, workspace)
             .is_some_and(|(mesh, surface)| surface.encloses(mesh, point))
 }
@@ -89,7 +100,11 @@ pub fn fill_second_near<'a>(
     workspace: &'a mut Workspace,
 ) -> Option<(&'a PolygonMesh, &'a Surface)> {
     let reach = (pair.box_a.center, pair.box_a.half);
-    fill_second(pair, &LocalAabb::shared(reach, reach, 2.0 * pair.tolerance), workspace)
+    fill_second(
+        pair,
+        &LocalAabb::shared(reach, reach, 2.0 * pair.tolerance),
+        workspace,
+    )
 }
 
 /// Puts both meshes in place, with the edges and faces where their boxes overlap.
@@ -101,7 +116,10 @@ pub fn fill<'a>(pair: &PlacedPair<'a>, workspace: &mut Workspace) -> Option<[&'a
 }
 
 /// Puts both meshes in place, with all edges and faces.
-pub fn fill_all<'a>(pair: &PlacedPair<'a>, workspace: &mut Workspace) -> Option<[&'a PolygonMesh; 2]> {
+pub fn fill_all<'a>(
+    pair: &PlacedPair<'a>,
+    workspace: &mut Workspace,
+) -> Option<[&'a PolygonMesh; 2]> {
     fill_region(pair, LocalAabb::EVERYWHERE, workspace)
 }
 
@@ -148,7 +166,13 @@ fn one_way(
         for face in &faces.faces {
             if let Some(point) = faces.touch(mesh, face, edge, tolerance) {
                 let normal = face.normal * towards_second;
-                visit(Touch { point, normal, of_first: towards_second < 0.0, edge: edge.ends, face: *face })?;
+                visit(Touch {
+                    point,
+                    normal,
+                    of_first: towards_second < 0.0,
+                    edge: edge.ends,
+                    face: *face,
+                })?;
             }
         }
     }
@@ -157,15 +181,24 @@ fn one_way(
 
 /// A point of a part of one mesh that is inside the other. Given that their surfaces do not meet, a
 /// part is inside with all of its vertices or with none.
-pub fn nested(pair: &PlacedPair, meshes: [&PolygonMesh; 2], workspace: &Workspace) -> Option<Vec3A> {
+pub fn nested(
+    pair: &PlacedPair,
+    meshes: [&PolygonMesh; 2],
+    workspace: &Workspace,
+) -> Option<Vec3A> {
     let [a, b] = &workspace.surfaces;
-    let within = |part: &PolygonMesh, placed: &Surface, mesh, around: &Surface, bounds: &OrientedBox| {
-        let vertices = part.shells().iter().map(|&vertex| placed.vertices()[vertex as usize]);
-        let mut close = vertices.filter(|&vertex| {
-            let offset = (vertex - bounds.center).abs();
-            offset.cmple(bounds.reach()).all()
-        });
-        close.find(|&vertex| around.encloses(mesh, vertex))
-    };
-    within(meshes[0], a, meshes[1], b, &pair.box_b).or_else(|| within(meshes[1], b, meshes[0], a, &pair.box_a))
+    let within =
+        |part: &PolygonMesh, placed: &Surface, mesh, around: &Surface, bounds: &OrientedBox| {
+            let vertices = part
+                .shells()
+                .iter()
+                .map(|&vertex| placed.vertices()[vertex as usize]);
+            let mut close = vertices.filter(|&vertex| {
+                let offset = (vertex - bounds.center).abs();
+                offset.cmple(bounds.reach()).all()
+            });
+            close.find(|&vertex| around.encloses(mesh, vertex))
+        };
+    within(meshes[0], a, meshes[1], b, &pair.box_b)
+        .or_else(|| within(meshes[1], b, meshes[0], a, &pair.box_a))
 }

@@ -1,5 +1,5 @@
-//! Pairs too large for products of their lengths to be held by 32-bit floats: what is asked about them is asked at a
-//! smaller scale, by a power of two, which changes nothing but the exponents.
+//! Pairs too large for products of their lengths to be held by 32-bit floats: what is asked about
+//! them is asked at a smaller scale, by a power of two, which changes nothing but the exponents.
 
 use bevy::transform::components::Transform;
 
@@ -32,13 +32,19 @@ impl PlacedPair<'_> {
 
     fn extent(&self) -> f32 {
         // The first is at the origin, but for the centre of its mesh.
-        let far = self.box_a.center.abs().max(self.box_b.center.abs()).max_element();
+        let far = self
+            .box_a
+            .center
+            .abs()
+            .max(self.box_b.center.abs())
+            .max_element();
         self.size.max(far)
     }
 }
 
 impl Smaller {
-    /// `None` if one of the two is a shape of Rapier's: these have no scale, and are looked at in 64-bit floats.
+    /// `None` if one of the two is a shape of Rapier's: these have no scale, and are looked at in
+    /// 64-bit floats.
     pub fn of(pair: &PlacedPair, tests: &NarrowPhase) -> Option<Self> {
         if pair.case() == Case::Foreign {
             return None;
@@ -46,16 +52,31 @@ impl Smaller {
         // The power of two that is next below: its exponent alone.
         let factor = f32::from_bits(pair.extent().to_bits() & f32::INFINITY.to_bits());
         let smaller = |placed: &Placed<'_>| {
-            let Transform { translation, rotation, scale } = *placed.transform;
-            Transform { translation: translation / factor, rotation, scale: scale / factor }
+            let Transform {
+                translation,
+                rotation,
+                scale,
+            } = *placed.transform;
+            Transform {
+                translation: translation / factor,
+                rotation,
+                scale: scale / factor,
+            }
         };
         let transforms = [smaller(&pair.a), smaller(&pair.b)];
-        Some(Self { tests: tests.with_tolerance(tests.tolerance() / factor), transforms, factor })
+        Some(Self {
+            tests: tests.with_tolerance(tests.tolerance() / factor),
+            transforms,
+            factor,
+        })
     }
 
     /// The two, in their places.
     pub fn placed<'a>(&'a self, pair: &PlacedPair<'a>) -> [Placed<'a>; 2] {
         let [at_a, at_b] = &self.transforms;
-        [Placed::new(pair.a.shape, at_a), Placed::new(pair.b.shape, at_b)]
+        [
+            Placed::new(pair.a.shape, at_a),
+            Placed::new(pair.b.shape, at_b),
+        ]
     }
 }

@@ -8,8 +8,8 @@ use crate::narrow_phase::{error::BoundsError, shape::Shape};
 
 /// The box around a placed shape, turned with it; the shape itself, if that is a cuboid.
 ///
-/// Positions are relative to an origin of the caller's choice: for a pair, the position of one of the
-/// two, so that 32-bit floats are as exact far from the world's origin as close to it.
+/// Positions are relative to an origin of the caller's choice: for a pair, the position of one of
+/// the two, so that 32-bit floats are as exact far from the world's origin as close to it.
 #[derive(Clone, Copy, Debug)]
 pub struct OrientedBox {
     pub center: Vec3A,
@@ -26,7 +26,13 @@ impl OrientedBox {
     pub fn of(shape: &Shape, transform: &Transform, origin: Vec3) -> Result<Self, BoundsError> {
         let rotation = transform.rotation.normalize();
         let is_finite = || transform.is_finite() && rotation.is_finite();
-        let of_endless = |error| if is_finite() { error } else { BoundsError::NonFinite };
+        let of_endless = |error| {
+            if is_finite() {
+                error
+            } else {
+                BoundsError::NonFinite
+            }
+        };
         let (local_center, local_half, local_radius) = shape.local_bounds().map_err(of_endless)?;
         let scale = shape.effective_scale(transform.scale);
         let axes = match shape {
@@ -71,9 +77,9 @@ impl OrientedBox {
 }
 
 impl Shape {
-    /// Returns an axis-aligned box around the shape in the world, in constant time. It is the smallest one
-    /// for cuboids and spheres, up to rounding; for meshes and Rapier shapes, it is the smallest
-    /// around their own box, turned and scaled with them.
+    /// Returns an axis-aligned box around the shape in the world, in constant time. It is the
+    /// smallest one for cuboids and spheres, up to rounding; for meshes and Rapier shapes, it is
+    /// the smallest around their own box, turned and scaled with them.
     ///
     /// A broad phase should be fed the slightly larger [`NarrowPhase::world_aabb`], so that it
     /// misses no pair which is in contact by tolerance.
@@ -87,11 +93,14 @@ impl Shape {
     pub fn world_aabb(&self, transform: &Transform) -> Result<Aabb3d, BoundsError> {
         let oriented = OrientedBox::of(self, transform, Vec3::ZERO)?;
         let reach = oriented.reach();
-        Ok(Aabb3d { min: oriented.center - reach, max: oriented.center + reach })
+        Ok(Aabb3d {
+            min: oriented.center - reach,
+            max: oriented.center + reach,
+        })
     }
 
-    /// Returns a sphere around the shape in the world, centred on its box. The smallest one for cuboids and
-    /// spheres.
+    /// Returns a sphere around the shape in the world, centred on its box. The smallest one for
+    /// cuboids and spheres.
     ///
     /// # Errors
     /// As for [`world_aabb`](Self::world_aabb).

@@ -35,13 +35,22 @@ impl<'a> Placed<'a> {
 }
 
 /// The two and whether they had to be swapped, in the order in which pairs are computed: it does
-/// not depend on the order given, and so neither do verdicts. Only if all of position, turn, scale and
-/// size are equal does the order given remain.
+/// not depend on the order given, and so neither do verdicts. Only if all of position, turn, scale
+/// and size are equal does the order given remain.
 #[inline]
 pub fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> (Placed<'a>, Placed<'a>, bool) {
     let key = |placed: Placed| {
-        let Transform { translation, rotation, scale } = *placed.transform;
-        (translation.to_array(), rotation.to_array(), scale.to_array(), placed.shape.order_key())
+        let Transform {
+            translation,
+            rotation,
+            scale,
+        } = *placed.transform;
+        (
+            translation.to_array(),
+            rotation.to_array(),
+            scale.to_array(),
+            placed.shape.order_key(),
+        )
     };
     // Most pairs differ in the first number.
     let (x_a, x_b) = (a.transform.translation.x, b.transform.translation.x);
@@ -79,12 +88,25 @@ impl<'a> PlacedPair<'a> {
             (_, Err(error)) | (Err(error), _) => return Err(error),
         };
         let size = box_a.half.max_element() + box_b.half.max_element();
-        Ok(Self { a, b, box_a, box_b, size, tolerance: tolerance.max(ROUNDING * size) })
+        Ok(Self {
+            a,
+            b,
+            box_a,
+            box_b,
+            size,
+            tolerance: tolerance.max(ROUNDING * size),
+        })
     }
 
     /// The same pair with the two swapped; the frame stays.
     #[inline]
     pub fn swapped(self) -> Self {
-        Self { a: self.b, b: self.a, box_a: self.box_b, box_b: self.box_a, ..self }
+        Self {
+            a: self.b,
+            b: self.a,
+            box_a: self.box_b,
+            box_b: self.box_a,
+            ..self
+        }
     }
 }

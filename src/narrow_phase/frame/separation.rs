@@ -82,7 +82,12 @@ impl Separation {
                 }
             }
         }
-        Some(Self { gap: widest, doubt: left_out * 4.0 * (a.radius + b.radius), axis, along })
+        Some(Self {
+            gap: widest,
+            doubt: left_out * 4.0 * (a.radius + b.radius),
+            axis,
+            along,
+        })
     }
 }
 

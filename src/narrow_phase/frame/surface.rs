@@ -15,12 +15,21 @@ pub struct LocalAabb {
 }
 
 impl LocalAabb {
-    pub const EVERYWHERE: Self = Self { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
-    pub const NOWHERE: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+    pub const EVERYWHERE: Self = Self {
+        min: Vec3A::NEG_INFINITY,
+        max: Vec3A::INFINITY,
+    };
+    pub const NOWHERE: Self = Self {
+        min: Vec3A::INFINITY,
+        max: Vec3A::NEG_INFINITY,
+    };
 
     /// What two boxes share, given by centre and half extents, grown by `margin`. May be empty.
     pub fn shared(a: (Vec3A, Vec3A), b: (Vec3A, Vec3A), margin: f32) -> Self {
-        Self { min: (a.0 - a.1).max(b.0 - b.1) - margin, max: (a.0 + a.1).min(b.0 + b.1) + margin }
+        Self {
+            min: (a.0 - a.1).max(b.0 - b.1) - margin,
+            max: (a.0 + a.1).min(b.0 + b.1) + margin,
+        }
     }
 
     /// The smallest box around points, grown by `margin`.
@@ -42,7 +51,10 @@ impl LocalAabb {
     /// The square of the distance of the two.
     #[inline]
     pub fn gap_squared(&self, other: &Self) -> f32 {
-        (self.min - other.max).max(other.min - self.max).max(Vec3A::ZERO).length_squared()
+        (self.min - other.max)
+            .max(other.min - self.max)
+            .max(Vec3A::ZERO)
+            .length_squared()
     }
 }
 
@@ -98,15 +110,23 @@ impl Surface {
         let scale = placed.shape.effective_scale(placed.transform.scale) * size;
         let axes = bounds.axes;
         let (center, ..) = mesh.local_bounds();
-        let to_frame = |vertex: &Vec3| bounds.center + axes * ((Vec3A::from(*vertex) - center) * scale);
+        let to_frame =
+            |vertex: &Vec3| bounds.center + axes * ((Vec3A::from(*vertex) - center) * scale);
         self.vertices.clear();
         self.vertices.extend(mesh.vertices().iter().map(to_frame));
-        debug_assert_eq!(self.vertices.len(), mesh.vertices().len(), "indices of the mesh are those of the surface");
+        debug_assert_eq!(
+            self.vertices.len(),
+            mesh.vertices().len(),
+            "indices of the mesh are those of the surface"
+        );
 
         self.edges.clear();
         for edge in mesh.edges() {
             let ends = edge.map(|vertex| self.vertices[vertex as usize]);
-            let edge = PlacedEdge { ends, bounds: LocalAabb::around(ends.into_iter(), tolerance) };
+            let edge = PlacedEdge {
+                ends,
+                bounds: LocalAabb::around(ends.into_iter(), tolerance),
+            };
             if edge.bounds.overlaps(region) {
                 self.edges.push(edge);
             }
@@ -115,8 +135,16 @@ impl Surface {
         // Normals scale with the cofactors, that is inversely, but without dividing by zero. A
         // mirror would turn them inside out.
         let largest = scale.abs().max_element();
-        let relative = if largest > 0.0 { scale / largest } else { scale };
-        let cofactors = Vec3A::new(relative.y * relative.z, relative.z * relative.x, relative.x * relative.y);
+        let relative = if largest > 0.0 {
+            scale / largest
+        } else {
+            scale
+        };
+        let cofactors = Vec3A::new(
+            relative.y * relative.z,
+            relative.z * relative.x,
+            relative.x * relative.y,
+        );
         let mirror = 1f32.copysign(scale.x * scale.y * scale.z);
         self.faces.clear();
         for (polygon, (corners, normal)) in mesh.polygons().zip(mesh.normals()).enumerate() {
@@ -125,8 +153,10 @@ impl Surface {
             if bounds.overlaps(region) {
                 let normal = axes * unit_or_zero(Vec3A::from(*normal) * cofactors * mirror);
                 let heights = corners.iter().map(|corner| at(corner).dot(normal));
-                let (low, high) =
-                    heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
+                let (low, high) = heights
+                    .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| {
+                        (low.min(h), high.max(h))
+                    });
                 self.faces.push(PlacedFace {
                     polygon: polygon as u32,
                     normal,
@@ -152,7 +182,13 @@ impl Surface {
     /// A point at which an edge comes as close to a face as the tolerance, if it does: where it
     /// crosses the polygon, where it ends on it, or where it meets the border.
     #[inline]
-    pub fn touch(&self, mesh: &PolygonMesh, face: &PlacedFace, edge: &PlacedEdge, tolerance: f32) -> Option<Vec3A> {
+    pub fn touch(
+        &self,
+        mesh: &PolygonMesh,
+        face: &PlacedFace,
+        edge: &PlacedEdge,
+        tolerance: f32,
+    ) -> Option<Vec3A> {
         if !edge.bounds.overlaps(&face.bounds) {
             return None;
         }
@@ -199,22 +235,30 @@ impl Surface {
     /// The point closest to `point` on the faces selected; `None` if there are none.
     pub fn closest_point(&self, mesh: &PolygonMesh, point: Vec3A) -> Option<ClosestPoint> {
         let candidates = self.faces.iter().flat_map(|face| {
-            self.closest_points_of(mesh, face, point).map(move |closest| ClosestPoint {
-                point: closest,
-                distance: closest.distance(point),
-                normal: face.normal,
-            })
+            self.closest_points_of(mesh, face, point)
+                .map(move |closest| ClosestPoint {
+                    point: closest,
+                    distance: closest.distance(point),
+                    normal: face.normal,
+                })
         });
         candidates.min_by(|a, b| a.distance.total_cmp(&b.distance))
     }
 
     /// The point closest to `point` on a face.
-    pub fn closest_point_of(&self, mesh: &PolygonMesh, face: &PlacedFace, point: Vec3A) -> Option<Vec3A> {
+    pub fn closest_point_of(
+        &self,
+        mesh: &PolygonMesh,
+        face: &PlacedFace,
+        point: Vec3A,
+    ) -> Option<Vec3A> {
         let squared = |closest: &Vec3A| closest.distance_squared(point);
-        self.closest_points_of(mesh, face, point).min_by(|a, b| squared(a).total_cmp(&squared(b)))
+        self.closest_points_of(mesh, face, point)
+            .min_by(|a, b| squared(a).total_cmp(&squared(b)))
     }
 
-    /// The points of a face of which one is the closest to `point`: one on each side of it, and the one below.
+    /// The points of a face of which one is the closest to `point`: one on each side of it, and the
+    /// one below.
     fn closest_points_of<'a>(
         &'a self,
         mesh: &'a PolygonMesh,
@@ -235,7 +279,9 @@ impl Surface {
         mesh: &'a PolygonMesh,
         face: &PlacedFace,
     ) -> impl Iterator<Item = Vec3A> + Clone + use<'a> {
-        mesh.polygon(face.polygon as usize).iter().map(|&vertex| self.vertices[vertex as usize])
+        mesh.polygon(face.polygon as usize)
+            .iter()
+            .map(|&vertex| self.vertices[vertex as usize])
     }
 
     /// Whether the mesh winds around a point that is not on its surface (closer than rounding).
@@ -269,8 +315,8 @@ impl Surface {
     }
 }
 
-/// Whether a mesh winds around a point that is not on its surface (closer than rounding), by the ways from there to its
-/// vertices.
+/// Whether a mesh winds around a point that is not on its surface (closer than rounding), by the
+/// ways from there to its vertices.
 ///
 /// Sums the solid angles under which the polygons are seen from the point, by the formula of
 /// Van Oosterom and Strackee (1983). No direction is special, and so no ray can graze an edge.
@@ -297,5 +343,9 @@ pub fn winds_around(mesh: &PolygonMesh, way_to: impl Fn(u32) -> Vec3A) -> bool {
 /// The direction of a vector whose length may underflow; zero for zero.
 fn unit_or_zero(v: Vec3A) -> Vec3A {
     let largest = v.abs().max_element();
-    if largest > f32::MIN_POSITIVE { (v / largest).normalize() } else { Vec3A::ZERO }
+    if largest > f32::MIN_POSITIVE {
+        (v / largest).normalize()
+    } else {
+        Vec3A::ZERO
+    }
 }

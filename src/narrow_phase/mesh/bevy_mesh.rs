@@ -12,7 +12,8 @@ use crate::narrow_phase::error::ShapeError;
 const WELD: f32 = 1e-5;
 
 impl PolygonMesh {
-    /// Makes a mesh of the triangles of a Bevy mesh (feature `mesh`), listed or in a strip, indexed or not.
+    /// Makes a mesh of the triangles of a Bevy mesh (feature `mesh`), listed or in a strip, indexed
+    /// or not.
     ///
     /// A mesh to render has several vertices at one position where normals or texture coordinates
     /// differ. Those closer together than 10⁻⁵ of the largest coordinate are welded to one, so that
@@ -27,7 +28,8 @@ impl PolygonMesh {
     /// the mesh; [`ShapeError::NonFiniteVertex`] names the vertex after welding;
     /// [`ShapeError::Empty`] if no triangle has an area.
     pub fn from_mesh(mesh: &Mesh) -> Result<Self, ShapeError> {
-        let no_access = |error: bevy::mesh::MeshAccessError| ShapeError::NoAccess(error.to_string());
+        let no_access =
+            |error: bevy::mesh::MeshAccessError| ShapeError::NoAccess(error.to_string());
         let positions = mesh
             .try_attribute_option(Mesh::ATTRIBUTE_POSITION)
             .map_err(no_access)?
@@ -48,8 +50,13 @@ impl PolygonMesh {
             }
         }
         let (vertices, welded) = weld(positions)?;
-        let triangles = triangles.into_iter().map(|triangle| triangle.map(|v| welded[v]));
-        Self::new(vertices.as_slice(), triangles.filter(|&triangle| Self::has_area(&vertices, triangle)))
+        let triangles = triangles
+            .into_iter()
+            .map(|triangle| triangle.map(|v| welded[v]));
+        Self::new(
+            vertices.as_slice(),
+            triangles.filter(|&triangle| Self::has_area(&vertices, triangle)),
+        )
     }
 }
 
@@ -61,14 +68,20 @@ impl TryFrom<&Mesh> for PolygonMesh {
     }
 }
 
-fn triangles(topology: PrimitiveTopology, indices: &[usize]) -> Result<Vec<[usize; 3]>, ShapeError> {
+fn triangles(
+    topology: PrimitiveTopology,
+    indices: &[usize],
+) -> Result<Vec<[usize; 3]>, ShapeError> {
     match topology {
         PrimitiveTopology::TriangleList => {
             let (triangles, rest) = indices.as_chunks();
             if rest.is_empty() {
                 Ok(triangles.to_vec())
             } else {
-                Err(ShapeError::TooFewCorners { polygon: triangles.len(), corners: rest.len() })
+                Err(ShapeError::TooFewCorners {
+                    polygon: triangles.len(),
+                    corners: rest.len(),
+                })
             }
         }
         // Every other triangle of a strip is turned around.
@@ -81,16 +94,24 @@ fn triangles(topology: PrimitiveTopology, indices: &[usize]) -> Result<Vec<[usiz
     }
 }
 
-/// Distinct positions, and for each vertex the index of the one it is at: that of the first vertex close enough.
+/// Distinct positions, and for each vertex the index of the one it is at: that of the first vertex
+/// close enough.
 fn weld(positions: &[[f32; 3]]) -> Result<(Vec<Vec3>, Vec<u32>), ShapeError> {
     if u32::try_from(positions.len()).is_err() {
         return Err(ShapeError::TooLarge);
     }
-    let size = positions.as_flattened().iter().fold(0f32, |size, x| size.max(x.abs()));
+    let size = positions
+        .as_flattened()
+        .iter()
+        .fold(0f32, |size, x| size.max(x.abs()));
     let reach = (WELD * size).max(f32::MIN_POSITIVE);
     // Cells twice as wide as the reach: what is in reach of a vertex is in the cells of eight
     // corners.
-    let cell = |position: Vec3| (position.as_dvec3() / f64::from(2.0 * reach)).floor().as_i64vec3();
+    let cell = |position: Vec3| {
+        (position.as_dvec3() / f64::from(2.0 * reach))
+            .floor()
+            .as_i64vec3()
+    };
     let mut cells: HashMap<_, Vec<u32>> = HashMap::with_capacity(positions.len());
     let mut distinct: Vec<Vec3> = Vec::new();
     let welded = positions.iter().map(|&position| {
@@ -100,7 +121,8 @@ fn weld(positions: &[[f32; 3]]) -> Result<(Vec<Vec3>, Vec<u32>), ShapeError> {
             cell(position + Vec3::new(side(1), side(2), side(4)))
         });
         let near = corners.filter_map(|corner| cells.get(&corner)).flatten();
-        let close = |known: &&u32| (distinct[**known as usize] - position).abs().max_element() <= reach;
+        let close =
+            |known: &&u32| (distinct[**known as usize] - position).abs().max_element() <= reach;
         let known = near.copied().find(|known| close(&known));
         known.unwrap_or_else(|| {
             let new = distinct.len() as u32;
@@ -121,7 +143,12 @@ mod tests {
     use bevy::mesh::Indices;
 
     fn strip() -> Mesh {
-        let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+        let corners = vec![
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [1.0, 1.0, 0.0],
+        ];
         Mesh::new(PrimitiveTopology::TriangleStrip, RenderAssetUsages::all())
             .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, corners)
     }
@@ -154,15 +181,28 @@ mod tests {
         assert_eq!(refuse(lines), ShapeError::NoPositions);
         let points = Mesh::new(PrimitiveTopology::PointList, RenderAssetUsages::all())
             .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0f32; 3]]);
-        assert_eq!(refuse(points), ShapeError::Topology(PrimitiveTopology::PointList));
+        assert_eq!(
+            refuse(points),
+            ShapeError::Topology(PrimitiveTopology::PointList)
+        );
         let out = strip().with_inserted_indices(Indices::U32(vec![0, 1, 7]));
-        let expected = ShapeError::IndexOutOfRange { polygon: 0, vertex: 7, vertices: 4 };
+        let expected = ShapeError::IndexOutOfRange {
+            polygon: 0,
+            vertex: 7,
+            vertices: 4,
+        };
         assert_eq!(refuse(out), expected);
         let short = strip().with_inserted_indices(Indices::U32(vec![0, 1]));
         assert_eq!(refuse(short), ShapeError::Empty);
         let list = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::all())
             .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0f32; 3]; 4]);
-        assert_eq!(refuse(list), ShapeError::TooFewCorners { polygon: 1, corners: 1 });
+        assert_eq!(
+            refuse(list),
+            ShapeError::TooFewCorners {
+                polygon: 1,
+                corners: 1
+            }
+        );
     }
 
     #[test]

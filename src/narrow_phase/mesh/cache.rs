@@ -9,7 +9,8 @@ use bevy_rapier3d::parry::shape::TriMesh;
 /// What a mesh keeps of what has been made of it. It is of no size if there is nothing to make.
 #[derive(Clone, Debug, Default)]
 pub struct Cache {
-    /// The mesh as parry knows it, made when it first meets a Rapier shape; `None` if parry refuses it.
+    /// The mesh as parry knows it, made when it first meets a Rapier shape; `None` if parry refuses
+    /// it.
     #[cfg(feature = "rapier")]
     pub triangles: OnceLock<Option<Arc<TriMesh>>>,
 }

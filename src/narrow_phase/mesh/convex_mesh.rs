@@ -51,7 +51,11 @@ impl ConvexMesh {
             for &vertex in mesh.edges().as_flattened() {
                 let distance = (mesh.vertices()[vertex as usize] - on_plane).dot(*normal);
                 if distance > FLATNESS * radius {
-                    return Err(ShapeError::NotConvex { polygon, vertex, distance });
+                    return Err(ShapeError::NotConvex {
+                        polygon,
+                        vertex,
+                        distance,
+                    });
                 }
             }
         }
@@ -92,7 +96,9 @@ fn relative_volume(mesh: &PolygonMesh, center: Vec3, radius: f32) -> f32 {
     let at = |vertex: u32| (mesh.vertices()[vertex as usize] - center) / radius;
     let fan = |corners: &[u32]| -> f32 {
         let triangles = corners[1..].windows(2);
-        triangles.map(|pair| at(corners[0]).dot(at(pair[0]).cross(at(pair[1])))).sum()
+        triangles
+            .map(|pair| at(corners[0]).dot(at(pair[0]).cross(at(pair[1]))))
+            .sum()
     };
     mesh.polygons().map(fan).sum()
 }
@@ -114,7 +120,9 @@ mod tests {
     fn dented_and_open_and_flat_meshes_are_refused() {
         let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
         let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
-        let build = |polygons: &[[u32; 3]], corners: [Vec3; 4]| ConvexMesh::new(PolygonMesh::new(corners, polygons)?);
+        let build = |polygons: &[[u32; 3]], corners: [Vec3; 4]| {
+            ConvexMesh::new(PolygonMesh::new(corners, polygons)?)
+        };
         assert!(build(&triangles, corners).is_ok());
         let error = build(&triangles[1..], corners).unwrap_err();
         assert!(matches!(error, ShapeError::NotClosed { .. }));

@@ -10,6 +10,14 @@ use super::polygon_mesh::PolygonMesh;
 pub static CUBE: LazyLock<PolygonMesh> = LazyLock::new(|| {
     let bits = |i: u8| [i & 1, i >> 1 & 1, i >> 2 & 1];
     let corner = |i| Vec3::from(bits(i).map(|bit| f32::from(bit) * 2.0 - 1.0));
-    let polygons = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    PolygonMesh::new((0..8).map(corner).collect::<Vec<_>>(), polygons).expect("the faces of a cube are squares")
+    let polygons = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    PolygonMesh::new((0..8).map(corner).collect::<Vec<_>>(), polygons)
+        .expect("the faces of a cube are squares")
 });

@@ -48,7 +48,10 @@ pub struct PolygonMesh {
     center: Vec3A,
     half_size: Vec3A,
     radius: f32,
-    #[cfg_attr(not(feature = "rapier"), expect(dead_code, reason = "nothing is made of it without Rapier"))]
+    #[cfg_attr(
+        not(feature = "rapier"),
+        expect(dead_code, reason = "nothing is made of it without Rapier")
+    )]
     pub(in crate::narrow_phase) cache: Cache,
 }
 
@@ -115,8 +118,8 @@ impl PolygonMesh {
         self.ends.len()
     }
 
-    /// Returns the vertex indices of the polygons, in the order given; each polygon counter-clockwise
-    /// around its [normal](Self::normals).
+    /// Returns the vertex indices of the polygons, in the order given; each polygon
+    /// counter-clockwise around its [normal](Self::normals).
     #[must_use]
     pub fn polygons(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         (0..self.ends.len()).map(|polygon| self.polygon(polygon))
@@ -134,8 +137,8 @@ impl PolygonMesh {
         &self.edges
     }
 
-    /// Returns `true` if every edge joins exactly two polygons which can be oriented alike, so that the mesh
-    /// has an inside.
+    /// Returns `true` if every edge joins exactly two polygons which can be oriented alike, so that
+    /// the mesh has an inside.
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.open_edge.is_none()
@@ -156,7 +159,11 @@ impl PolygonMesh {
     }
 
     pub(in crate::narrow_phase) fn polygon(&self, polygon: usize) -> &[u32] {
-        debug_assert!(polygon < self.ends.len(), "polygon {polygon} of {}", self.ends.len());
+        debug_assert!(
+            polygon < self.ends.len(),
+            "polygon {polygon} of {}",
+            self.ends.len()
+        );
         let start = polygon.checked_sub(1).map_or(0, |last| self.ends[last]);
         &self.corners[start as usize..self.ends[polygon] as usize]
     }
@@ -170,8 +177,13 @@ impl PolygonMesh {
         (self.center, self.half_size, self.radius)
     }
 
-    /// The same polygons elsewhere: vertices and normals are mapped, which has to keep orientations.
-    pub(in crate::narrow_phase) fn turned(&self, vertex: impl Fn(Vec3) -> Vec3, normal: impl Fn(Vec3) -> Vec3) -> Self {
+    /// The same polygons elsewhere: vertices and normals are mapped, which has to keep
+    /// orientations.
+    pub(in crate::narrow_phase) fn turned(
+        &self,
+        vertex: impl Fn(Vec3) -> Vec3,
+        normal: impl Fn(Vec3) -> Vec3,
+    ) -> Self {
         let mut turned = Self {
             vertices: self.vertices.iter().copied().map(vertex).collect(),
             normals: self.normals.iter().copied().map(normal).collect(),
@@ -203,7 +215,11 @@ impl PolygonMesh {
         }
         self.edges = topology.edges;
         self.open_edge = topology.open_edge;
-        self.shells = topology.shells.iter().map(|&polygon| self.polygon(polygon)[0]).collect();
+        self.shells = topology
+            .shells
+            .iter()
+            .map(|&polygon| self.polygon(polygon)[0])
+            .collect();
     }
 
     /// Finds the bounding box and, around its centre, the bounding sphere.
@@ -213,7 +229,9 @@ impl PolygonMesh {
         let max = corners().fold(Vec3::NEG_INFINITY, Vec3::max);
         // Halving first cannot overflow.
         let center = min * 0.5 + max * 0.5;
-        let radius = corners().map(|v| length((v - center).into())).fold(0.0, f32::max);
+        let radius = corners()
+            .map(|v| length((v - center).into()))
+            .fold(0.0, f32::max);
         self.center = center.into();
         // Not (max - min) / 2, so that both ends are inside whatever the rounding.
         self.half_size = (max - center).max(center - min).into();
@@ -229,7 +247,11 @@ fn checked_normal(vertices: &[Vec3], polygon: usize, indices: &[u32]) -> Result<
     }
     if let Some(&vertex) = indices.iter().find(|&&v| v as usize >= vertices.len()) {
         let vertices = vertices.len();
-        return Err(ShapeError::IndexOutOfRange { polygon, vertex, vertices });
+        return Err(ShapeError::IndexOutOfRange {
+            polygon,
+            vertex,
+            vertices,
+        });
     }
     let mut sorted = indices.to_vec();
     sorted.sort_unstable();
@@ -242,17 +264,32 @@ fn checked_normal(vertices: &[Vec3], polygon: usize, indices: &[u32]) -> Result<
     // hide the area of a polygon that is small or far from the origin.
     let origin = vertices[indices[0] as usize];
     let relative = |index: &u32| vertices[*index as usize] - origin;
-    let size = indices.iter().map(|index| relative(index).abs().max_element()).fold(0.0, f32::max);
-    let area: Vec3 = indices.windows(2).map(|pair| (relative(&pair[0]) / size).cross(relative(&pair[1]) / size)).sum();
-    let Some(normal) = area.try_normalize().filter(|_| area.length() > SMALLEST_AREA) else {
+    let size = indices
+        .iter()
+        .map(|index| relative(index).abs().max_element())
+        .fold(0.0, f32::max);
+    let area: Vec3 = indices
+        .windows(2)
+        .map(|pair| (relative(&pair[0]) / size).cross(relative(&pair[1]) / size))
+        .sum();
+    let Some(normal) = area
+        .try_normalize()
+        .filter(|_| area.length() > SMALLEST_AREA)
+    else {
         return Err(ShapeError::ZeroArea { polygon });
     };
     let middle = indices.iter().map(relative).sum::<Vec3>() / indices.len() as f32;
     let off_plane = |index: &u32| (relative(index) - middle).dot(normal).abs();
-    let worst =
-        indices.iter().max_by(|a, b| off_plane(a).total_cmp(&off_plane(b))).expect("there are three corners at least");
+    let worst = indices
+        .iter()
+        .max_by(|a, b| off_plane(a).total_cmp(&off_plane(b)))
+        .expect("there are three corners at least");
     if off_plane(worst) > PLANARITY * size {
-        return Err(ShapeError::NotPlanar { polygon, vertex: *worst, distance: off_plane(worst) });
+        return Err(ShapeError::NotPlanar {
+            polygon,
+            vertex: *worst,
+            distance: off_plane(worst),
+        });
     }
     Ok(normal)
 }

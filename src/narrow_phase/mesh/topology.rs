@@ -81,7 +81,9 @@ impl Topology {
             open_edge: open.map(|edge| edges[edge]),
             edges,
             shells,
-            flipped: (0..count).filter(|&polygon| flip[polygon] == Some(true)).collect(),
+            flipped: (0..count)
+                .filter(|&polygon| flip[polygon] == Some(true))
+                .collect(),
         }
     }
 }

@@ -15,39 +15,74 @@ use crate::narrow_phase::{
     shape::Shape,
 };
 
-/// How near something on its way comes to what it is going to touch before the rest is taken as straight, as a share of the
-/// sizes of both.
+/// How near something on its way comes to what it is going to touch before the rest is taken as
+/// straight, as a share of the sizes of both.
 const NEAR: f64 = 1e-7;
 
 /// Where a ray meets a shape. Solids are solid.
-pub fn cast_ray(target: Placed, origin: Vec3, direction: Dir3, max_distance: f32) -> Option<Impact> {
-    let Some(body) = posed(target, origin) else { return ray_by_itself(target, origin, direction, max_distance) };
+pub fn cast_ray(
+    target: Placed,
+    origin: Vec3,
+    direction: Dir3,
+    max_distance: f32,
+) -> Option<Impact> {
+    let Some(body) = posed(target, origin) else {
+        return ray_by_itself(target, origin, direction, max_distance);
+    };
     let ray = PosedShape::Part(Part::Convex(Convex::point(DVec3::ZERO)));
     let from_shape = origin.as_dvec3() - target.transform.translation.as_dvec3();
-    impact(&ray, (origin, slack(origin, from_shape)), direction, max_distance, &body)
+    impact(
+        &ray,
+        (origin, slack(origin, from_shape)),
+        direction,
+        max_distance,
+        &body,
+    )
 }
 
 /// What a shape says of which nothing else is known.
-fn ray_by_itself(target: Placed, origin: Vec3, direction: Dir3, max_distance: f32) -> Option<Impact> {
-    let Shape::Rapier(shape) = target.shape else { return None };
+fn ray_by_itself(
+    target: Placed,
+    origin: Vec3,
+    direction: Dir3,
+    max_distance: f32,
+) -> Option<Impact> {
+    let Shape::Rapier(shape) = target.shape else {
+        return None;
+    };
     let ray = query::Ray::new(origin - target.transform.translation, *direction);
-    let met = shape.cast_ray_and_get_normal(&turn(target), &ray, max_distance.min(f32::MAX), true)?;
+    let met =
+        shape.cast_ray_and_get_normal(&turn(target), &ray, max_distance.min(f32::MAX), true)?;
     let distance = met.time_of_impact;
     // No normal inside.
-    let normal = met.normal.try_normalize().filter(|_| distance > 0.0).unwrap_or(-*direction);
+    let normal = met
+        .normal
+        .try_normalize()
+        .filter(|_| distance > 0.0)
+        .unwrap_or(-*direction);
     let normal = against(normal, direction);
     let is_within = distance >= 0.0 && distance <= max_distance;
-    is_within.then(|| Impact { distance, point: origin + direction * distance, normal })
+    is_within.then(|| Impact {
+        distance,
+        point: origin + direction * distance,
+        normal,
+    })
 }
 
 /// Where a shape on its way meets another that it does not touch at the start.
 pub fn sweep(moving: Placed, direction: Dir3, max_distance: f32, target: Placed) -> Option<Impact> {
     let origin = moving.transform.translation;
-    impact(&posed(moving, origin)?, (origin, 0.0), direction, max_distance, &posed(target, origin)?)
+    impact(
+        &posed(moving, origin)?,
+        (origin, 0.0),
+        direction,
+        max_distance,
+        &posed(target, origin)?,
+    )
 }
 
-/// Where a body on its way meets another. Both are given relative to an origin, beside which is how far apart two may be at
-/// the start and count as touching.
+/// Where a body on its way meets another. Both are given relative to an origin, beside which is how
+/// far apart two may be at the start and count as touching.
 fn impact(
     moving: &PosedShape,
     (origin, touching): (Vec3, f64),
@@ -56,27 +91,50 @@ fn impact(
     target: &PosedShape,
 ) -> Option<Impact> {
     let way = direction.as_dvec3();
-    let sizes = [moving, target].map(PosedShape::size).into_iter().filter(|size| size.is_finite());
+    let sizes = [moving, target]
+        .map(PosedShape::size)
+        .into_iter()
+        .filter(|size| size.is_finite());
     let near = NEAR * sizes.sum::<f64>();
-    let search = Search { direction: way, limit: Cell::new(max_distance.into()), ..Search::within(near.max(touching)) };
+    let search = Search {
+        direction: way,
+        limit: Cell::new(max_distance.into()),
+        ..Search::within(near.max(touching))
+    };
     let mut first: Option<(f64, Gap)> = None;
     search.pairs(moving, target, &mut |a, b| {
-        let Ok(found) = parts::first_impact(a, b, way, search.limit.get(), [near.max(touching), near]) else {
+        let Ok(found) =
+            parts::first_impact(a, b, way, search.limit.get(), [near.max(touching), near])
+        else {
             return false;
         };
-        if let Some((distance, _)) = found.filter(|found| first.is_none_or(|first| found.0 < first.0)) {
+        if let Some((distance, _)) =
+            found.filter(|found| first.is_none_or(|first| found.0 < first.0))
+        {
             search.limit.set(distance);
             first = found;
         }
         true
     });
     let (distance, gap) = first?;
-    let normal = if distance > 0.0 { -gap.normal.as_vec3() } else { -*direction };
+    let normal = if distance > 0.0 {
+        -gap.normal.as_vec3()
+    } else {
+        -*direction
+    };
     // What overlaps at the start meets where both are: a ray from inside, where it starts.
-    let met = if gap.distance < 0.0 { gap.between } else { gap.points[1] };
+    let met = if gap.distance < 0.0 {
+        gap.between
+    } else {
+        gap.points[1]
+    };
     let point = (origin.as_dvec3() + met).as_vec3();
     let (distance, normal) = (distance as f32, against(normal, direction));
-    (distance.is_finite() && point.is_finite()).then_some(Impact { distance, point, normal })
+    (distance.is_finite() && point.is_finite()).then_some(Impact {
+        distance,
+        point,
+        normal,
+    })
 }
 
 #[cfg(test)]

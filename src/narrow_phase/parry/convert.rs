@@ -32,8 +32,8 @@ pub fn turn(placed: Placed) -> Pose {
     Pose::from_parts(Vec3::ZERO, placed.transform.rotation.normalize())
 }
 
-/// A shape in its place, relative to an origin, as something that can be asked; `None` for what parry knows no more of
-/// than its name.
+/// A shape in its place, relative to an origin, as something that can be asked; `None` for what
+/// parry knows no more of than its name.
 pub fn posed<'a>(placed: Placed<'a>, origin: Vec3) -> Option<PosedShape<'a>> {
     let at = Isometry::of(placed.transform, origin);
     let scale = Vec3::from(placed.shape.effective_scale(placed.transform.scale));
@@ -42,8 +42,17 @@ pub fn posed<'a>(placed: Placed<'a>, origin: Vec3) -> Option<PosedShape<'a>> {
         Shape::Sphere { radius } => Convex::ball(radius * scale.x, at),
         Shape::Convex(mesh) => Convex::mesh(mesh, scale.as_dvec3(), at),
         Shape::Mesh(mesh) => {
-            let parts = mesh.cache.triangles.get_or_init(|| convert(mesh)).as_deref()?;
-            return Some(PosedShape::Tree { parts, is_compound: false, scale: scale.as_dvec3(), at });
+            let parts = mesh
+                .cache
+                .triangles
+                .get_or_init(|| convert(mesh))
+                .as_deref()?;
+            return Some(PosedShape::Tree {
+                parts,
+                is_compound: false,
+                scale: scale.as_dvec3(),
+                at,
+            });
         }
         Shape::Rapier(shape) => return PosedShape::of(&**shape, at),
     };
@@ -56,9 +65,13 @@ fn convert(mesh: &PolygonMesh) -> Option<Arc<TriMesh>> {
     CONVERSIONS.set(CONVERSIONS.get() + 1);
     let mut triangles = Vec::new();
     for (corners, normal) in mesh.polygons().zip(mesh.normals()) {
-        triangulate(mesh.vertices(), corners, *normal, |triangle| triangles.push(triangle));
+        triangulate(mesh.vertices(), corners, *normal, |triangle| {
+            triangles.push(triangle)
+        });
     }
-    TriMesh::new(mesh.vertices().to_vec(), triangles).ok().map(Arc::new)
+    TriMesh::new(mesh.vertices().to_vec(), triangles)
+        .ok()
+        .map(Arc::new)
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
-//! Convex shapes as parry has them: a core, and all that is within a radius of it. In 64-bit floats, so that neither the
-//! size of one nor a position far from the other costs exactness.
+//! Convex shapes as parry has them: a core, and all that is within a radius of it. In 64-bit
+//! floats, so that neither the size of one nor a position far from the other costs exactness.
 
 use bevy::math::{DMat3, DVec3, Vec3};
 use bevy::transform::components::Transform;
@@ -16,12 +16,18 @@ pub struct Isometry {
 }
 
 impl Isometry {
-    pub const IDENTITY: Self = Self { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
+    pub const IDENTITY: Self = Self {
+        rotation: DMat3::IDENTITY,
+        translation: DVec3::ZERO,
+    };
 
     /// That of a transform, relative to an origin.
     pub fn of(at: &Transform, origin: Vec3) -> Self {
         let rotation = DMat3::from_quat(at.rotation.normalize().as_dquat().normalize());
-        Self { rotation, translation: at.translation.as_dvec3() - origin.as_dvec3() }
+        Self {
+            rotation,
+            translation: at.translation.as_dvec3() - origin.as_dvec3(),
+        }
     }
 
     /// That of a part, whose pose in the whole is given.
@@ -44,10 +50,12 @@ impl Isometry {
         self.rotation.transpose() * direction
     }
 
-    /// The centre and half extents of the box, in the axes of this isometry, around one in those of another.
+    /// The centre and half extents of the box, in the axes of this isometry, around one in those of
+    /// another.
     pub fn bounds_to_local(self, other: &Self, [center, half]: [DVec3; 2]) -> [DVec3; 2] {
         let turn = self.rotation.transpose() * other.rotation;
-        let reach = turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z;
+        let reach =
+            turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z;
         [self.to_local(other.to_world(center)), reach]
     }
 }
@@ -77,24 +85,46 @@ pub struct Convex<'a> {
 
 impl<'a> Convex<'a> {
     pub fn point(at: DVec3) -> Self {
-        Self::ball(0.0, Isometry { translation: at, ..Isometry::IDENTITY })
+        Self::ball(
+            0.0,
+            Isometry {
+                translation: at,
+                ..Isometry::IDENTITY
+            },
+        )
     }
 
     pub fn ball(radius: f32, at: Isometry) -> Self {
-        Self { core: Core::Point, radius: f64::from(radius.abs()), at }
+        Self {
+            core: Core::Point,
+            radius: f64::from(radius.abs()),
+            at,
+        }
     }
 
     pub fn cuboid(half_size: Vec3, at: Isometry) -> Self {
-        Self { core: Core::Cuboid(half_size.abs().as_dvec3()), radius: 0.0, at }
+        Self {
+            core: Core::Cuboid(half_size.abs().as_dvec3()),
+            radius: 0.0,
+            at,
+        }
     }
 
     /// A mesh that is convex, at a scale.
     pub fn mesh(mesh: &'a PolygonMesh, scale: DVec3, at: Isometry) -> Self {
-        Self { core: Core::Mesh(mesh, scale), radius: 0.0, at }
+        Self {
+            core: Core::Mesh(mesh, scale),
+            radius: 0.0,
+            at,
+        }
     }
 
     pub fn triangle(corners: [DVec3; 3], at: Isometry) -> Self {
-        Self { core: Core::Triangle(corners), radius: 0.0, at }
+        Self {
+            core: Core::Triangle(corners),
+            radius: 0.0,
+            at,
+        }
     }
 
     /// A shape of parry's; `None` if it is not convex, or has no end.
@@ -103,28 +133,43 @@ impl<'a> Convex<'a> {
             half_height: cylinder.half_height.into(),
             radius: cylinder.radius.into(),
         };
-        let cone = |cone: &shape::Cone| Core::Cone { half_height: cone.half_height.into(), radius: cone.radius.into() };
-        let triangle = |triangle: &shape::Triangle| Core::Triangle([triangle.a, triangle.b, triangle.c].map(wide));
+        let cone = |cone: &shape::Cone| Core::Cone {
+            half_height: cone.half_height.into(),
+            radius: cone.radius.into(),
+        };
+        let triangle = |triangle: &shape::Triangle| {
+            Core::Triangle([triangle.a, triangle.b, triangle.c].map(wide))
+        };
         let (core, radius) = match shape.as_typed_shape() {
             TypedShape::Ball(ball) => (Core::Point, ball.radius),
             TypedShape::Cuboid(cuboid) => (Core::Cuboid(wide(cuboid.half_extents)), 0.0),
-            TypedShape::Capsule(capsule) => {
-                (Core::Segment([capsule.segment.a, capsule.segment.b].map(wide)), capsule.radius)
-            }
+            TypedShape::Capsule(capsule) => (
+                Core::Segment([capsule.segment.a, capsule.segment.b].map(wide)),
+                capsule.radius,
+            ),
             TypedShape::Segment(segment) => (Core::Segment([segment.a, segment.b].map(wide)), 0.0),
             TypedShape::Triangle(inner) => (triangle(inner), 0.0),
             TypedShape::ConvexPolyhedron(hull) => (Core::Hull(hull.points()), 0.0),
             TypedShape::Cylinder(inner) => (cylinder(inner), 0.0),
             TypedShape::Cone(inner) => (cone(inner), 0.0),
-            TypedShape::RoundCuboid(round) => (Core::Cuboid(wide(round.inner_shape.half_extents)), round.border_radius),
+            TypedShape::RoundCuboid(round) => (
+                Core::Cuboid(wide(round.inner_shape.half_extents)),
+                round.border_radius,
+            ),
             TypedShape::RoundTriangle(round) => (triangle(&round.inner_shape), round.border_radius),
             TypedShape::RoundCylinder(round) => (cylinder(&round.inner_shape), round.border_radius),
             TypedShape::RoundCone(round) => (cone(&round.inner_shape), round.border_radius),
-            TypedShape::RoundConvexPolyhedron(round) => (Core::Hull(round.inner_shape.points()), round.border_radius),
+            TypedShape::RoundConvexPolyhedron(round) => {
+                (Core::Hull(round.inner_shape.points()), round.border_radius)
+            }
             TypedShape::Custom(shape) => (Core::Other(shape.as_support_map()?), 0.0),
             _ => return None,
         };
-        Some(Self { core, radius: f64::from(radius.abs()), at })
+        Some(Self {
+            core,
+            radius: f64::from(radius.abs()),
+            at,
+        })
     }
 
     pub fn moved(mut self, by: DVec3) -> Self {
@@ -135,7 +180,9 @@ impl<'a> Convex<'a> {
     /// The corners of the core, if that is a triangle.
     pub fn as_triangle(&self) -> Option<[DVec3; 3]> {
         match self.core {
-            Core::Triangle(corners) if self.radius == 0.0 => Some(corners.map(|corner| self.at.to_world(corner))),
+            Core::Triangle(corners) if self.radius == 0.0 => {
+                Some(corners.map(|corner| self.at.to_world(corner)))
+            }
             _ => None,
         }
     }
@@ -146,7 +193,8 @@ impl<'a> Convex<'a> {
 
     /// The point of the core that is furthest along a direction.
     pub fn furthest(&self, direction: DVec3) -> DVec3 {
-        self.at.to_world(self.core.furthest(self.at.direction_to_local(direction)))
+        self.at
+            .to_world(self.core.furthest(self.at.direction_to_local(direction)))
     }
 
     /// Centre and half extents of the box around the shape, in its own axes.
@@ -185,10 +233,20 @@ impl Core<'_> {
             }
             Self::Triangle(corners) => of(&mut corners.into_iter()),
             Self::Cuboid(half) => DVec3::select(direction.cmplt(DVec3::ZERO), -half, half),
-            Self::Cylinder { half_height, radius } => rim(direction, radius, half_height.copysign(direction.y)),
-            Self::Cone { half_height, radius } => {
+            Self::Cylinder {
+                half_height,
+                radius,
+            } => rim(direction, radius, half_height.copysign(direction.y)),
+            Self::Cone {
+                half_height,
+                radius,
+            } => {
                 let (apex, base) = (DVec3::Y * half_height, rim(direction, radius, -half_height));
-                if apex.dot(direction) > base.dot(direction) { apex } else { base }
+                if apex.dot(direction) > base.dot(direction) {
+                    apex
+                } else {
+                    base
+                }
             }
             Self::Hull(points) => of(&mut points.iter().copied().map(wide)),
             // Vertices that no polygon names are no part of it.

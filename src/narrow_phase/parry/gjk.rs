@@ -1,10 +1,12 @@
-//! How far two convex shapes are apart, by the algorithm of Gilbert, Johnson and Keerthi (*A Fast Procedure for Computing
-//! the Distance between Complex Objects*, 1988), and how deep they are in each other, by an expanding polytope (van den
-//! Bergen, *Proximity Queries and Penetration Depth Computation on 3D Game Objects*, 2001).
+//! How far two convex shapes are apart, by the algorithm of Gilbert, Johnson and Keerthi (*A Fast
+//! Procedure for Computing the Distance between Complex Objects*, 1988), and how deep they are in
+//! each other, by an expanding polytope (van den Bergen, *Proximity Queries and Penetration Depth
+//! Computation on 3D Game Objects*, 2001).
 //!
-//! Both look at the difference of the cores of two shapes, the set of all ways from a point of the second to one of the
-//! first: how far it is from the origin, and how deep the origin is inside. Whatever is found is certain to its bounds: a
-//! plane with all of the difference beyond says that the two are apart, and by how much.
+//! Both look at the difference of the cores of two shapes, the set of all ways from a point of the
+//! second to one of the first: how far it is from the origin, and how deep the origin is inside.
+//! Whatever is found is certain to its bounds: a plane with all of the difference beyond says that
+//! the two are apart, and by how much.
 
 use bevy::math::DVec3;
 
@@ -16,17 +18,20 @@ const MOST_STEPS: usize = 64;
 const PRECISION: f64 = 1e-9;
 /// What counts as flat, or as nothing, as a share of the sizes at hand: more than rounding.
 const FLAT: f64 = 1e-13;
-/// So often is a polytope expanded: enough for the depth of round shapes to be off by less than a hundredth.
+/// So often is a polytope expanded: enough for the depth of round shapes to be off by less than a
+/// hundredth.
 const MOST_EXPANSIONS: usize = 64;
 
 /// How two shapes are to each other.
 #[derive(Clone, Copy, Debug)]
 pub struct Gap {
-    /// The distance of the two; less than zero if they overlap: how far one has to be pushed along the normal to part them.
+    /// The distance of the two; less than zero if they overlap: how far one has to be pushed along
+    /// the normal to part them.
     pub distance: f64,
     /// A unit vector from the first to the second.
     pub normal: DVec3,
-    /// Of the first and of the second: those that are closest to each other, or deepest in each other.
+    /// Of the first and of the second: those that are closest to each other, or deepest in each
+    /// other.
     pub points: [DVec3; 2],
     /// A point of both, if they overlap, and between the two if not.
     pub between: DVec3,
@@ -36,29 +41,51 @@ impl Gap {
     /// As the other one sees it.
     pub fn reversed(self) -> Self {
         let [a, b] = self.points;
-        Self { normal: -self.normal, points: [b, a], ..self }
+        Self {
+            normal: -self.normal,
+            points: [b, a],
+            ..self
+        }
     }
 
     /// From cores to shapes with a radius around them.
     fn grown(self, [a, b]: [f64; 2]) -> Self {
-        let Self { distance, normal, points: [on_a, on_b], between } = self;
+        let Self {
+            distance,
+            normal,
+            points: [on_a, on_b],
+            between,
+        } = self;
         // Cores that are apart have a line between them that is in both shapes where these overlap.
-        let between =
-            if distance > 0.0 { on_a + normal * (0.5 * (a + distance - b)).clamp(0.0, distance) } else { between };
-        Self { distance: distance - a - b, normal, points: [on_a + normal * a, on_b - normal * b], between }
+        let between = if distance > 0.0 {
+            on_a + normal * (0.5 * (a + distance - b)).clamp(0.0, distance)
+        } else {
+            between
+        };
+        Self {
+            distance: distance - a - b,
+            normal,
+            points: [on_a + normal * a, on_b - normal * b],
+            between,
+        }
     }
 }
 
-/// The gap between two shapes; `None` if it is wider than `limit`. Where the depth is not asked for, the distance of two
-/// that overlap is no more than negative.
+/// The gap between two shapes; `None` if it is wider than `limit`. Where the depth is not asked
+/// for, the distance of two that overlap is no more than negative.
 pub fn gap(a: &Convex, b: &Convex, limit: f64, with_depth: bool) -> Option<Gap> {
     let radii = [a.radius, b.radius];
     let limit = limit + a.radius + b.radius;
     let difference = |direction: DVec3| {
         let on = [a.furthest(direction), b.furthest(-direction)];
-        Vertex { point: on[0] - on[1], on }
+        Vertex {
+            point: on[0] - on[1],
+            on,
+        }
     };
-    let towards_b = (b.at.translation - a.at.translation).try_normalize().unwrap_or(DVec3::X);
+    let towards_b = (b.at.translation - a.at.translation)
+        .try_normalize()
+        .unwrap_or(DVec3::X);
     let mut simplex = Simplex::new(difference(towards_b));
     let mut size = simplex.nearest().length();
     let mut is_inside = false;
@@ -92,13 +119,27 @@ pub fn gap(a: &Convex, b: &Convex, limit: f64, with_depth: bool) -> Option<Gap> 
     }
     let nearest = simplex.nearest();
     if let Some(normal) = (-nearest).try_normalize().filter(|_| !is_inside) {
-        let gap = Gap { distance: nearest.length(), normal, points: simplex.points(), between: DVec3::ZERO };
+        let gap = Gap {
+            distance: nearest.length(),
+            normal,
+            points: simplex.points(),
+            between: DVec3::ZERO,
+        };
         return Some(gap.grown(radii)).filter(|_| gap.distance <= limit);
     }
     let [on_a, on_b] = simplex.points();
     let between = on_a.midpoint(on_b);
-    let overlap = Gap { distance: -f64::MIN_POSITIVE, normal: towards_b, points: [between; 2], between };
-    let overlap = if with_depth { expand(&simplex, difference, size, overlap) } else { overlap };
+    let overlap = Gap {
+        distance: -f64::MIN_POSITIVE,
+        normal: towards_b,
+        points: [between; 2],
+        between,
+    };
+    let overlap = if with_depth {
+        expand(&simplex, difference, size, overlap)
+    } else {
+        overlap
+    };
     Some(overlap.grown(radii))
 }
 
@@ -109,7 +150,8 @@ struct Vertex {
     on: [DVec3; 2],
 }
 
-/// Up to four points of the difference, with the weights that make up the point of their hull closest to the origin.
+/// Up to four points of the difference, with the weights that make up the point of their hull
+/// closest to the origin.
 #[derive(Clone, Copy, Debug)]
 struct Simplex {
     vertices: [Vertex; 4],
@@ -119,7 +161,11 @@ struct Simplex {
 
 impl Simplex {
     fn new(vertex: Vertex) -> Self {
-        Self { vertices: [vertex; 4], weights: [1.0, 0.0, 0.0, 0.0], count: 1 }
+        Self {
+            vertices: [vertex; 4],
+            weights: [1.0, 0.0, 0.0, 0.0],
+            count: 1,
+        }
     }
 
     fn vertices(&self) -> &[Vertex] {
@@ -128,7 +174,11 @@ impl Simplex {
     }
 
     fn weighted(&self, of: impl Fn(&Vertex) -> DVec3) -> DVec3 {
-        self.vertices().iter().zip(self.weights).map(|(vertex, weight)| of(vertex) * weight).sum()
+        self.vertices()
+            .iter()
+            .zip(self.weights)
+            .map(|(vertex, weight)| of(vertex) * weight)
+            .sum()
     }
 
     /// The point of the hull that is closest to the origin.
@@ -138,10 +188,14 @@ impl Simplex {
 
     /// The points of the two shapes that it comes from.
     fn points(&self) -> [DVec3; 2] {
-        [self.weighted(|vertex| vertex.on[0]), self.weighted(|vertex| vertex.on[1])]
+        [
+            self.weighted(|vertex| vertex.on[0]),
+            self.weighted(|vertex| vertex.on[1]),
+        ]
     }
 
-    /// With one more vertex, and without those that are then no use; `None` if the hull has the origin inside.
+    /// With one more vertex, and without those that are then no use; `None` if the hull has the
+    /// origin inside.
     fn with(&self, vertex: Vertex) -> Option<Self> {
         let all = self.joined(vertex);
         let points = all.vertices.map(|vertex| vertex.point);
@@ -178,7 +232,11 @@ impl Simplex {
 fn segment(points: [DVec3; 4], [i, j]: [usize; 2]) -> [f64; 4] {
     let (a, along) = (points[i], points[j] - points[i]);
     let squared = along.length_squared();
-    let share = if squared > 0.0 { (-a.dot(along) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    let share = if squared > 0.0 {
+        (-a.dot(along) / squared).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
     let mut weights = [0.0; 4];
     (weights[i], weights[j]) = (1.0 - share, share);
     weights
@@ -199,10 +257,18 @@ fn triangle(points: [DVec3; 4], corners: [usize; 3]) -> [f64; 4] {
         return weights;
     }
     let [i, j, k] = corners;
-    closest(points, [segment(points, [i, j]), segment(points, [j, k]), segment(points, [k, i])])
+    closest(
+        points,
+        [
+            segment(points, [i, j]),
+            segment(points, [j, k]),
+            segment(points, [k, i]),
+        ],
+    )
 }
 
-/// The weights of the point of a tetrahedron that is closest to the origin; `None` if that is inside.
+/// The weights of the point of a tetrahedron that is closest to the origin; `None` if that is
+/// inside.
 fn tetrahedron(points: [DVec3; 4]) -> Option<[f64; 4]> {
     if inside(points).is_some() {
         return None;
@@ -217,21 +283,37 @@ fn inside(points: [DVec3; 4]) -> Option<[f64; 4]> {
     let [a, b, c, d] = points;
     let [u, v, w] = [b - a, c - a, d - a];
     let volume = u.cross(v).dot(w);
-    let longest = u.length_squared().max(v.length_squared()).max(w.length_squared()).sqrt();
+    let longest = u
+        .length_squared()
+        .max(v.length_squared())
+        .max(w.length_squared())
+        .sqrt();
     if volume.abs() <= FLAT * longest.powi(3) {
         return None;
     }
-    let [to_b, to_c, to_d] = [v.cross(w), w.cross(u), u.cross(v)].map(|normal| -a.dot(normal) / volume);
+    let [to_b, to_c, to_d] =
+        [v.cross(w), w.cross(u), u.cross(v)].map(|normal| -a.dot(normal) / volume);
     let weights = [1.0 - to_b - to_c - to_d, to_b, to_c, to_d];
-    weights.iter().all(|weight| *weight >= 0.0).then_some(weights)
+    weights
+        .iter()
+        .all(|weight| *weight >= 0.0)
+        .then_some(weights)
 }
 
 /// Those of some weights whose point is closest to the origin.
 fn closest<const N: usize>(points: [DVec3; 4], weights: [[f64; 4]; N]) -> [f64; 4] {
     let squared = |weights: &[f64; 4]| -> f64 {
-        points.iter().zip(weights).map(|(point, weight)| *point * *weight).sum::<DVec3>().length_squared()
+        points
+            .iter()
+            .zip(weights)
+            .map(|(point, weight)| *point * *weight)
+            .sum::<DVec3>()
+            .length_squared()
     };
-    weights.into_iter().min_by(|a, b| squared(a).total_cmp(&squared(b))).expect("there are some")
+    weights
+        .into_iter()
+        .min_by(|a, b| squared(a).total_cmp(&squared(b)))
+        .expect("there are some")
 }
 
 /// A triangle of the polytope, counter-clockwise as seen from outside.
@@ -246,31 +328,57 @@ impl Facet {
     fn new(vertices: &[Vertex], corners: [usize; 3]) -> Option<Self> {
         let [a, b, c] = corners.map(|corner| vertices[corner].point);
         let normal = (b - a).cross(c - a).try_normalize()?;
-        Some(Self { corners, normal, offset: normal.dot(a) })
+        Some(Self {
+            corners,
+            normal,
+            offset: normal.dot(a),
+        })
     }
 }
 
-/// The least overlap of two shapes, of whose difference the simplex has the origin inside: that of the polytope that
-/// begins with it and grows where it is closest to the origin. Every direction that is tried parts the two, and so the
-/// least is no guess wherever the search ends.
+/// The least overlap of two shapes, of whose difference the simplex has the origin inside: that of
+/// the polytope that begins with it and grows where it is closest to the origin. Every direction
+/// that is tried parts the two, and so the least is no guess wherever the search ends.
 fn expand(simplex: &Simplex, difference: impl Fn(DVec3) -> Vertex, size: f64, overlap: Gap) -> Gap {
     let mut vertices = Vec::with_capacity(16);
     if let Some(flat) = span(simplex, &difference, FLAT * size, &mut vertices) {
         // Without a volume, they overlap by nothing.
-        let normal = if flat.dot(overlap.normal) < 0.0 { -flat } else { flat };
+        let normal = if flat.dot(overlap.normal) < 0.0 {
+            -flat
+        } else {
+            flat
+        };
         return Gap { normal, ..overlap };
     }
     let outwards = |corners: [usize; 3], inner: usize| {
         let facet = Facet::new(&vertices, corners)?;
         let is_outside = facet.normal.dot(vertices[inner].point) <= facet.offset;
-        if is_outside { Some(facet) } else { Facet::new(&vertices, [corners[0], corners[2], corners[1]]) }
+        if is_outside {
+            Some(facet)
+        } else {
+            Facet::new(&vertices, [corners[0], corners[2], corners[1]])
+        }
     };
-    let first = [([0, 1, 2], 3), ([0, 1, 3], 2), ([0, 2, 3], 1), ([1, 2, 3], 0)];
-    let mut facets: Vec<_> = first.into_iter().filter_map(|(corners, inner)| outwards(corners, inner)).collect();
+    let first = [
+        ([0, 1, 2], 3),
+        ([0, 1, 3], 2),
+        ([0, 2, 3], 1),
+        ([1, 2, 3], 0),
+    ];
+    let mut facets: Vec<_> = first
+        .into_iter()
+        .filter_map(|(corners, inner)| outwards(corners, inner))
+        .collect();
     let mut least: Option<(f64, Facet)> = None;
     let mut horizon = Vec::new();
     for _ in 0..MOST_EXPANSIONS {
-        let Some(nearest) = facets.iter().min_by(|a, b| a.offset.total_cmp(&b.offset)).copied() else { break };
+        let Some(nearest) = facets
+            .iter()
+            .min_by(|a, b| a.offset.total_cmp(&b.offset))
+            .copied()
+        else {
+            break;
+        };
         let vertex = difference(nearest.normal);
         let reach = vertex.point.dot(nearest.normal);
         if least.is_none_or(|(least, _)| reach < least) {
@@ -283,19 +391,35 @@ fn expand(simplex: &Simplex, difference: impl Fn(DVec3) -> Vertex, size: f64, ov
         let is_seen = |facet: &Facet| facet.normal.dot(vertex.point) - facet.offset > FLAT * size;
         horizon.clear();
         let edges = |[i, j, k]: [usize; 3]| [[i, j], [j, k], [k, i]];
-        horizon.extend(facets.iter().filter(|facet| is_seen(facet)).flat_map(|facet| edges(facet.corners)));
+        horizon.extend(
+            facets
+                .iter()
+                .filter(|facet| is_seen(facet))
+                .flat_map(|facet| edges(facet.corners)),
+        );
         facets.retain(|facet| !is_seen(facet));
         // Between two that are seen is no horizon.
         let border = horizon.iter().filter(|[i, j]| !horizon.contains(&[*j, *i]));
-        facets.extend(border.filter_map(|[i, j]| Facet::new(&vertices, [*i, *j, vertices.len() - 1])));
+        facets.extend(
+            border.filter_map(|[i, j]| Facet::new(&vertices, [*i, *j, vertices.len() - 1])),
+        );
     }
-    let Some((reach, facet)) = least else { return overlap };
+    let Some((reach, facet)) = least else {
+        return overlap;
+    };
     let mut corners = [DVec3::ZERO; 4];
     for (corner, vertex) in corners.iter_mut().zip(facet.corners) {
         *corner = vertices[vertex].point;
     }
     let weights = triangle(corners, [0, 1, 2]);
-    let on = |which: usize| facet.corners.iter().zip(weights).map(|(i, weight)| vertices[*i].on[which] * weight).sum();
+    let on = |which: usize| {
+        facet
+            .corners
+            .iter()
+            .zip(weights)
+            .map(|(i, weight)| vertices[*i].on[which] * weight)
+            .sum()
+    };
     let points: [DVec3; 2] = [on(0), on(1)];
     Gap {
         distance: -reach.max(f64::MIN_POSITIVE),
@@ -305,7 +429,8 @@ fn expand(simplex: &Simplex, difference: impl Fn(DVec3) -> Vertex, size: f64, ov
     }
 }
 
-/// Four points of the difference that span a volume, those of the simplex first; or a direction in which it has no extent.
+/// Four points of the difference that span a volume, those of the simplex first; or a direction in
+/// which it has no extent.
 fn span(
     simplex: &Simplex,
     difference: impl Fn(DVec3) -> Vertex,
@@ -322,7 +447,9 @@ fn span(
         }
     }
     fn across(a: Vertex, b: Vertex, c: Vertex) -> DVec3 {
-        (b.point - a.point).cross(c.point - a.point).normalize_or_zero()
+        (b.point - a.point)
+            .cross(c.point - a.point)
+            .normalize_or_zero()
     }
     for vertex in simplex.vertices() {
         if height(vertices, vertex.point) > flat {
@@ -332,14 +459,20 @@ fn span(
     while vertices.len() < 4 {
         let directions = match *vertices.as_slice() {
             [a, b] => {
-                let (u, v) = (b.point - a.point).normalize_or(DVec3::X).any_orthonormal_pair();
+                let (u, v) = (b.point - a.point)
+                    .normalize_or(DVec3::X)
+                    .any_orthonormal_pair();
                 [u, v, u]
             }
             [a, b, c] => [across(a, b, c); 3],
             _ => DVec3::AXES,
         };
-        let candidates = directions.into_iter().flat_map(|direction| [direction, -direction]).map(&difference);
-        let furthest = candidates.max_by(|a, b| height(vertices, a.point).total_cmp(&height(vertices, b.point)));
+        let candidates = directions
+            .into_iter()
+            .flat_map(|direction| [direction, -direction])
+            .map(&difference);
+        let furthest = candidates
+            .max_by(|a, b| height(vertices, a.point).total_cmp(&height(vertices, b.point)));
         match furthest {
             Some(vertex) if height(vertices, vertex.point) > flat => vertices.push(vertex),
             _ => return Some(directions[0]),

@@ -1,7 +1,8 @@
-//! Shapes of `bevy_rapier3d`: what is asked about a pair in which there is one. One question decides all of it, the distance
-//! of the convex shapes that the two consist of.
+//! Shapes of `bevy_rapier3d`: what is asked about a pair in which there is one. One question
+//! decides all of it, the distance of the convex shapes that the two consist of.
 //!
-//! What is handed on here is all that the exact tests ask, and what [`absent`](../absent.rs) answers where there is no Rapier.
+//! What is handed on here is all that the exact tests ask, and what [`absent`](../absent.rs)
+//! answers where there is no Rapier.
 
 mod cast;
 mod convert;

@@ -1,5 +1,5 @@
-//! Rapier's shapes taken apart: the convex shapes and half-spaces that they consist of, and which of those of two shapes
-//! come near each other.
+//! Rapier's shapes taken apart: the convex shapes and half-spaces that they consist of, and which
+//! of those of two shapes come near each other.
 
 use std::cell::Cell;
 
@@ -11,9 +11,11 @@ use bevy_rapier3d::parry::shape::{self, CompositeShape, HeightField, Voxels};
 use super::convex::{Convex, Isometry};
 use super::gjk::{self, Gap};
 
-/// In so many pieces is a way over a height field or voxels cut at most, to look at what is along them.
+/// In so many pieces is a way over a height field or voxels cut at most, to look at what is along
+/// them.
 const MOST_PIECES: f64 = 4096.0;
-/// So often may one on its way look how far the other is: more often only if they no more than graze each other.
+/// So often may one on its way look how far the other is: more often only if they no more than
+/// graze each other.
 const MOST_STEPS: usize = 64;
 /// How close to its border a point counts as on a triangle, as a share of its height.
 const BORDER: f64 = 1e-9;
@@ -24,7 +26,8 @@ const STEEP: f64 = 1e-9;
 #[derive(Clone, Copy)]
 pub enum PosedShape<'a> {
     Part(Part<'a>),
-    /// What has a tree: a mesh; or a compound, whose parts need not hang together. The scale is for meshes alone.
+    /// What has a tree: a mesh; or a compound, whose parts need not hang together. The scale is for
+    /// meshes alone.
     Tree {
         parts: &'a dyn CompositeShape,
         is_compound: bool,
@@ -54,7 +57,10 @@ impl<'a> PosedShape<'a> {
         }
         if let Some(side) = shape.as_halfspace() {
             let normal = at.rotation * side.normal.as_dvec3();
-            return Some(Self::Part(Part::HalfSpace { normal, offset: normal.dot(at.translation) }));
+            return Some(Self::Part(Part::HalfSpace {
+                normal,
+                offset: normal.dot(at.translation),
+            }));
         }
         if let Some(field) = shape.as_heightfield() {
             return Some(Self::HeightField(field, at));
@@ -63,7 +69,12 @@ impl<'a> PosedShape<'a> {
             return Some(Self::Voxels(voxels, at));
         }
         let is_compound = shape.as_compound().is_some();
-        shape.as_composite_shape().map(|parts| Self::Tree { parts, is_compound, scale: DVec3::ONE, at })
+        shape.as_composite_shape().map(|parts| Self::Tree {
+            parts,
+            is_compound,
+            scale: DVec3::ONE,
+            at,
+        })
     }
 
     pub fn isometry(&self) -> Isometry {
@@ -74,7 +85,8 @@ impl<'a> PosedShape<'a> {
         }
     }
 
-    /// Centre and half extents of the box around the shape, in its own axes; `None` if it has no end.
+    /// Centre and half extents of the box around the shape, in its own axes; `None` if it has no
+    /// end.
     pub fn local_box(&self) -> Option<[DVec3; 2]> {
         let of = |aabb: Aabb, scale: DVec3| {
             let (low, high) = (aabb.mins.as_dvec3() * scale, aabb.maxs.as_dvec3() * scale);
@@ -91,18 +103,29 @@ impl<'a> PosedShape<'a> {
 
     /// Half the diagonal of that box; infinite without an end.
     pub fn size(&self) -> f64 {
-        self.local_box().map_or(f64::INFINITY, |[_, half]| half.length())
+        self.local_box()
+            .map_or(f64::INFINITY, |[_, half]| half.length())
     }
 
-    /// Calls `visit` with all parts that a probe admits, and again with their parts. False if there is one about which
-    /// nothing can be said.
-    fn each(&self, probe: &Probe, search: &Search, visit: &mut dyn FnMut(&PosedShape) -> bool) -> bool {
+    /// Calls `visit` with all parts that a probe admits, and again with their parts. False if there
+    /// is one about which nothing can be said.
+    fn each(
+        &self,
+        probe: &Probe,
+        search: &Search,
+        visit: &mut dyn FnMut(&PosedShape) -> bool,
+    ) -> bool {
         match *self {
             Self::Part(_) => visit(self),
-            Self::Tree { parts, scale, at, .. } => {
+            Self::Tree {
+                parts, scale, at, ..
+            } => {
                 let mut is_known = true;
                 let may_be = |node: &BvhNode| {
-                    let (one, other) = (node.mins().as_dvec3() * scale, node.maxs().as_dvec3() * scale);
+                    let (one, other) = (
+                        node.mins().as_dvec3() * scale,
+                        node.maxs().as_dvec3() * scale,
+                    );
                     probe.admits(one.min(other), one.max(other), search)
                 };
                 for part in parts.bvh().leaves(may_be) {
@@ -111,8 +134,11 @@ impl<'a> PosedShape<'a> {
                         let scaled = part.as_triangle().filter(|_| scale != DVec3::ONE);
                         is_known &= match scaled {
                             Some(part) => {
-                                let corners = [part.a, part.b, part.c].map(|corner| corner.as_dvec3() * scale);
-                                visit(&PosedShape::Part(Part::Convex(Convex::triangle(corners, at))))
+                                let corners = [part.a, part.b, part.c]
+                                    .map(|corner| corner.as_dvec3() * scale);
+                                visit(&PosedShape::Part(Part::Convex(Convex::triangle(
+                                    corners, at,
+                                ))))
                             }
                             None => PosedShape::of(part, at).is_some_and(|part| visit(&part)),
                         };
@@ -128,7 +154,9 @@ impl<'a> PosedShape<'a> {
                         let corners = [part.a, part.b, part.c].map(Vec3::as_dvec3);
                         let [a, b, c] = corners;
                         if probe.admits(a.min(b).min(c), a.max(b).max(c), search) {
-                            is_known &= visit(&PosedShape::Part(Part::Convex(Convex::triangle(corners, at))));
+                            is_known &= visit(&PosedShape::Part(Part::Convex(Convex::triangle(
+                                corners, at,
+                            ))));
                         }
                     });
                 });
@@ -137,15 +165,26 @@ impl<'a> PosedShape<'a> {
             Self::Voxels(voxels, at) => {
                 let half = voxels.voxel_size() * 0.5;
                 let mut is_known = true;
-                probe.each_piece(voxels.local_aabb(), f64::from(half.max_element()), search, |piece| {
-                    for voxel in voxels.voxels_intersecting_local_aabb(&piece) {
-                        let [low, high] = [voxel.center - half, voxel.center + half].map(Vec3::as_dvec3);
-                        if !voxel.state.is_empty() && probe.admits(low, high, search) {
-                            let at = Isometry { translation: at.to_world(voxel.center.as_dvec3()), ..at };
-                            is_known &= visit(&PosedShape::Part(Part::Convex(Convex::cuboid(half, at))));
+                probe.each_piece(
+                    voxels.local_aabb(),
+                    f64::from(half.max_element()),
+                    search,
+                    |piece| {
+                        for voxel in voxels.voxels_intersecting_local_aabb(&piece) {
+                            let [low, high] =
+                                [voxel.center - half, voxel.center + half].map(Vec3::as_dvec3);
+                            if !voxel.state.is_empty() && probe.admits(low, high, search) {
+                                let at = Isometry {
+                                    translation: at.to_world(voxel.center.as_dvec3()),
+                                    ..at
+                                };
+                                is_known &= visit(&PosedShape::Part(Part::Convex(Convex::cuboid(
+                                    half, at,
+                                ))));
+                            }
                         }
-                    }
-                });
+                    },
+                );
                 is_known
             }
         }
@@ -158,7 +197,9 @@ impl<'a> PosedShape<'a> {
             Self::Part(Part::Convex(convex)) => visit(convex.furthest(DVec3::X)),
             Self::Part(Part::HalfSpace { .. }) => {}
             // Those of a compound are shapes of their own.
-            Self::Tree { is_compound: true, .. } => {
+            Self::Tree {
+                is_compound: true, ..
+            } => {
                 self.each(&Probe::Everywhere, &search, &mut |part| {
                     part.each_point(visit);
                     true
@@ -181,7 +222,10 @@ impl Part<'_> {
     fn moved(&self, by: DVec3) -> Self {
         match *self {
             Self::Convex(convex) => Self::Convex(convex.moved(by)),
-            Self::HalfSpace { normal, offset } => Self::HalfSpace { normal, offset: offset + normal.dot(by) },
+            Self::HalfSpace { normal, offset } => Self::HalfSpace {
+                normal,
+                offset: offset + normal.dot(by),
+            },
         }
     }
 }
@@ -199,7 +243,11 @@ pub struct Search {
 
 impl Search {
     pub fn within(margin: f64) -> Self {
-        Self { margin: Cell::new(margin), direction: DVec3::ZERO, limit: Cell::new(0.0) }
+        Self {
+            margin: Cell::new(margin),
+            direction: DVec3::ZERO,
+            limit: Cell::new(0.0),
+        }
     }
 
     /// Nothing is looked for any more.
@@ -211,9 +259,15 @@ impl Search {
         self.margin.get() > f64::NEG_INFINITY
     }
 
-    /// Calls `visit` with all pairs of what two shapes consist of that are near each other: the two boxes, or that of the
-    /// first on its way and the other. False if there are such about which nothing can be said.
-    pub fn pairs(&self, a: &PosedShape, b: &PosedShape, visit: &mut dyn FnMut(&Part, &Part) -> bool) -> bool {
+    /// Calls `visit` with all pairs of what two shapes consist of that are near each other: the two
+    /// boxes, or that of the first on its way and the other. False if there are such about which
+    /// nothing can be said.
+    pub fn pairs(
+        &self,
+        a: &PosedShape,
+        b: &PosedShape,
+        visit: &mut dyn FnMut(&Part, &Part) -> bool,
+    ) -> bool {
         match (a, b) {
             (PosedShape::Part(a), PosedShape::Part(b)) => visit(a, b),
             (PosedShape::Part(_), _) => {
@@ -254,9 +308,15 @@ impl Probe {
                 approach: normal.dot(direction).max(0.0),
             };
         }
-        let Some(bounds) = other.local_box() else { return Self::Everywhere };
+        let Some(bounds) = other.local_box() else {
+            return Self::Everywhere;
+        };
         let [center, half] = whole.bounds_to_local(&other.isometry(), bounds);
-        Self::Box { center, half, direction: whole.direction_to_local(direction) }
+        Self::Box {
+            center,
+            half,
+            direction: whole.direction_to_local(direction),
+        }
     }
 
     /// Whether what is in a box may be near.
@@ -264,11 +324,20 @@ impl Probe {
         let margin = search.margin.get();
         match *self {
             Self::Everywhere => search.goes_on(),
-            Self::HalfSpace { normal, offset, approach } => {
-                let lowest = DVec3::select(normal.cmpge(DVec3::ZERO), low, high).dot(normal) - offset;
+            Self::HalfSpace {
+                normal,
+                offset,
+                approach,
+            } => {
+                let lowest =
+                    DVec3::select(normal.cmpge(DVec3::ZERO), low, high).dot(normal) - offset;
                 lowest <= margin + approach * search.limit.get()
             }
-            Self::Box { center, half, direction } => {
+            Self::Box {
+                center,
+                half,
+                direction,
+            } => {
                 let (low, high) = (low - half - center, high + half - center);
                 let away = low.max(-high).max(DVec3::ZERO);
                 let limit = search.limit.get();
@@ -282,32 +351,52 @@ impl Probe {
 
     /// How far a box is from it.
     fn distance(&self, bounds: Option<[DVec3; 2]>) -> f64 {
-        let Some([center, half]) = bounds else { return 0.0 };
+        let Some([center, half]) = bounds else {
+            return 0.0;
+        };
         match *self {
             Self::Everywhere => 0.0,
-            Self::HalfSpace { normal, offset, .. } => (normal.dot(center) - normal.abs().dot(half) - offset).max(0.0),
-            Self::Box { center: other, half: reach, .. } => {
-                ((other - center).abs() - half - reach).max(DVec3::ZERO).length()
+            Self::HalfSpace { normal, offset, .. } => {
+                (normal.dot(center) - normal.abs().dot(half) - offset).max(0.0)
             }
+            Self::Box {
+                center: other,
+                half: reach,
+                ..
+            } => ((other - center).abs() - half - reach)
+                .max(DVec3::ZERO)
+                .length(),
         }
     }
 
-    /// Calls `visit` with boxes that cover what is near within bounds: one after the other along the way.
+    /// Calls `visit` with boxes that cover what is near within bounds: one after the other along
+    /// the way.
     fn each_piece(&self, bounds: Aabb, cell: f64, search: &Search, mut visit: impl FnMut(Aabb)) {
         let (low, high) = (bounds.mins.as_dvec3(), bounds.maxs.as_dvec3());
         let margin = search.margin.get();
-        let Self::Box { center, half, direction } = *self else {
+        let Self::Box {
+            center,
+            half,
+            direction,
+        } = *self
+        else {
             return if search.goes_on() {
                 visit(bounds);
             };
         };
         // What is as near as rounding, too.
         let reach = half + margin + f64::from(f32::EPSILON) * (low.abs().max(high.abs()));
-        let Some([start, end]) = passage(low - reach - center, high + reach - center, direction, search.limit.get())
-        else {
+        let Some([start, end]) = passage(
+            low - reach - center,
+            high + reach - center,
+            direction,
+            search.limit.get(),
+        ) else {
             return;
         };
-        let step = (4.0 * cell).max(2.0 * half.max_element()).max((end - start) / MOST_PIECES);
+        let step = (4.0 * cell)
+            .max(2.0 * half.max_element())
+            .max((end - start) / MOST_PIECES);
         let mut from = start;
         while search.goes_on() && from <= search.limit.get() && from <= end {
             let to = (from + step).min(end);
@@ -346,7 +435,8 @@ fn passage(low: DVec3, high: DVec3, direction: DVec3, limit: f64) -> Option<[f64
     (start <= end).then_some([start, end])
 }
 
-/// The gap between two that have no parts; see [`gjk::gap`]. An error if nothing can be said about it.
+/// The gap between two that have no parts; see [`gjk::gap`]. An error if nothing can be said about
+/// it.
 pub fn gap(a: &Part, b: &Part, limit: f64, with_depth: bool) -> Result<Option<Gap>, Unknown> {
     match (a, b) {
         (Part::Convex(a), Part::Convex(b)) => Ok(gjk::gap(a, b, limit, with_depth)),
@@ -355,18 +445,26 @@ pub fn gap(a: &Part, b: &Part, limit: f64, with_depth: bool) -> Result<Option<Ga
             let distance = lowest.dot(*normal) - offset;
             let points = [lowest - *normal * distance, lowest];
             let between = points[0].midpoint(points[1]);
-            Ok((distance <= limit).then_some(Gap { distance, normal: *normal, points, between }))
+            Ok((distance <= limit).then_some(Gap {
+                distance,
+                normal: *normal,
+                points,
+                between,
+            }))
         }
-        (Part::Convex(_), Part::HalfSpace { .. }) => Ok(gap(b, a, limit, with_depth)?.map(Gap::reversed)),
+        (Part::Convex(_), Part::HalfSpace { .. }) => {
+            Ok(gap(b, a, limit, with_depth)?.map(Gap::reversed))
+        }
         (Part::HalfSpace { .. }, Part::HalfSpace { .. }) => Err(Unknown),
     }
 }
 
-/// How far the first of two that have no parts goes until it meets the other, and how they then are to each other. They
-/// touch if they are no further apart than `near`: the first is for the start, the other for the way.
+/// How far the first of two that have no parts goes until it meets the other, and how they then are
+/// to each other. They touch if they are no further apart than `near`: the first is for the start,
+/// the other for the way.
 ///
-/// The distance of two convex shapes along a way is a convex function, whose slope is that of the normal: Newton's method
-/// comes to its zero from before, and never goes past it.
+/// The distance of two convex shapes along a way is a convex function, whose slope is that of the
+/// normal: Newton's method comes to its zero from before, and never goes past it.
 pub fn first_impact(
     a: &Part,
     b: &Part,
@@ -383,12 +481,23 @@ pub fn first_impact(
     }
     let (mut time, mut last) = (0.0, None);
     for _ in 0..MOST_STEPS {
-        let Some(gap) = gap(&a.moved(direction * time), b, f64::INFINITY, false)? else { break };
+        let Some(gap) = gap(&a.moved(direction * time), b, f64::INFINITY, false)? else {
+            break;
+        };
         let closing = gap.normal.dot(direction);
         if gap.distance <= near[usize::from(time > 0.0)] {
-            // What is left of the way, but for rounding; the normal of what overlaps is that of the step before.
-            let rest = if time > 0.0 && closing > 0.0 { (gap.distance / closing).max(0.0) } else { 0.0 };
-            let gap = if gap.distance > 0.0 { gap } else { last.unwrap_or(gap) };
+            // What is left of the way, but for rounding; the normal of what overlaps is that of the
+            // step before.
+            let rest = if time > 0.0 && closing > 0.0 {
+                (gap.distance / closing).max(0.0)
+            } else {
+                0.0
+            };
+            let gap = if gap.distance > 0.0 {
+                gap
+            } else {
+                last.unwrap_or(gap)
+            };
             return Ok(Some(((time + rest).min(limit), gap)));
         }
         if closing <= 0.0 {
@@ -403,8 +512,14 @@ pub fn first_impact(
     Ok(None)
 }
 
-/// Where a ray meets a triangle. `None` if it starts near its plane, or runs along it: then the distance decides.
-fn ray_triangle(origin: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3], near: f64) -> Option<Option<(f64, Gap)>> {
+/// Where a ray meets a triangle. `None` if it starts near its plane, or runs along it: then the
+/// distance decides.
+fn ray_triangle(
+    origin: DVec3,
+    direction: DVec3,
+    [a, b, c]: [DVec3; 3],
+    near: f64,
+) -> Option<Option<(f64, Gap)>> {
     let across = (b - a).cross(c - a);
     let normal = across.try_normalize()?;
     let (height, steep) = (normal.dot(origin - a), normal.dot(direction));
@@ -413,15 +528,25 @@ fn ray_triangle(origin: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3], near: f6
     }
     let distance = -height / steep;
     let point = origin + direction * distance;
-    let [u, v, w] = [[a, b], [b, c], [c, a]].map(|[from, to]| (to - from).cross(point - from).dot(across));
+    let [u, v, w] =
+        [[a, b], [b, c], [c, a]].map(|[from, to]| (to - from).cross(point - from).dot(across));
     // No ray slips through where triangles join.
     let least = -BORDER * across.length_squared();
     let meets = distance >= 0.0 && u.min(v).min(w) >= least;
     let normal = if steep > 0.0 { normal } else { -normal };
-    Some(meets.then_some((distance, Gap { distance: 0.0, normal, points: [point; 2], between: point })))
+    Some(meets.then_some((
+        distance,
+        Gap {
+            distance: 0.0,
+            normal,
+            points: [point; 2],
+            between: point,
+        },
+    )))
 }
 
-/// Where two shapes are closest to each other. `None` if nothing can be said about them, or one is empty.
+/// Where two shapes are closest to each other. `None` if nothing can be said about them, or one is
+/// empty.
 pub fn nearest(a: &PosedShape, b: &PosedShape) -> Option<Gap> {
     if let (PosedShape::Part(a), PosedShape::Part(b)) = (a, b) {
         return gap(a, b, f64::INFINITY, false).ok()?;
@@ -436,7 +561,9 @@ pub fn nearest(a: &PosedShape, b: &PosedShape) -> Option<Gap> {
         let mut best: Option<Gap> = None;
         let is_known = search.pairs(a, b, &mut |a, b| {
             let limit = best.map_or(f64::INFINITY, |best| best.distance);
-            let Ok(found) = gap(a, b, limit, false) else { return false };
+            let Ok(found) = gap(a, b, limit, false) else {
+                return false;
+            };
             if let Some(found) = found.filter(|found| found.distance < limit) {
                 best = Some(found);
                 search.margin.set(search.margin.get().min(found.distance));

@@ -1,4 +1,5 @@
-//! Whether, where and how deep two shapes meet, of which one is Rapier's, and how far they are apart.
+//! Whether, where and how deep two shapes meet, of which one is Rapier's, and how far they are
+//! apart.
 
 use bevy::math::{DVec3, Vec3, Vec3A, primitives::HalfSpace};
 
@@ -17,29 +18,37 @@ use crate::narrow_phase::{
     shape::Shape,
 };
 
-/// A half-space where it is in the world, grown by a margin and by rounding. `None` for other shapes.
+/// A half-space where it is in the world, grown by a margin and by rounding. `None` for other
+/// shapes.
 pub fn side(placed: Placed, margin: f32) -> Option<HalfSpace> {
-    let (Shape::Rapier(shape), at) = (placed.shape, placed.transform) else { return None };
+    let (Shape::Rapier(shape), at) = (placed.shape, placed.transform) else {
+        return None;
+    };
     let outwards = at.rotation.normalize() * shape.as_halfspace()?.normal;
     let grown = margin + ROUNDING * at.translation.abs().element_sum();
     // Bevy's normals point inside.
-    Some(HalfSpace::new((-outwards).extend(outwards.dot(at.translation) + grown)))
+    Some(HalfSpace::new(
+        (-outwards).extend(outwards.dot(at.translation) + grown),
+    ))
 }
 
-/// Whether two shapes are no further apart than the tolerance. Two of which nothing is known are not, and the workspace
-/// keeps it in mind.
+/// Whether two shapes are no further apart than the tolerance. Two of which nothing is known are
+/// not, and the workspace keeps it in mind.
 pub fn intersects(a: Placed, b: Placed, tolerance: f32, workspace: &mut Workspace) -> bool {
     workspace.known(touch(a, b, tolerance))
 }
 
-/// Whether two shapes are no further apart than the tolerance; `None` if nothing can be said about the two.
+/// Whether two shapes are no further apart than the tolerance; `None` if nothing can be said about
+/// the two.
 fn touch(a: Placed, b: Placed, tolerance: f32) -> Option<bool> {
     let tolerance = f64::from(tolerance);
     let search = Search::within(tolerance);
     let mut found = false;
     let origin = a.transform.translation;
     let is_known = search.pairs(&posed(a, origin)?, &posed(b, origin)?, &mut |a, b| {
-        let Ok(gap) = parts::gap(a, b, tolerance, false) else { return false };
+        let Ok(gap) = parts::gap(a, b, tolerance, false) else {
+            return false;
+        };
         if gap.is_some() {
             found = true;
             search.end();
@@ -56,11 +65,18 @@ pub fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalContact> {
     let mut deepest: Option<Gap> = None;
     let origin = a.transform.translation;
     search.pairs(&posed(a, origin)?, &posed(b, origin)?, &mut |a, b| {
-        let Ok(found) = parts::gap(a, b, tolerance, true) else { return false };
-        if let Some(gap) = found.filter(|gap| deepest.is_none_or(|deepest| gap.distance < deepest.distance)) {
+        let Ok(found) = parts::gap(a, b, tolerance, true) else {
+            return false;
+        };
+        if let Some(gap) =
+            found.filter(|gap| deepest.is_none_or(|deepest| gap.distance < deepest.distance))
+        {
             deepest = Some(gap);
             // Beside a plane, what is further is less deep.
-            if matches!((a, b), (Part::HalfSpace { .. }, _) | (_, Part::HalfSpace { .. })) {
+            if matches!(
+                (a, b),
+                (Part::HalfSpace { .. }, _) | (_, Part::HalfSpace { .. })
+            ) {
                 search.margin.set(gap.distance);
             }
         }
@@ -76,25 +92,36 @@ pub fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalContact> {
 /// The point of a shape that is closest to another; that one itself, if it is inside.
 pub fn closest_point(target: Placed, point: Vec3) -> Option<Vec3> {
     let Some(body) = posed(target, point) else {
-        let Shape::Rapier(shape) = target.shape else { return None };
+        let Shape::Rapier(shape) = target.shape else {
+            return None;
+        };
         let at = target.transform.translation;
         return Some(at + shape.project_point(&turn(target), point - at, true).point);
     };
     let at_point = PosedShape::Part(Part::Convex(Convex::point(DVec3::ZERO)));
     let gap = parts::nearest(&body, &at_point)?;
-    Some(if gap.distance > 0.0 { (point.as_dvec3() + gap.points[0]).as_vec3() } else { point })
+    Some(if gap.distance > 0.0 {
+        (point.as_dvec3() + gap.points[0]).as_vec3()
+    } else {
+        point
+    })
 }
 
-/// The closest points of two shapes, relative to the position of the first: the same one twice, if the two overlap.
+/// The closest points of two shapes, relative to the position of the first: the same one twice, if
+/// the two overlap.
 pub fn closest_points(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
     let origin = a.transform.translation;
     let gap = parts::nearest(&posed(a, origin)?, &posed(b, origin)?)?;
-    let points = if gap.distance > 0.0 { gap.points } else { [gap.between; 2] };
+    let points = if gap.distance > 0.0 {
+        gap.points
+    } else {
+        [gap.between; 2]
+    };
     Some(points.map(DVec3::as_vec3a))
 }
 
-/// A point of a Rapier shape, if a closed mesh is around it, given that the surfaces do not meet: parts of meshes are
-/// surfaces, without an inside.
+/// A point of a Rapier shape, if a closed mesh is around it, given that the surfaces do not meet:
+/// parts of meshes are surfaces, without an inside.
 pub fn enclosed(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec3A> {
     // The mesh second.
     let pair = match (pair.a.shape, pair.b.shape) {
@@ -111,7 +138,10 @@ pub fn enclosed(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec3A> {
         let from_center = (point - at.to_world(center)).as_vec3a();
         let point = pair.box_a.center + from_center;
         if found.is_none()
-            && (pair.box_b.axes.transpose() * (point - pair.box_b.center)).abs().cmple(pair.box_b.half).all()
+            && (pair.box_b.axes.transpose() * (point - pair.box_b.center))
+                .abs()
+                .cmple(pair.box_b.half)
+                .all()
             && edge_polygon::encloses(&pair, point, workspace)
         {
             found = Some(point);

@@ -39,7 +39,10 @@ fn agree(a: (&Shape, Transform), b: (&Shape, Transform), distance: f32) -> bool 
     } else if distance == 0.0 {
         let (one, two) = (Placed::new(a.0, &a.1), Placed::new(b.0, &b.1));
         let loose = NarrowPhase::new(MARGIN).unwrap();
-        assert!(loose.intersects(one, two, &mut Workspace::default()), "apart, but overlap");
+        assert!(
+            loose.intersects(one, two, &mut Workspace::default()),
+            "apart, but overlap"
+        );
     }
     found
 }
@@ -172,7 +175,8 @@ proptest! {
     }
 }
 
-/// Whether our distance is theirs: parry's iterations end early, and its hulls keep points that their faces leave out.
+/// Whether our distance is theirs: parry's iterations end early, and its hulls keep points that
+/// their faces leave out.
 fn is_near(ours: f32, theirs: f32) -> bool {
     (ours - theirs).abs() < 2e-2
 }
@@ -180,25 +184,44 @@ fn is_near(ours: f32, theirs: f32) -> bool {
 /// The distance that we find.
 fn apart(a: (&Shape, Transform), b: (&Shape, Transform)) -> f32 {
     let (one, two) = (Placed::new(a.0, &a.1), Placed::new(b.0, &b.1));
-    NarrowPhase::default().closest_points(one, two, &mut Workspace::default()).unwrap().distance
+    NarrowPhase::default()
+        .closest_points(one, two, &mut Workspace::default())
+        .unwrap()
+        .distance
 }
 
 #[test]
 fn half_space_has_distances_too() {
     let ground = Shape::from(SharedShape::halfspace(Vec3::Y));
     let here = at(0.0, 0.0, 0.0);
-    for other in [box_of(0.5, 0.5, 0.5), mesh_of(Vec3::splat(0.5)), Shape::sphere(0.5)] {
+    for other in [
+        box_of(0.5, 0.5, 0.5),
+        mesh_of(Vec3::splat(0.5)),
+        Shape::sphere(0.5),
+    ] {
         for (height, expected) in [(1.75, 1.25), (0.5, 0.0), (0.25, 0.0)] {
             let found = apart((&ground, here), (&other, at(1e3, height, 0.0)));
-            assert!((found - expected).abs() < 1e-5, "{found} {expected} {other:?}");
-            assert_eq!(found, apart((&other, at(1e3, height, 0.0)), (&ground, here)));
+            assert!(
+                (found - expected).abs() < 1e-5,
+                "{found} {expected} {other:?}"
+            );
+            assert_eq!(
+                found,
+                apart((&other, at(1e3, height, 0.0)), (&ground, here))
+            );
         }
     }
     let (one, two) = (Placed::new(&ground, &here), Placed::new(&ground, &here));
-    assert_eq!(NarrowPhase::default().closest_points(one, two, &mut Workspace::default()), None);
+    assert_eq!(
+        NarrowPhase::default().closest_points(one, two, &mut Workspace::default()),
+        None
+    );
     let nowhere = at(0.0, f32::NAN, 0.0);
     let two = Placed::new(&ground, &nowhere);
-    assert_eq!(NarrowPhase::default().closest_points(one, two, &mut Workspace::default()), None);
+    assert_eq!(
+        NarrowPhase::default().closest_points(one, two, &mut Workspace::default()),
+        None
+    );
 }
 
 #[test]
@@ -208,13 +231,30 @@ fn touching_aligned_nested_and_coplanar_cuboids_agree_with_parry() {
     for size in [1.0, 0.5, 0.25] {
         let small = box_of(size, size, size);
         for x in [0.0, 0.5, 1.0, 1.25, 1.5, 2.0, 2.5] {
-            for (y, z) in [(0.0, 0.0), (0.5, 0.0), (0.75, 0.75), (1.25, 0.0), (2.0, 2.0)] {
+            for (y, z) in [
+                (0.0, 0.0),
+                (0.5, 0.0),
+                (0.75, 0.75),
+                (1.25, 0.0),
+                (2.0, 2.0),
+            ] {
                 let there = at(x, y, z);
-                let parry = distance((&cuboid_of(&large, here), here), (&cuboid_of(&small, there), there));
+                let parry = distance(
+                    (&cuboid_of(&large, here), here),
+                    (&cuboid_of(&small, there), there),
+                );
                 let expected = parry < 1e-6;
-                assert_eq!(meets((&large, here), (&small, there)), expected, "{size} {there:?}");
+                assert_eq!(
+                    meets((&large, here), (&small, there)),
+                    expected,
+                    "{size} {there:?}"
+                );
                 let mesh = mesh_of(Vec3::splat(size));
-                assert_eq!(meets((&large, here), (&mesh, there)), expected, "{size} {there:?}");
+                assert_eq!(
+                    meets((&large, here), (&mesh, there)),
+                    expected,
+                    "{size} {there:?}"
+                );
             }
         }
     }
@@ -232,7 +272,10 @@ fn half_space_has_no_bounds_but_contacts() {
         assert!(!meets((&ground, here), (&other, at(0.0, 0.6, 0.0))));
     }
     assert!(!meets((&ground, here), (&cube, at(0.0, f32::NAN, 0.0))));
-    assert!(!meets((&ground, at(f32::INFINITY, 0.0, 0.0)), (&cube, here)));
+    assert!(!meets(
+        (&ground, at(f32::INFINITY, 0.0, 0.0)),
+        (&cube, here)
+    ));
 
     let sunk = at(3.0, 0.4, 0.0);
     let (ground, cube) = (Placed::new(&ground, &here), Placed::new(&cube, &sunk));
@@ -243,7 +286,12 @@ fn half_space_has_no_bounds_but_contacts() {
 
 #[test]
 fn contacts_of_a_half_space_are_where_a_shape_is_deepest() {
-    let parts = [-1.0, 1.0].map(|x| (Pose::translation(x, -0.5 * x, 0.0), SharedShape::cuboid(0.5, 0.5, 0.5)));
+    let parts = [-1.0, 1.0].map(|x| {
+        (
+            Pose::translation(x, -0.5 * x, 0.0),
+            SharedShape::cuboid(0.5, 0.5, 0.5),
+        )
+    });
     // Each of them, where its lowest point is, and how low.
     let shapes = [
         (Shape::sphere(0.5), 0.0, 0.5),
@@ -254,18 +302,28 @@ fn contacts_of_a_half_space_are_where_a_shape_is_deepest() {
         (box_of(0.5, 0.5, 0.5), 0.0, 0.5),
     ];
     let ground = Shape::from(SharedShape::halfspace(Vec3::Y));
-    for turn in [Quat::IDENTITY, Quat::from_rotation_z(0.5), Quat::from_rotation_x(2.0)] {
+    for turn in [
+        Quat::IDENTITY,
+        Quat::from_rotation_z(0.5),
+        Quat::from_rotation_x(2.0),
+    ] {
         let at_ground = Transform::from_xyz(3.0, -2.0, 1.0).with_rotation(turn);
         for (shape, aside, low) in &shapes {
             // Which of the two comes first, is up to their places.
             for x in [-4.0, 4.0] {
                 let at = at_ground * Transform::from_xyz(x, low - 0.1, 0.0);
                 let (ground, shape) = (Placed::new(&ground, &at_ground), Placed::new(shape, &at));
-                let found = NarrowPhase::default().contact(ground, shape, &mut Workspace::default()).unwrap();
+                let found = NarrowPhase::default()
+                    .contact(ground, shape, &mut Workspace::default())
+                    .unwrap();
                 assert!((found.normal - turn * Vec3::Y).length() < 1e-5, "{found:?}");
                 assert!((found.depth - 0.1).abs() < 1e-5, "{found:?}");
-                let off = turn.inverse() * (found.point - at_ground.translation) - Vec3::X * (x + aside);
-                assert!((off.y + 0.05).abs() < 1e-5 && off.x.abs() < 0.51 && off.z.abs() < 0.51, "{found:?}");
+                let off =
+                    turn.inverse() * (found.point - at_ground.translation) - Vec3::X * (x + aside);
+                assert!(
+                    (off.y + 0.05).abs() < 1e-5 && off.x.abs() < 0.51 && off.z.abs() < 0.51,
+                    "{found:?}"
+                );
             }
         }
     }

@@ -7,22 +7,36 @@ use bevy::math::Vec3;
 ///
 /// A polygon that crosses itself is cut into triangles all the same, which then do not match its
 /// inside.
-pub fn triangulate(vertices: &[Vec3], corners: &[u32], normal: Vec3, mut emit: impl FnMut([u32; 3])) {
+pub fn triangulate(
+    vertices: &[Vec3],
+    corners: &[u32],
+    normal: Vec3,
+    mut emit: impl FnMut([u32; 3]),
+) {
     let at = |vertex: u32| vertices[vertex as usize];
     let turn = |a: u32, b: u32, c: u32| (at(b) - at(a)).cross(at(c) - at(b)).dot(normal);
     let mut left = corners.to_vec();
     while left.len() > 3 {
         let count = left.len();
         let ear = |&i: &usize| {
-            let (a, b, c) = (left[(i + count - 1) % count], left[i], left[(i + 1) % count]);
+            let (a, b, c) = (
+                left[(i + count - 1) % count],
+                left[i],
+                left[(i + 1) % count],
+            );
             let others = left.iter().filter(|v| ![a, b, c].contains(v));
             // On the border counts as outside for none but the corners of the ear.
-            let mut inside = others.filter(|&&v| turn(a, b, v) >= 0.0 && turn(b, c, v) >= 0.0 && turn(c, a, v) >= 0.0);
+            let mut inside = others
+                .filter(|&&v| turn(a, b, v) >= 0.0 && turn(b, c, v) >= 0.0 && turn(c, a, v) >= 0.0);
             turn(a, b, c) > 0.0 && inside.next().is_none()
         };
         // Without an ear the rest is a line, or crosses itself.
         let i = (0..count).find(ear).unwrap_or(0);
-        emit([left[(i + count - 1) % count], left[i], left[(i + 1) % count]]);
+        emit([
+            left[(i + count - 1) % count],
+            left[i],
+            left[(i + 1) % count],
+        ]);
         left.remove(i);
     }
     if let &[a, b, c] = left.as_slice() {

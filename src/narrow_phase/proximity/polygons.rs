@@ -21,7 +21,10 @@ pub struct Nearest {
 
 impl Default for Nearest {
     fn default() -> Self {
-        Self { points: [Vec3A::NAN; 2], squared: f32::INFINITY }
+        Self {
+            points: [Vec3A::NAN; 2],
+            squared: f32::INFINITY,
+        }
     }
 }
 
@@ -36,9 +39,11 @@ impl Nearest {
     }
 }
 
-/// The closest points of two shapes made of polygons: the same one twice, if they overlap. `None` if one is not.
+/// The closest points of two shapes made of polygons: the same one twice, if they overlap. `None`
+/// if one is not.
 ///
-/// Where no edge crosses a polygon, either one of the closest points is a corner, or both are on edges.
+/// Where no edge crosses a polygon, either one of the closest points is a corner, or both are on
+/// edges.
 pub fn closest_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
     let meshes = edge_polygon::fill_all(pair, workspace)?;
     if let Some(point) = edge_polygon::nested(pair, meshes, workspace) {
@@ -50,13 +55,22 @@ pub fn closest_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[V
     let on_b = b.closest_point(meshes[1], pair.box_a.center)?.point;
     let on_a = a.closest_point(meshes[0], on_b)?.point;
     nearest.consider([on_a, b.closest_point(meshes[1], on_a)?.point]);
-    let [reach_a, reach_b] = [&pair.box_a, &pair.box_b].map(|bounds| (bounds.center, bounds.reach()));
-    let region = LocalAabb::shared(reach_a, reach_b, nearest.squared.sqrt() + 2.0 * pair.tolerance);
+    let [reach_a, reach_b] =
+        [&pair.box_a, &pair.box_b].map(|bounds| (bounds.center, bounds.reach()));
+    let region = LocalAabb::shared(
+        reach_a,
+        reach_b,
+        nearest.squared.sqrt() + 2.0 * pair.tolerance,
+    );
     a.keep(&region);
     b.keep(&region);
 
-    edges_to_faces(a, meshes[1], b, &mut nearest, |on_edge, on_face| [on_edge, on_face]);
-    edges_to_faces(b, meshes[0], a, &mut nearest, |on_edge, on_face| [on_face, on_edge]);
+    edges_to_faces(a, meshes[1], b, &mut nearest, |on_edge, on_face| {
+        [on_edge, on_face]
+    });
+    edges_to_faces(b, meshes[0], a, &mut nearest, |on_edge, on_face| {
+        [on_face, on_edge]
+    });
     for edge in &a.edges {
         for other in &b.edges {
             if edge.bounds.gap_squared(&other.bounds) < nearest.squared {
@@ -84,7 +98,8 @@ fn edges_to_faces(
             let corners = mesh.polygon(face.polygon as usize);
             let heights = edge.ends.map(|end| end.dot(face.normal) - face.plane);
             if heights[0] * heights[1] < 0.0 {
-                let crossing = edge.ends[0].lerp(edge.ends[1], heights[0] / (heights[0] - heights[1]));
+                let crossing =
+                    edge.ends[0].lerp(edge.ends[1], heights[0] / (heights[0] - heights[1]));
                 if faces.covers(corners, face.normal, crossing) {
                     nearest.consider([crossing; 2]);
                 }

@@ -25,7 +25,8 @@ impl NarrowPhase {
     ///
     /// Exact for every kind of shape. `None` if anything is not finite.
     ///
-    /// Cuboids, spheres: O(1); meshes: linear in their polygons. Allocates nothing once the workspace is warm.
+    /// Cuboids, spheres: O(1); meshes: linear in their polygons. Allocates nothing once the
+    /// workspace is warm.
     ///
     /// ```
     /// use bevy::{math::Vec3, transform::components::Transform};
@@ -38,19 +39,32 @@ impl NarrowPhase {
     /// ```
     #[doc(alias = "project_point")]
     #[must_use]
-    pub fn closest_point(&self, target: Placed, point: Vec3, workspace: &mut Workspace) -> Option<Vec3> {
+    pub fn closest_point(
+        &self,
+        target: Placed,
+        point: Vec3,
+        workspace: &mut Workspace,
+    ) -> Option<Vec3> {
         if target.shape.kind() == Kind::Foreign {
             let is_finite = point.is_finite() && target.transform.is_finite();
-            let closest = is_finite.then(|| parry::closest_point(target, point)).flatten();
+            let closest = is_finite
+                .then(|| parry::closest_point(target, point))
+                .flatten();
             return closest.filter(|closest| closest.is_finite());
         }
-        let (at_point, here) = (Shape::Sphere { radius: 0.0 }, Transform::from_translation(point));
+        let (at_point, here) = (
+            Shape::Sphere { radius: 0.0 },
+            Transform::from_translation(point),
+        );
         let pair = PlacedPair::new(Placed::new(&at_point, &here), target, self.tolerance()).ok()?;
         if pair.is_wide()
             && let Some(smaller) = Smaller::of(&pair, self)
         {
             let [at_point, target] = smaller.placed(&pair);
-            let closest = smaller.tests.closest_point(target, at_point.transform.translation, workspace)?;
+            let closest =
+                smaller
+                    .tests
+                    .closest_point(target, at_point.transform.translation, workspace)?;
             return Some(closest * smaller.factor).filter(|closest| closest.is_finite());
         }
         // The frame of the pair has its origin at the point.
@@ -60,17 +74,19 @@ impl NarrowPhase {
 
     /// Returns how far two shapes are apart, and where they are closest to each other.
     ///
-    /// Exact for every kind of shape, up to rounding. Shapes
-    /// overlap as they do for [`intersects`](Self::intersects): one inside the other too, if that is closed. Those that are
-    /// in contact by tolerance alone have a distance, which is no more than the tolerance. Swapping the two swaps the
-    /// points and turns the offset around, unless they are equal in all things, position included. `None` if anything is not
-    /// finite, and for pairs of which nothing is known, such as two half-spaces: see the [module](crate::narrow_phase).
+    /// Exact for every kind of shape, up to rounding. Shapes overlap as they do for
+    /// [`intersects`](Self::intersects): one inside the other too, if that is closed. Those that
+    /// are in contact by tolerance alone have a distance, which is no more than the tolerance.
+    /// Swapping the two swaps the points and turns the offset around, unless they are equal in all
+    /// things, position included. `None` if anything is not finite, and for pairs of which nothing
+    /// is known, such as two half-spaces: see the [module](crate::narrow_phase).
     ///
-    /// Two cuboids: O(1), in the order of 0.1 µs if turned alike, and 1 µs if not; two spheres, and a sphere and a cuboid:
-    /// O(1); a sphere and a mesh: linear in its polygons; two meshes: linear in their polygons where they are far from each
-    /// other, and in the pairs of those that are close to the other mesh. Height
-    /// fields and voxels: linear in the cells that are as near, in each direction, as what is closest. Allocates nothing
-    /// once the workspace is warm, but when a mesh first meets a shape of Rapier's.
+    /// Two cuboids: O(1), in the order of 0.1 µs if turned alike, and 1 µs if not; two spheres, and
+    /// a sphere and a cuboid: O(1); a sphere and a mesh: linear in its polygons; two meshes: linear
+    /// in their polygons where they are far from each other, and in the pairs of those that are
+    /// close to the other mesh. Height fields and voxels: linear in the cells that are as near, in
+    /// each direction, as what is closest. Allocates nothing once the workspace is warm, but when a
+    /// mesh first meets a shape of Rapier's.
     ///
     /// ```
     /// use bevy::{math::Vec3, transform::components::Transform};
@@ -85,7 +101,12 @@ impl NarrowPhase {
     /// ```
     #[doc(alias = "distance")]
     #[must_use]
-    pub fn closest_points(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Proximity> {
+    pub fn closest_points(
+        &self,
+        a: Placed,
+        b: Placed,
+        workspace: &mut Workspace,
+    ) -> Option<Proximity> {
         if let Some(found) = parry::with_own(a, b, |a, b| self.closest_points(a, b, workspace)) {
             return found;
         }
@@ -94,7 +115,11 @@ impl NarrowPhase {
             Ok(pair) if pair.is_wide() => match Smaller::of(&pair, self) {
                 Some(smaller) => {
                     let [a, b] = smaller.placed(&pair);
-                    return larger(smaller.tests.closest_points(a, b, workspace)?, smaller.factor, swapped);
+                    return larger(
+                        smaller.tests.closest_points(a, b, workspace)?,
+                        smaller.factor,
+                        swapped,
+                    );
                 }
                 None => local_points(&pair, workspace),
             },
@@ -108,16 +133,30 @@ impl NarrowPhase {
         }
         let (origin, offset) = (first.transform.translation, to - from);
         let points = [from, to].map(|point| origin + Vec3::from(point));
-        Proximity { distance: length(offset), points, offset: offset.into() }.if_finite()
+        Proximity {
+            distance: length(offset),
+            points,
+            offset: offset.into(),
+        }
+        .if_finite()
     }
 }
 
 /// What was found at a smaller scale, by the order in which it was asked for.
 fn larger(found: Proximity, factor: f32, swapped: bool) -> Option<Proximity> {
-    let Proximity { distance, points: [from, to], offset } = found;
+    let Proximity {
+        distance,
+        points: [from, to],
+        offset,
+    } = found;
     let points = if swapped { [to, from] } else { [from, to] }.map(|point| point * factor);
     let offset = if swapped { -offset } else { offset } * factor;
-    Proximity { distance: distance * factor, points, offset }.if_finite()
+    Proximity {
+        distance: distance * factor,
+        points,
+        offset,
+    }
+    .if_finite()
 }
 
 /// The closest points of two shapes, in the frame of the pair.
@@ -148,8 +187,11 @@ fn sphere_other(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 
     let closest = closest_to_center(pair, workspace)?;
     let offset = closest - sphere.center;
     let distance = offset.length();
-    let on_sphere =
-        if distance > sphere.radius { sphere.center + offset * (sphere.radius / distance) } else { closest };
+    let on_sphere = if distance > sphere.radius {
+        sphere.center + offset * (sphere.radius / distance)
+    } else {
+        closest
+    };
     Some([on_sphere, closest])
 }
 
@@ -170,7 +212,8 @@ fn closest_to_center(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec
     }
 }
 
-/// The closest points of two shapes of which one has no bounds, relative to the position of the first.
+/// The closest points of two shapes of which one has no bounds, relative to the position of the
+/// first.
 fn unbounded(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
     let is_finite = a.transform.is_finite() && b.transform.is_finite();
     is_finite.then(|| parry::closest_points(a, b)).flatten()

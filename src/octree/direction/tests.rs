@@ -42,7 +42,10 @@ fn offsets_follow_bevys_axes() {
 #[test]
 fn offset_is_the_sum_of_the_letters() {
     for direction in Direction::ALL {
-        let letters = direction.name().chars().map(|c| c.to_string().parse::<Face>().unwrap().offset());
+        let letters = direction
+            .name()
+            .chars()
+            .map(|c| c.to_string().parse::<Face>().unwrap().offset());
         assert_eq!(letters.sum::<IVec3>(), direction.offset());
     }
 }
@@ -66,7 +69,13 @@ fn from_offset_inverts_offset_and_refuses_the_rest() {
 fn all_is_complete_ordered_and_indexed() {
     for (i, direction) in Direction::ALL.into_iter().enumerate() {
         assert_eq!(direction.index(), i);
-        assert_eq!(Direction::ALL.iter().filter(|d| d.offset() == direction.offset()).count(), 1);
+        assert_eq!(
+            Direction::ALL
+                .iter()
+                .filter(|d| d.offset() == direction.offset())
+                .count(),
+            1
+        );
     }
     assert!(Direction::ALL.is_sorted());
 }
@@ -84,6 +93,9 @@ fn a_vertex_counts_its_positive_sides_in_bits() {
         let positive = vertex.offset().cmpgt(IVec3::ZERO);
         assert_eq!(vertex.bits(), positive.bitmask());
         assert_eq!(Vertex::from_bits(vertex.bits()), vertex);
-        assert_eq!(Vertex::from_sides(positive.test(0), positive.test(1), positive.test(2)), vertex);
+        assert_eq!(
+            Vertex::from_sides(positive.test(0), positive.test(1), positive.test(2)),
+            vertex
+        );
     }
 }

@@ -10,12 +10,17 @@ fn cell(octant: Vertex) -> IVec3 {
 /// The cell that the step leads to, and the lattice place of the block it belongs to.
 fn step(direction: Direction, octant: Vertex) -> (IVec3, IVec3) {
     let cell = cell(octant) + direction.offset();
-    (cell.rem_euclid(IVec3::splat(2)), cell.div_euclid(IVec3::splat(2)))
+    (
+        cell.rem_euclid(IVec3::splat(2)),
+        cell.div_euclid(IVec3::splat(2)),
+    )
 }
 
 /// Every direction with every octant.
 fn entries() -> impl Iterator<Item = (Direction, Vertex)> {
-    Direction::ALL.into_iter().flat_map(|direction| Vertex::ALL.map(|octant| (direction, octant)))
+    Direction::ALL
+        .into_iter()
+        .flat_map(|direction| Vertex::ALL.map(|octant| (direction, octant)))
 }
 
 #[test]
@@ -35,7 +40,11 @@ fn adj_is_contact_with_the_feature() {
 fn reflect_is_the_place_in_the_block_that_is_reached() {
     for (direction, octant) in entries() {
         let (place, _) = step(direction, octant);
-        assert_eq!(cell(direction.reflect(octant)), place, "{direction} of {octant}");
+        assert_eq!(
+            cell(direction.reflect(octant)),
+            place,
+            "{direction} of {octant}"
+        );
     }
 }
 

@@ -26,7 +26,11 @@ fn a_new_tree_is_one_leaf() {
     assert!(tree.is_leaf(tree.root()) && !tree.is_split(tree.root()));
     assert_eq!((tree.node_count(), tree.leaf_count()), (1, 1));
     assert_eq!(tree.children(tree.root()).len(), 0);
-    assert!(Vertex::ALL.into_iter().all(|octant| tree.child(tree.root(), octant).is_none()));
+    assert!(
+        Vertex::ALL
+            .into_iter()
+            .all(|octant| tree.child(tree.root(), octant).is_none())
+    );
 }
 
 #[test]
@@ -65,7 +69,10 @@ fn join_of_an_inner_node_leaves_the_rest() {
     let mut removed = 0;
     tree.join(first, |_| removed += 1);
     assert_eq!((removed, tree.node_count()), (8, 9));
-    let left: Vec<u32> = tree.subtree(NodeId::ROOT).map(|node| *tree.data(node)).collect();
+    let left: Vec<u32> = tree
+        .subtree(NodeId::ROOT)
+        .map(|node| *tree.data(node))
+        .collect();
     assert_eq!(left, [0, 1, 10, 11, 12, 13, 14, 15, 16]);
     tree.assert_well_formed();
 }
@@ -78,19 +85,29 @@ fn clear_takes_the_data_and_leaves_the_nodes() {
     assert_eq!(removed, Vec::from_iter(1..10));
     assert_eq!(tree.node_count(), 17);
     assert!(tree.subtree(first).all(|node| *tree.data(node) == 0));
-    assert_eq!(tree.subtree(NodeId::ROOT).map(|node| *tree.data(node)).sum::<u32>(), (10..17).sum::<u32>());
+    assert_eq!(
+        tree.subtree(NodeId::ROOT)
+            .map(|node| *tree.data(node))
+            .sum::<u32>(),
+        (10..17).sum::<u32>()
+    );
     tree.assert_well_formed();
 }
 
 #[test]
 fn walks_are_depth_first_and_stay_in_the_subtree() {
     let (tree, first) = numbered();
-    let data = |nodes: &mut dyn Iterator<Item = NodeId>| Vec::from_iter(nodes.map(|node| *tree.data(node)));
+    let data = |nodes: &mut dyn Iterator<Item = NodeId>| {
+        Vec::from_iter(nodes.map(|node| *tree.data(node)))
+    };
     assert_eq!(data(&mut tree.subtree(NodeId::ROOT)), Vec::from_iter(0..17));
     assert_eq!(data(&mut tree.subtree(first)), Vec::from_iter(1..10));
     assert_eq!(data(&mut tree.leaves(NodeId::ROOT)), Vec::from_iter(2..17));
     assert_eq!(data(&mut tree.leaves(first)), Vec::from_iter(2..10));
-    assert_eq!(data(&mut tree.children(first).rev()), Vec::from_iter((2..10).rev()));
+    assert_eq!(
+        data(&mut tree.children(first).rev()),
+        Vec::from_iter((2..10).rev())
+    );
     assert_eq!(tree.leaves(NodeId::ROOT).count(), tree.leaf_count());
     let leaf = tree.child(first, Vertex::RUB).unwrap();
     assert_eq!(Vec::from_iter(tree.subtree(leaf)), [leaf]);
@@ -219,6 +236,10 @@ fn unmet_requirements_change_nothing() {
     let leaf = tree.children(first).next().unwrap();
     tree.join(leaf, |_| panic!("nothing is removed"));
     assert_eq!(tree.node_count(), 17);
-    assert!(tree.subtree(NodeId::ROOT).map(|node| *tree.data(node)).eq(0..17));
+    assert!(
+        tree.subtree(NodeId::ROOT)
+            .map(|node| *tree.data(node))
+            .eq(0..17)
+    );
     tree.assert_well_formed();
 }

@@ -3,14 +3,23 @@ use proptest::prelude::*;
 
 fn bounces() -> impl Strategy<Value = Option<Bounce>> {
     let reflect = (0f32..=1.0).prop_map(|restitution| Some(Bounce::Reflect { restitution }));
-    prop_oneof![Just(Some(Bounce::Reverse)), Just(Some(Bounce::Reflect { restitution: 1.0 })), reflect, Just(None)]
+    prop_oneof![
+        Just(Some(Bounce::Reverse)),
+        Just(Some(Bounce::Reflect { restitution: 1.0 })),
+        reflect,
+        Just(None)
+    ]
 }
 
 fn parties() -> impl Strategy<Value = Party> {
     let velocity = prop::array::uniform3(-9f32..9.0).prop_map(Vec3::from);
     (velocity, bounces(), any::<bool>()).prop_map(|(velocity, bounce, reversed)| Party {
         // Who has no answer is a wall at rest.
-        velocity: if bounce.is_some() { velocity } else { Vec3::ZERO },
+        velocity: if bounce.is_some() {
+            velocity
+        } else {
+            Vec3::ZERO
+        },
         drift: Vec3::ZERO,
         bounce,
         reversed,
@@ -39,10 +48,17 @@ proptest! {
 #[test]
 fn what_is_too_fast_for_numbers_keeps_its_velocity() {
     let elastic = Some(Bounce::Reflect { restitution: 1.0 });
-    let party = |x: f32, bounce| Party { velocity: Vec3::X * x, bounce, ..default() };
+    let party = |x: f32, bounce| Party {
+        velocity: Vec3::X * x,
+        bounce,
+        ..default()
+    };
     assert_eq!(
         respond([party(3e38, elastic), party(-3e38, elastic)], Vec3::X),
         [Some(Vec3::X * -3e38), Some(Vec3::X * 3e38)]
     );
-    assert_eq!(respond([party(3e38, elastic), party(-3e38, None)], Vec3::X), [None; 2]);
+    assert_eq!(
+        respond([party(3e38, elastic), party(-3e38, None)], Vec3::X),
+        [None; 2]
+    );
 }

@@ -7,7 +7,10 @@ use super::*;
 /// Runs a headless app until an asset is loaded or has failed.
 fn load(folder: &str, file: &str) -> (App, Handle<SceneDescription>, LoadState) {
     let mut app = App::new();
-    let assets = AssetPlugin { file_path: folder.to_owned(), ..default() };
+    let assets = AssetPlugin {
+        file_path: folder.to_owned(),
+        ..default()
+    };
     app.add_plugins((MinimalPlugins, assets, SceneAssetPlugin));
     load_in(app, file)
 }
@@ -22,7 +25,10 @@ fn load_in(mut app: App, file: &str) -> (App, Handle<SceneDescription>, LoadStat
         if matches!(state, LoadState::Loaded | LoadState::Failed(_)) {
             return (app, handle, state);
         }
-        assert!(start.elapsed() < Duration::from_secs(30), "{file} never loads");
+        assert!(
+            start.elapsed() < Duration::from_secs(30),
+            "{file} never loads"
+        );
         std::thread::sleep(Duration::from_millis(1));
     }
 }
@@ -39,7 +45,11 @@ fn scene_files_load_headless() {
 #[test]
 fn the_plugins_may_come_before_those_of_assets() {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, crate::OctreePlugins::default(), AssetPlugin::default()));
+    app.add_plugins((
+        MinimalPlugins,
+        crate::OctreePlugins::default(),
+        AssetPlugin::default(),
+    ));
     app.finish();
     let (_, _, state) = load_in(app, "scenes/t3.scene.ron");
     assert!(state.is_loaded(), "{state:?}");
@@ -56,7 +66,10 @@ fn malformed_files_fail_with_the_place() {
         panic!("{state:?}");
     };
     let message = error.to_string();
-    assert!(message.contains("bad.scene.ron:2:9: Expected string"), "{message}");
+    assert!(
+        message.contains("bad.scene.ron:2:9: Expected string"),
+        "{message}"
+    );
 }
 
 #[test]

@@ -20,8 +20,15 @@ fn each_motion_gets_its_component() {
     let shape = ShapeDescription::Sphere { radius: 2.0 };
     let ball = ObjectDescription::new(shape);
     let track = PositionTrack::new([(0, Vec3::ONE), (9, Vec3::ZERO)]).unwrap();
-    let motions = [Motion::Static, Motion::Velocity(Vec3::X), Motion::Track(track.clone())];
-    let objects = motions.map(|motion| ObjectDescription { motion, ..ball.clone() });
+    let motions = [
+        Motion::Static,
+        Motion::Velocity(Vec3::X),
+        Motion::Track(track.clone()),
+    ];
+    let objects = motions.map(|motion| ObjectDescription {
+        motion,
+        ..ball.clone()
+    });
     let (world, entities) = spawn(&SceneDescription::new("motions", objects));
     let [still, mover, tracked] = entities.unwrap()[..] else {
         panic!("three objects make three entities");
@@ -66,7 +73,10 @@ fn invalid_scenes_spawn_nothing() {
         result.unwrap_err().to_string(),
         "scene \"bad\": object 1 (\"object_1\"): shape: the radius of a sphere must be finite and not negative, got -1"
     );
-    assert_eq!(world.iter_entities().count(), World::new().iter_entities().count());
+    assert_eq!(
+        world.iter_entities().count(),
+        World::new().iter_entities().count()
+    );
 }
 
 #[test]

@@ -39,7 +39,8 @@ struct Body {
     side: f32,
 }
 
-/// Where the centres of boxes are. A box that leaves turns round, at most a tick's way beyond the wall.
+/// Where the centres of boxes are. A box that leaves turns round, at most a tick's way beyond the
+/// wall.
 #[derive(Clone, Copy, Debug)]
 struct Room {
     low: Vec3A,
@@ -59,19 +60,28 @@ pub(super) fn brownian(objects: usize, rng: Rng) -> (Vec<Aabb3d>, Drift) {
 pub(super) fn static90(objects: usize, rng: Rng) -> (Vec<Aabb3d>, Drift) {
     let sides = vec![1.0; objects];
     let room = Room::new(Vec3A::ZERO, room_side(&sides, 1.0));
-    let mut rooms = vec![Room { still: true, ..room }; SHARE];
+    let mut rooms = vec![
+        Room {
+            still: true,
+            ..room
+        };
+        SHARE
+    ];
     rooms[SHARE - 1].still = false;
     Drift::new(&sides, rooms, rng)
 }
 
 /// Cubes of all sizes, each overlapping four others.
 pub(super) fn sizes(objects: usize, mut rng: Rng) -> (Vec<Aabb3d>, Drift) {
-    let sides: Vec<_> = (0..objects).map(|_| log_uniform(&mut rng, LARGEST)).collect();
+    let sides: Vec<_> = (0..objects)
+        .map(|_| log_uniform(&mut rng, LARGEST))
+        .collect();
     let room = Room::new(Vec3A::ZERO, room_side(&sides, 4.0));
     Drift::new(&sides, vec![room], rng)
 }
 
-/// Nine clusters, each with a tenth of the cubes, each of which overlaps two others; the last tenth is anywhere.
+/// Nine clusters, each with a tenth of the cubes, each of which overlaps two others; the last tenth
+/// is anywhere.
 pub(super) fn clusters(objects: usize, mut rng: Rng) -> (Vec<Aabb3d>, Drift) {
     let sides = vec![1.0; objects];
     let cluster = room_side(&sides[..objects.div_ceil(SHARE)], 2.0);
@@ -83,7 +93,10 @@ pub(super) fn clusters(objects: usize, mut rng: Rng) -> (Vec<Aabb3d>, Drift) {
         .map(|place| {
             let (x, y) = (place % 3, place / 3);
             let corner = Vec3A::new(x as f32, y as f32, ((6 - x - y) % 3) as f32) * cell;
-            Room::new(point_in(&mut rng, corner, corner + (cell - cluster)), cluster)
+            Room::new(
+                point_in(&mut rng, corner, corner + (cell - cluster)),
+                cluster,
+            )
         })
         .collect();
     rooms.push(Room::new(Vec3A::ZERO, space));
@@ -98,7 +111,10 @@ pub(super) fn ground(objects: usize, rng: Rng) -> (Vec<Aabb3d>, Drift) {
         // Its top is the floor of the room: cubes dip into it as they do into the walls.
         let middle = drift.rooms[0].high.x * 0.5;
         let [low, high] = [-0.5, 0.5].map(|half| middle + half * GROUND);
-        boxes.push(Aabb3d { min: Vec3A::new(low, -1.0, low), max: Vec3A::new(high, 0.0, high) });
+        boxes.push(Aabb3d {
+            min: Vec3A::new(low, -1.0, low),
+            max: Vec3A::new(high, 0.0, high),
+        });
     }
     (boxes, drift)
 }
@@ -106,7 +122,13 @@ pub(super) fn ground(objects: usize, rng: Rng) -> (Vec<Aabb3d>, Drift) {
 /// The same as `brownian`, but one cube goes far away and rests there.
 pub(super) fn outlier(objects: usize, rng: Rng) -> (Vec<Aabb3d>, Drift) {
     let (boxes, drift) = brownian(objects, rng);
-    (boxes, Drift { departure: Some(DEPARTURE), ..drift })
+    (
+        boxes,
+        Drift {
+            departure: Some(DEPARTURE),
+            ..drift
+        },
+    )
 }
 
 /// The same as `brownian`, in four rooms far from each other.
@@ -120,22 +142,49 @@ pub(super) fn rooms(objects: usize, rng: Rng) -> (Vec<Aabb3d>, Drift) {
 
 impl Drift {
     fn new(sides: &[f32], rooms: Vec<Room>, mut rng: Rng) -> (Vec<Aabb3d>, Self) {
-        let bodies: Vec<_> =
-            sides.iter().map(|side| Body { velocity: velocity(&mut rng, *side), side: *side }).collect();
+        let bodies: Vec<_> = sides
+            .iter()
+            .map(|side| Body {
+                velocity: velocity(&mut rng, *side),
+                side: *side,
+            })
+            .collect();
         let place = |(body, room): (&Body, &Room)| {
             let min = point_in(&mut rng, room.low, room.high) - 0.5 * body.side;
-            Aabb3d { min, max: min + body.side }
+            Aabb3d {
+                min,
+                max: min + body.side,
+            }
         };
         let boxes = bodies.iter().zip(rooms.iter().cycle()).map(place).collect();
-        (boxes, Self { bodies, rooms, rng, redrawn: 0, departure: None })
+        (
+            boxes,
+            Self {
+                bodies,
+                rooms,
+                rng,
+                redrawn: 0,
+                departure: None,
+            },
+        )
     }
 
     pub(super) fn step(&mut self, boxes: &mut [Aabb3d]) {
-        for body in self.bodies.iter_mut().skip(self.redrawn).step_by(REDRAW_TICKS) {
+        for body in self
+            .bodies
+            .iter_mut()
+            .skip(self.redrawn)
+            .step_by(REDRAW_TICKS)
+        {
             body.velocity = velocity(&mut self.rng, body.side);
         }
         self.redrawn = (self.redrawn + 1) % REDRAW_TICKS;
-        for ((body, aabb), room) in self.bodies.iter_mut().zip(&mut *boxes).zip(self.rooms.iter().cycle()) {
+        for ((body, aabb), room) in self
+            .bodies
+            .iter_mut()
+            .zip(&mut *boxes)
+            .zip(self.rooms.iter().cycle())
+        {
             if !room.still {
                 room.advance(body, aabb);
             }
@@ -153,7 +202,11 @@ impl Drift {
 
 impl Room {
     fn new(low: Vec3A, side: f32) -> Self {
-        Self { low, high: low + side, still: false }
+        Self {
+            low,
+            high: low + side,
+            still: false,
+        }
     }
 
     #[inline]
@@ -176,17 +229,23 @@ fn velocity(rng: &mut Rng, side: f32) -> Vec3 {
     }))
 }
 
-/// The side of the cube in which to strew the centres of boxes with these sides, so that each overlaps so many others
-/// on average.
+/// The side of the cube in which to strew the centres of boxes with these sides, so that each
+/// overlaps so many others on average.
 ///
-/// Boxes of sides a and b overlap along an axis of length L if their centres are within r = (a + b) / 2, which happens
-/// with the probability (2r/L) · (1 − r/2L), the second factor being the effect of the walls. Over all pairs and three
-/// axes that makes (2/L)³ · E(r³) · (1 − w/2L)³, with w = E(r⁴) / E(r³) to first order.
+/// Boxes of sides a and b overlap along an axis of length L if their centres are within r = (a + b)
+/// / 2, which happens with the probability (2r/L) · (1 − r/2L), the second factor being the effect
+/// of the walls. Over all pairs and three axes that makes (2/L)³ · E(r³) · (1 − w/2L)³, with w =
+/// E(r⁴) / E(r³) to first order.
 fn room_side(sides: &[f32], overlaps: f64) -> f32 {
     let count = sides.len().max(2) as f64;
     let powers = sides.iter().map(|side| {
         let side = f64::from(*side);
-        DVec4::new(side, side * side, side * side * side, side * side * side * side)
+        DVec4::new(
+            side,
+            side * side,
+            side * side * side,
+            side * side * side * side,
+        )
     });
     let [m1, m2, m3, m4] = (powers.sum::<DVec4>() / count).to_array();
     let cubes = 2.0 * m3 + 6.0 * m2 * m1;

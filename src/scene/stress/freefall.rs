@@ -5,8 +5,8 @@ use fastrand::Rng;
 
 /// How many boxes a column holds in the end, on average.
 const PER_COLUMN: usize = 8;
-/// The distance between the middles of neighbouring columns, and how far to either side of it boxes are put: one pair
-/// of neighbouring boxes in eight overlaps sideways.
+/// The distance between the middles of neighbouring columns, and how far to either side of it boxes
+/// are put: one pair of neighbouring boxes in eight overlaps sideways.
 const SPACING: f32 = 1.1;
 const SCATTER: f32 = 0.1;
 /// How high boxes start: below the first, except that one in ten starts anywhere below the second.
@@ -16,8 +16,8 @@ const LATE: u8 = 10;
 const GRAVITY: f32 = 0.02;
 const TERMINAL: f32 = 0.5;
 
-/// Boxes over a floor that is divided into columns. A box falls until it meets the top of its column, and is the top
-/// from then on.
+/// Boxes over a floor that is divided into columns. A box falls until it meets the top of its
+/// column, and is the top from then on.
 #[derive(Clone, Debug)]
 pub(super) struct Freefall {
     /// Those in the air, in the order of the objects.
@@ -36,17 +36,32 @@ struct Falling {
 pub(super) fn new(objects: usize, mut rng: Rng) -> (Vec<Aabb3d>, Freefall) {
     let edge = ((objects / PER_COLUMN).isqrt() as u32).max(1);
     let columns = edge * edge;
-    let falling: Vec<_> = (0..objects as u32).map(|object| Falling { object, column: rng.u32(0..columns) }).collect();
+    let falling: Vec<_> = (0..objects as u32)
+        .map(|object| Falling {
+            object,
+            column: rng.u32(0..columns),
+        })
+        .collect();
     let place = |falling: &Falling| {
         let mut scatter = || SCATTER * (2.0 * rng.f32() - 1.0);
         let x = (falling.column % edge) as f32 * SPACING + scatter();
         let z = (falling.column / edge) as f32 * SPACING + scatter();
         let limit = HEIGHTS[usize::from(rng.u8(0..LATE) == 0)];
         let min = Vec3A::new(x, limit * rng.f32(), z);
-        Aabb3d { min, max: min + 1.0 }
+        Aabb3d {
+            min,
+            max: min + 1.0,
+        }
     };
     let boxes = falling.iter().map(place).collect();
-    (boxes, Freefall { falling, heights: vec![0; columns as usize], speed: 0.0 })
+    (
+        boxes,
+        Freefall {
+            falling,
+            heights: vec![0; columns as usize],
+            speed: 0.0,
+        },
+    )
 }
 
 impl Freefall {

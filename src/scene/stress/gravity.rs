@@ -7,17 +7,18 @@ use super::random::cube_root;
 
 /// The largest speed of a box along an axis, but for what the attractor's own motion adds.
 const SPEED: f32 = 0.5;
-/// The radius of the cloud for one object and one overlap each. It grows as the cube root of the number of objects.
+/// The radius of the cloud for one object and one overlap each. It grows as the cube root of the
+/// number of objects.
 ///
-/// Along an axis the centres are spread as a semicircle of radius R, whose square has the integral 16 / (3π²R); two
-/// boxes of side 1 are within 1 of each other with twice that probability.
+/// Along an axis the centres are spread as a semicircle of radius R, whose square has the integral
+/// 16 / (3π²R); two boxes of side 1 are within 1 of each other with twice that probability.
 const RADIUS: f64 = 32.0 / (3.0 * std::f64::consts::PI * std::f64::consts::PI);
 
 /// A cloud of boxes around an attractor that circles.
 ///
-/// The pull grows with the distance, as that of a spring: every box then swings through the whole cloud, all with the
-/// same period, and the cloud keeps its shape and its density for ever. (A pull that falls with the distance would
-/// gather all boxes in one spot, with overlaps to match.)
+/// The pull grows with the distance, as that of a spring: every box then swings through the whole
+/// cloud, all with the same period, and the cloud keeps its shape and its density for ever. (A pull
+/// that falls with the distance would gather all boxes in one spot, with overlaps to match.)
 #[derive(Clone, Debug)]
 pub(super) struct Gravity {
     velocities: Vec<Vec3A>,
@@ -36,13 +37,24 @@ pub(super) fn new(objects: usize, mut rng: Rng) -> (Vec<Aabb3d>, Gravity) {
         let [x, y, z] = std::array::from_fn(|_| in_disc(&mut rng));
         velocities.push(SPEED * Vec3A::new(x[1], y[1], z[1]));
         let min = radius * Vec3A::new(x[0], y[0], z[0]) - 0.5;
-        Aabb3d { min, max: min + 1.0 }
+        Aabb3d {
+            min,
+            max: min + 1.0,
+        }
     });
     let boxes = boxes.collect();
     let attractor = Vec3A::X * (0.5 * radius);
     // It circles once while a box swings twice.
     let attractor_velocity = Vec3A::Z * (0.25 * SPEED);
-    (boxes, Gravity { velocities, pull: frequency * frequency, attractor, attractor_velocity })
+    (
+        boxes,
+        Gravity {
+            velocities,
+            pull: frequency * frequency,
+            attractor,
+            attractor_velocity,
+        },
+    )
 }
 
 impl Gravity {

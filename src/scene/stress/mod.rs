@@ -1,7 +1,7 @@
 //! Stress scenes: many moving boxes, made to measure broad phases.
 //!
-//! A [`StressSimulation`] is nothing but boxes and a rule that moves them: no app, no entities. A [`StressScene`] names
-//! one of ten rules; each strains another part of a broad phase.
+//! A [`StressSimulation`] is nothing but boxes and a rule that moves them: no app, no entities. A
+//! [`StressScene`] names one of ten rules; each strains another part of a broad phase.
 //!
 //! ```
 //! use bevy_octree::scene::stress::{StressScene, StressSimulation};
@@ -16,8 +16,9 @@
 //!
 //! # The scenes
 //!
-//! Lengths are in sides of a box, which is a cube of side 1 except in `sizes` and for the ground; speeds are per tick and axis. The last
-//! column is the number of other boxes that a box overlaps on average, at the start unless said otherwise.
+//! Lengths are in sides of a box, which is a cube of side 1 except in `sizes` and for the ground;
+//! speeds are per tick and axis. The last column is the number of other boxes that a box overlaps
+//! on average, at the start unless said otherwise.
 //!
 //! | scene | what happens | speed | overlaps |
 //! |---|---|---|---|
@@ -32,11 +33,12 @@
 //! | [`outlier`](StressScene::Outlier) | as `brownian`, but in the fourth tick one box goes a million away along each axis, and rests there | 0.05 to 0.1 | 1 |
 //! | [`rooms`](StressScene::Rooms) | as `brownian`, but in four rooms, each a cube with walls, 10 000 from each other | 0.05 to 0.1 | 1 |
 //!
-//! Space grows with the number of objects, so that all but `planes` are as dense at a million objects as at a thousand.
-//! Objects come in no spatial order. A step takes O(n) time, a few nanoseconds per object.
+//! Space grows with the number of objects, so that all but `planes` are as dense at a million
+//! objects as at a thousand. Objects come in no spatial order. A step takes O(n) time, a few
+//! nanoseconds per object.
 //!
-//! The arithmetic is addition, multiplication, division and square root alone, which round alike everywhere: the same
-//! seed gives the same bits on any machine.
+//! The arithmetic is addition, multiplication, division and square root alone, which round alike
+//! everywhere: the same seed gives the same bits on any machine.
 
 mod drift;
 mod freefall;

@@ -77,7 +77,9 @@ impl FromStr for StressScene {
     type Err = UnknownScene;
 
     fn from_str(name: &str) -> Result<Self, Self::Err> {
-        let known = Self::ALL.into_iter().find(|scene| scene.name().eq_ignore_ascii_case(name));
+        let known = Self::ALL
+            .into_iter()
+            .find(|scene| scene.name().eq_ignore_ascii_case(name));
         known.ok_or_else(|| UnknownScene(name.to_owned()))
     }
 }
@@ -93,6 +95,9 @@ mod tests {
             assert_eq!(scene.to_string().to_uppercase().parse(), Ok(scene));
         }
         let error = "quake".parse::<StressScene>().unwrap_err().to_string();
-        assert!(error.contains("`quake`") && error.contains("brownian, freefall, gravity"), "{error}");
+        assert!(
+            error.contains("`quake`") && error.contains("brownian, freefall, gravity"),
+            "{error}"
+        );
     }
 }

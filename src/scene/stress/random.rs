@@ -30,8 +30,8 @@ pub(super) fn shuffle<T>(rng: &mut Rng, list: &mut [T]) {
     }
 }
 
-/// The cube root of a number that is not negative, to a few units in the last place. (That of the standard library
-/// depends on the platform.)
+/// The cube root of a number that is not negative, to a few units in the last place. (That of the
+/// standard library depends on the platform.)
 pub(super) fn cube_root(number: f64) -> f64 {
     // Newton's method from above, where it falls without overshooting.
     let step = |root: f64| (2.0 * root + number / (root * root)) / 3.0;
@@ -52,7 +52,10 @@ mod tests {
     fn cube_roots_are_right() {
         for number in [0.001, 0.5, 1.0, 2.0, 27.0, 1e6, 1.6e14] {
             let root = cube_root(number);
-            assert!((root * root * root / number - 1.0).abs() < 1e-14, "{number}: {root}");
+            assert!(
+                (root * root * root / number - 1.0).abs() < 1e-14,
+                "{number}: {root}"
+            );
         }
         assert!(cube_root(0.0) < 1e-100);
     }
@@ -66,14 +69,23 @@ mod tests {
             assert!((1.0..=1000.0).contains(&size));
             decades[(size >= 10.0) as usize + (size >= 100.0) as usize] += 1;
         }
-        assert!(decades.iter().all(|count| (9_500..10_500).contains(count)), "{decades:?}");
+        assert!(
+            decades.iter().all(|count| (9_500..10_500).contains(count)),
+            "{decades:?}"
+        );
     }
 
     #[test]
     fn a_shuffle_keeps_everything_and_moves_most() {
         let mut list: Vec<_> = (0..1000).collect();
         shuffle(&mut Rng::with_seed(2), &mut list);
-        assert!(list.iter().enumerate().filter(|(place, value)| place == *value).count() < 10);
+        assert!(
+            list.iter()
+                .enumerate()
+                .filter(|(place, value)| place == *value)
+                .count()
+                < 10
+        );
         list.sort_unstable();
         assert!(list.into_iter().eq(0..1000));
     }

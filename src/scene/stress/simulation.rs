@@ -55,7 +55,12 @@ impl StressSimulation {
                 (boxes, Motion::Planes(planes))
             }
         };
-        Self { scene, tick: 0, boxes, motion }
+        Self {
+            scene,
+            tick: 0,
+            boxes,
+            motion,
+        }
     }
 
     /// Advances by one tick. The boxes of objects that do not move keep their bits. O(n).

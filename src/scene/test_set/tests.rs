@@ -18,14 +18,21 @@ fn ring_k_has_8k_cubes_at_distance_k() {
     for ring in 1..20 {
         let places: std::collections::HashSet<_> = ring_places(ring).collect();
         assert_eq!(places.len(), 8 * ring as usize);
-        assert!(places.iter().all(|place| place.abs().max_element() == ring as i32));
+        assert!(
+            places
+                .iter()
+                .all(|place| place.abs().max_element() == ring as i32)
+        );
     }
 }
 
 #[test]
 fn cubes_of_a_plane_never_touch() {
     let set = TestSet::new(4);
-    let left: Vec<_> = set.cubes().filter(|cube| cube.plane == Plane::Left).collect();
+    let left: Vec<_> = set
+        .cubes()
+        .filter(|cube| cube.plane == Plane::Left)
+        .collect();
     for (i, a) in left.iter().enumerate() {
         for b in &left[..i] {
             let distance = (a.position - b.position).abs();
@@ -54,7 +61,10 @@ fn opposite_cubes_are_aligned_and_approach() {
 fn each_ring_is_set_back_from_the_one_inside() {
     let set = TestSet::new(6);
     for cube in set.cubes() {
-        assert_eq!(cube.position.x.abs(), (set.gap + set.side) / 2.0 + set.setback * cube.ring as f32);
+        assert_eq!(
+            cube.position.x.abs(),
+            (set.gap + set.side) / 2.0 + set.setback * cube.ring as f32
+        );
         let place = cube.position.yz().abs() / set.spacing;
         assert_eq!(place.max_element(), cube.ring as f32);
     }
@@ -88,13 +98,49 @@ fn bad_parameters_are_named() {
     assert_eq!(TestSet::new(0).check(), Ok(()));
     let bad = [
         (TestSet::new(1001), "rings is 1001, expected at most 1000"),
-        (TestSet { side: 0.0, ..good }, "side is 0, expected a positive number"),
-        (TestSet { gap: -1.0, ..good }, "gap is -1, expected a positive number"),
-        (TestSet { speed: f32::NAN, ..good }, "speed is NaN, expected a positive number"),
-        (TestSet { setback: -0.5, ..good }, "setback is -0.5, expected 0 or a positive number"),
-        (TestSet { spacing: 1.0, ..good }, "spacing is 1, expected more than side"),
-        (TestSet { setback: 3e38, ..good }, "expected rings at a finite distance"),
-        (TestSet { spacing: 3e38, ..good }, "expected cubes at a finite distance"),
+        (
+            TestSet { side: 0.0, ..good },
+            "side is 0, expected a positive number",
+        ),
+        (
+            TestSet { gap: -1.0, ..good },
+            "gap is -1, expected a positive number",
+        ),
+        (
+            TestSet {
+                speed: f32::NAN,
+                ..good
+            },
+            "speed is NaN, expected a positive number",
+        ),
+        (
+            TestSet {
+                setback: -0.5,
+                ..good
+            },
+            "setback is -0.5, expected 0 or a positive number",
+        ),
+        (
+            TestSet {
+                spacing: 1.0,
+                ..good
+            },
+            "spacing is 1, expected more than side",
+        ),
+        (
+            TestSet {
+                setback: 3e38,
+                ..good
+            },
+            "expected rings at a finite distance",
+        ),
+        (
+            TestSet {
+                spacing: 3e38,
+                ..good
+            },
+            "expected cubes at a finite distance",
+        ),
     ];
     for (set, message) in bad {
         let error = set.check().unwrap_err().to_string();

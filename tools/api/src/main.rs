@@ -1,7 +1,7 @@
 //! The public API, as a list that is checked in, so that no change of it goes unseen.
 //!
-//! `cargo run -p api` fails if the list is not that of the source, and says in what; `cargo run -p api -- --write` writes it
-//! anew.
+//! `cargo run -p api` fails if the list is not that of the source, and says in what; `cargo run -p
+//! api -- --write` writes it anew.
 
 use std::{
     collections::BTreeSet,
@@ -41,14 +41,22 @@ fn run(write: bool) -> Outcome {
     let items = items(&documentation(here)?)?;
     if write {
         fs::write(&list, items.join("\n") + "\n")?;
-        println!("{} items of the public API are in {}", items.len(), list.display());
+        println!(
+            "{} items of the public API are in {}",
+            items.len(),
+            list.display()
+        );
         return Ok(());
     }
-    let checked_in = fs::read_to_string(&list).map_err(|error| format!("cannot read {}: {error}", list.display()))?;
+    let checked_in = fs::read_to_string(&list)
+        .map_err(|error| format!("cannot read {}: {error}", list.display()))?;
     let before: BTreeSet<_> = checked_in.lines().collect();
     let now: BTreeSet<_> = items.iter().map(String::as_str).collect();
     let (gone, new) = (before.difference(&now), now.difference(&before));
-    let changes: Vec<_> = gone.map(|item| format!("-{item}")).chain(new.map(|item| format!("+{item}"))).collect();
+    let changes: Vec<_> = gone
+        .map(|item| format!("-{item}"))
+        .chain(new.map(|item| format!("+{item}")))
+        .collect();
     if changes.is_empty() {
         println!("the public API is as listed: {} items", items.len());
         return Ok(());
@@ -61,8 +69,19 @@ fn run(write: bool) -> Outcome {
 fn documentation(here: &Path) -> Outcome<PathBuf> {
     let root = here.join("../..");
     let mut rustdoc = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    rustdoc.current_dir(&root).env("RUSTDOC", here.join("rustdoc")).env_remove("RUSTDOCFLAGS");
-    rustdoc.args(["rustdoc", "--quiet", "--locked", "-p", "bevy_octree", "--lib", "--all-features"]);
+    rustdoc
+        .current_dir(&root)
+        .env("RUSTDOC", here.join("rustdoc"))
+        .env_remove("RUSTDOCFLAGS");
+    rustdoc.args([
+        "rustdoc",
+        "--quiet",
+        "--locked",
+        "-p",
+        "bevy_octree",
+        "--lib",
+        "--all-features",
+    ]);
     rustdoc.args(["--", "-Z", "unstable-options", "--output-format", "json"]);
     if !rustdoc.status()?.success() {
         return Err("rustdoc has failed".into());
@@ -73,24 +92,36 @@ fn documentation(here: &Path) -> Outcome<PathBuf> {
 
 /// The items of a file of rustdoc's, in order, each in a line.
 ///
-/// Of impls of other crates' traits, there is the impl alone: what is in it is the trait's. Types of which `glam` has one for
-/// each kind of processor are named as if there were but one.
+/// Of impls of other crates' traits, there is the impl alone: what is in it is the trait's. Types
+/// of which `glam` has one for each kind of processor are named as if there were but one.
 fn items(documentation: &Path) -> Outcome<Vec<String>> {
     let mut known: Value = serde_json::from_slice(&fs::read(documentation)?)?;
-    let index = known["index"].as_object_mut().ok_or("rustdoc's file has no index")?;
+    let index = known["index"]
+        .as_object_mut()
+        .ok_or("rustdoc's file has no index")?;
     for item in index.values_mut() {
-        if let Some(of_trait) = item["inner"].get_mut("impl").filter(|item| !item["trait"].is_null()) {
+        if let Some(of_trait) = item["inner"]
+            .get_mut("impl")
+            .filter(|item| !item["trait"].is_null())
+        {
             of_trait["items"] = Value::Array(Vec::new());
         }
     }
     let bare = documentation.with_extension("bare.json");
     fs::write(&bare, serde_json::to_vec(&known)?)?;
-    let builder = Builder::from_rustdoc_json(&bare).omit_blanket_impls(true).omit_auto_trait_impls(true);
+    let builder = Builder::from_rustdoc_json(&bare)
+        .omit_blanket_impls(true)
+        .omit_auto_trait_impls(true);
     let api = builder.build().map_err(|error| {
         format!("{error}\nIf this is a newer Rust: tools/api/Cargo.toml needs the public-api that goes with it")
     })?;
     let is_simd = |part: &str| ["sse2", "neon", "scalar", "wasm32"].contains(&part);
-    let named = |item: String| item.split("::").filter(|part| !is_simd(part)).collect::<Vec<_>>().join("::");
+    let named = |item: String| {
+        item.split("::")
+            .filter(|part| !is_simd(part))
+            .collect::<Vec<_>>()
+            .join("::")
+    };
     let mut items: Vec<_> = api.items().map(|item| named(item.to_string())).collect();
     items.retain(|item| !comes_with_another(item));
     items.dedup();
@@ -100,7 +131,13 @@ fn items(documentation: &Path) -> Outcome<Vec<String>> {
 /// Whether a derive makes this impl beside another, which is listed: of `Reflect`, of `PartialEq`.
 fn comes_with_another(item: &str) -> bool {
     let reflected = ["Reflect for", "FromReflect for"];
-    let beside = |trait_path: &str| !reflected.iter().any(|listed| trait_path.contains(&format!("::{listed}")));
+    let beside = |trait_path: &str| {
+        !reflected
+            .iter()
+            .any(|listed| trait_path.contains(&format!("::{listed}")))
+    };
     item.contains(" core::marker::StructuralPartialEq for ")
-        || item.split_once(" bevy_reflect::").is_some_and(|(start, path)| start.starts_with("impl") && beside(path))
+        || item
+            .split_once(" bevy_reflect::")
+            .is_some_and(|(start, path)| start.starts_with("impl") && beside(path))
 }

@@ -1,7 +1,9 @@
-//! Measures this crate and its peers side by side: `cargo run --release -p peers -- broad|app|queries`.
+//! Measures this crate and its peers side by side: `cargo run --release -p peers --
+//! broad|app|queries`.
 //!
-//! - `broad`: the broad phase alone. Every engine gets the same boxes, frame by frame, and gives all pairs that
-//!   overlap; engines take turns, in one process and on one thread. See [`broad`] and [`engines`].
+//! - `broad`: the broad phase alone. Every engine gets the same boxes, frame by frame, and gives
+//!   all pairs that overlap; engines take turns, in one process and on one thread. See [`broad`]
+//!   and [`engines`].
 //! - `app`: end to end in headless Bevy apps. See [`app`].
 //! - `queries`: rays, regions and nearest objects. See [`queries`].
 //!

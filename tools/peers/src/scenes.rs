@@ -25,9 +25,15 @@ impl Case {
     pub fn all() -> Vec<Self> {
         let mut cases = vec![];
         for scene in StressScene::ALL {
-            cases.push(Self { scene, at_rest: false });
+            cases.push(Self {
+                scene,
+                at_rest: false,
+            });
             if scene == StressScene::Freefall {
-                cases.push(Self { scene, at_rest: true });
+                cases.push(Self {
+                    scene,
+                    at_rest: true,
+                });
             }
         }
         cases
@@ -40,7 +46,11 @@ impl Case {
         if self.at_rest {
             for _ in 0..PATIENCE {
                 simulation.step();
-                let resting = recorded[0].iter().zip(simulation.boxes()).filter(|(old, new)| old == new).count();
+                let resting = recorded[0]
+                    .iter()
+                    .zip(simulation.boxes())
+                    .filter(|(old, new)| old == new)
+                    .count();
                 recorded[0].copy_from_slice(simulation.boxes());
                 if resting as f32 >= MOST * objects as f32 {
                     break;
@@ -57,7 +67,11 @@ impl Case {
 
 impl fmt::Display for Case {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(&format!("{}{}", self.scene, if self.at_rest { AT_REST } else { "" }))
+        f.pad(&format!(
+            "{}{}",
+            self.scene,
+            if self.at_rest { AT_REST } else { "" }
+        ))
     }
 }
 
@@ -69,7 +83,9 @@ impl FromStr for Case {
             Some(scene) => (scene, true),
             None => (name, false),
         };
-        let scene = scene.parse().map_err(|error: <StressScene as FromStr>::Err| error.to_string())?;
+        let scene = scene
+            .parse()
+            .map_err(|error: <StressScene as FromStr>::Err| error.to_string())?;
         Ok(Self { scene, at_rest })
     }
 }

@@ -18,17 +18,18 @@ const SPAN: usize = 8;
 /// Few objects are measured over more spans, until so many boxes have been set.
 const BOXES_SET: usize = 8_000_000;
 
-/// Measures how time and memory grow with the number of objects, on scenes that are as dense at a million objects as at
-/// a thousand; then objects that come all at once, and go all at once.
+/// Measures how time and memory grow with the number of objects, on scenes that are as dense at a
+/// million objects as at a thousand; then objects that come all at once, and go all at once.
 ///
-/// A tick sets every box, brings the index up to date and finds all pairs; the motion of the scene is not in it.
-/// `ns_per_object` is the median over spans of eight ticks, `growth` its ratio to that of the smallest number of
-/// objects, `bytes_per_object` the memory of the index: boxes, broad phase and pairs. `build_ns` and `despawn_ns` are
-/// for each object, the medians of several builds.
+/// A tick sets every box, brings the index up to date and finds all pairs; the motion of the scene
+/// is not in it. `ns_per_object` is the median over spans of eight ticks, `growth` its ratio to
+/// that of the smallest number of objects, `bytes_per_object` the memory of the index: boxes, broad
+/// phase and pairs. `build_ns` and `despawn_ns` are for each object, the medians of several builds.
 #[derive(Args)]
 #[command(allow_negative_numbers = true)]
 pub struct Arguments {
-    /// The scenes: brownian, freefall, gravity, planes, static90, sizes, clusters, ground, outlier or rooms.
+    /// The scenes: brownian, freefall, gravity, planes, static90, sizes, clusters, ground, outlier
+    /// or rooms.
     #[arg(long, value_delimiter = ',', default_values_t = [StressScene::Brownian, StressScene::Gravity])]
     scenes: Vec<StressScene>,
     /// The broad phases: auto, linear, object or exhaustive.
@@ -46,7 +47,8 @@ pub struct Arguments {
     /// Another seed gives other scenes of the same kind.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Seconds instead of a minute: up to 16 000 objects, builds of 20 000 and 40 000, and 2 repeats.
+    /// Seconds instead of a minute: up to 16 000 objects, builds of 20 000 and 40 000, and 2
+    /// repeats.
     #[arg(long, conflicts_with_all = ["objects", "builds", "repeats"])]
     quick: bool,
 }
@@ -58,8 +60,15 @@ pub fn run(mut arguments: Arguments) -> Outcome {
         arguments.repeats = 2;
     }
     let arguments = &arguments;
-    let Arguments { scenes, engines, objects, builds, .. } = arguments;
-    let mut progress = Progress::new((scenes.len() * engines.len() * (objects.len() + builds.len())) as u64);
+    let Arguments {
+        scenes,
+        engines,
+        objects,
+        builds,
+        ..
+    } = arguments;
+    let mut progress =
+        Progress::new((scenes.len() * engines.len() * (objects.len() + builds.len())) as u64);
     for scene in scenes {
         for engine in engines {
             let mut smallest = None;
@@ -75,7 +84,9 @@ pub fn run(mut arguments: Arguments) -> Outcome {
             for &objects in builds {
                 progress.begin(format!("{scene}, {engine}, {objects} objects at once"));
                 let [build, despawn] = lifetime(arguments, *scene, engine, objects)?;
-                println!("scene={scene} engine={engine} objects={objects} build_ns={build:.1} despawn_ns={despawn:.1}");
+                println!(
+                    "scene={scene} engine={engine} objects={objects} build_ns={build:.1} despawn_ns={despawn:.1}"
+                );
             }
         }
     }
@@ -89,7 +100,12 @@ struct Tick {
     pairs: f64,
 }
 
-fn tick(arguments: &Arguments, scene: StressScene, engine: &BroadPhaseMethod, objects: usize) -> Outcome<Tick> {
+fn tick(
+    arguments: &Arguments,
+    scene: StressScene,
+    engine: &BroadPhaseMethod,
+    objects: usize,
+) -> Outcome<Tick> {
     let mut simulation = StressSimulation::new(scene, objects, arguments.seed);
     let mut index = SpatialIndex::new(engine);
     let ids = spawn(&mut index, &simulation)?;
@@ -122,9 +138,14 @@ fn tick(arguments: &Arguments, scene: StressScene, engine: &BroadPhaseMethod, ob
 
 /// The time for each object from nothing to all pairs, and from all objects to none.
 ///
-/// All builds are made in one index, and the first is not counted: whether the system maps fresh memory for each of
-/// them depends on the size, and would be measured instead.
-fn lifetime(arguments: &Arguments, scene: StressScene, engine: &BroadPhaseMethod, objects: usize) -> Outcome<[f64; 2]> {
+/// All builds are made in one index, and the first is not counted: whether the system maps fresh
+/// memory for each of them depends on the size, and would be measured instead.
+fn lifetime(
+    arguments: &Arguments,
+    scene: StressScene,
+    engine: &BroadPhaseMethod,
+    objects: usize,
+) -> Outcome<[f64; 2]> {
     let simulation = StressSimulation::new(scene, objects, arguments.seed);
     let mut index = SpatialIndex::new(engine);
     let (mut builds, mut despawns) = (Vec::new(), Vec::new());
@@ -150,7 +171,11 @@ fn lifetime(arguments: &Arguments, scene: StressScene, engine: &BroadPhaseMethod
 }
 
 fn spawn(index: &mut SpatialIndex, simulation: &StressSimulation) -> Outcome<Vec<ProxyId>> {
-    Ok(simulation.boxes().iter().map(|aabb| index.insert(*aabb)).collect::<Result<_, _>>()?)
+    Ok(simulation
+        .boxes()
+        .iter()
+        .map(|aabb| index.insert(*aabb))
+        .collect::<Result<_, _>>()?)
 }
 
 fn nanoseconds(time: Duration, objects: usize) -> f64 {

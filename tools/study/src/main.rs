@@ -1,12 +1,13 @@
-//! Measures the crate by itself: `cargo run --release -p study -- timing|growth|stress|record|replay`; beside others, that
-//! is what `peers` is for.
+//! Measures the crate by itself: `cargo run --release -p study --
+//! timing|growth|stress|record|replay`; beside others, that is what `peers` is for.
 //!
 //! - `timing`: the timing study of the 1994 report, with statistics. See [`timing`].
 //! - `growth`: time and memory of the broad phase, from a thousand objects to a million.
 //! - `stress`: a stress scene in a headless app, by stage.
 //! - `record`, `replay`: traces of boxes, written and put through the broad phase.
 //!
-//! `--help` after any of them explains its arguments. `cargo bench -p study` measures one thing at a time.
+//! `--help` after any of them explains its arguments. `cargo bench -p study` measures one thing at
+//! a time.
 
 #[path = "../../../tests/common/brute_force.rs"]
 mod brute_force;

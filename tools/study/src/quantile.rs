@@ -1,6 +1,7 @@
 //! Quantiles of measured times.
 
-/// The value below which the given share of the values lies, 0.5 being the median; 0 if there is none.
+/// The value below which the given share of the values lies, 0.5 being the median; 0 if there is
+/// none.
 pub fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);

@@ -19,18 +19,20 @@ use crate::{
     threads::use_threads,
 };
 
-/// Replays a trace in Broadmark's .aabbs format through a broad phase: in each frame every object's box is set, the
-/// index is brought up to date, and all overlapping pairs are searched for, touching ones included.
+/// Replays a trace in Broadmark's .aabbs format through a broad phase: in each frame every object's
+/// box is set, the index is brought up to date, and all overlapping pairs are searched for,
+/// touching ones included.
 ///
-/// Prints one line. Times are medians per frame, in milliseconds: `update_ms` for setting the boxes and bringing the
-/// index up to date, `pairs_ms` for the search, `total_ms` for both. The initial boxes of the file count as a frame.
-/// `pairs_last` is the number of pairs in the last frame, `pairs_total` the sum over all frames.
+/// Prints one line. Times are medians per frame, in milliseconds: `update_ms` for setting the boxes
+/// and bringing the index up to date, `pairs_ms` for the search, `total_ms` for both. The initial
+/// boxes of the file count as a frame. `pairs_last` is the number of pairs in the last frame,
+/// `pairs_total` the sum over all frames.
 #[derive(Args)]
 pub struct Arguments {
     /// The trace.
     file: PathBuf,
-    /// The broad phase: `object` for the report's N-objects octree, `exhaustive`, or any other that the library knows.
-    /// The library's default if not given.
+    /// The broad phase: `object` for the report's N-objects octree, `exhaustive`, or any other that
+    /// the library knows. The library's default if not given.
     #[arg(long)]
     engine: Option<BroadPhaseMethod>,
     /// How many threads work.
@@ -42,7 +44,8 @@ pub struct Arguments {
     /// N: how many objects a leaf of the N-objects octree may list before it splits.
     #[arg(long, allow_negative_numbers = true)]
     max_objects: Option<u32>,
-    /// Compare the pairs of each frame with brute force, and fail on the first difference. Times are as without.
+    /// Compare the pairs of each frame with brute force, and fail on the first difference. Times
+    /// are as without.
     #[arg(long)]
     check: bool,
 }
@@ -52,15 +55,22 @@ pub fn run(arguments: &Arguments) -> Outcome {
     use_threads(arguments.threads)?;
     let mut reader = TraceReader::open(&arguments.file)?;
     let objects = reader.header().objects;
-    let frames = reader.header().box_sets().min(arguments.frames.unwrap_or(u64::MAX));
+    let frames = reader
+        .header()
+        .box_sets()
+        .min(arguments.frames.unwrap_or(u64::MAX));
     let mut replay = Replay::new(&method);
     let mut progress = Progress::new(frames);
     for frame in 0..frames {
         progress.begin(format!("{} pairs", replay.pairs_last));
-        let Some(boxes) = reader.next_frame()? else { break };
+        let Some(boxes) = reader.next_frame()? else {
+            break;
+        };
         replay.frame(boxes)?;
         if arguments.check {
-            replay.check(boxes).map_err(|difference| format!("frame {frame}: {difference}"))?;
+            replay
+                .check(boxes)
+                .map_err(|difference| format!("frame {frame}: {difference}"))?;
         }
     }
     drop(progress);
@@ -78,11 +88,18 @@ pub fn run(arguments: &Arguments) -> Outcome {
 }
 
 fn chosen_method(arguments: &Arguments) -> Outcome<BroadPhaseMethod> {
-    let method = match (arguments.engine.clone().unwrap_or_default(), arguments.max_objects) {
+    let method = match (
+        arguments.engine.clone().unwrap_or_default(),
+        arguments.max_objects,
+    ) {
         (BroadPhaseMethod::ObjectOctree(_), Some(max_objects)) => {
             BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(max_objects))
         }
-        (method, Some(_)) => return Err(format!("--max-objects is for the engine `object`, not for `{method}`").into()),
+        (method, Some(_)) => {
+            return Err(
+                format!("--max-objects is for the engine `object`, not for `{method}`").into(),
+            );
+        }
         (method, None) => method,
     };
     method.check()?;
@@ -113,7 +130,8 @@ impl Replay {
         }
     }
 
-    /// What a game does in a frame. Not inlined, so that profilers can tell it from the reading of the trace.
+    /// What a game does in a frame. Not inlined, so that profilers can tell it from the reading of
+    /// the trace.
     #[inline(never)]
     fn frame(&mut self, boxes: &[Aabb3d]) -> Outcome {
         let start = Instant::now();
@@ -136,11 +154,16 @@ impl Replay {
         Ok(())
     }
 
-    /// Compares the pairs of the last frame with those of brute force; fails with a description of the first
-    /// difference.
+    /// Compares the pairs of the last frame with those of brute force; fails with a description of
+    /// the first difference.
     fn check(&self, boxes: &[Aabb3d]) -> Result<(), String> {
         // Handles are given out from 0 up: they are the indices of the objects.
-        let mut found: Vec<_> = self.index.pairs().iter().map(|pair| [pair.a.get(), pair.b.get()]).collect();
+        let mut found: Vec<_> = self
+            .index
+            .pairs()
+            .iter()
+            .map(|pair| [pair.a.get(), pair.b.get()])
+            .collect();
         found.sort_unstable();
         compare(&found, &overlapping_pairs(boxes))
     }

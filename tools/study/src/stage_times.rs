@@ -27,9 +27,16 @@ pub struct StageTimes {
 impl StageTimes {
     /// Has the stages of a schedule timed, by systems between them.
     pub fn install(app: &mut App, schedule: impl ScheduleLabel + Clone) {
-        app.insert_resource(Self { sums: Default::default(), last: Instant::now() });
+        app.insert_resource(Self {
+            sums: Default::default(),
+            last: Instant::now(),
+        });
         app.add_systems(schedule.clone(), begin.in_set(CollisionSystems::First));
-        let ends = STAGES.iter().skip(1).map(|(set, _)| *set).chain([CollisionSystems::Last]);
+        let ends = STAGES
+            .iter()
+            .skip(1)
+            .map(|(set, _)| *set)
+            .chain([CollisionSystems::Last]);
         for (stage, ((set, _), next)) in STAGES.into_iter().zip(ends).enumerate() {
             let end = move |mut times: ResMut<Self>| times.end(stage);
             app.add_systems(schedule.clone(), end.after(set).before(next));

@@ -42,8 +42,14 @@ impl StressApp {
         let simulation = StressSimulation::new(setup.scene, setup.objects, setup.seed);
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-            .insert_resource(BroadPhaseSettings { method: setup.method.clone(), ..default() })
-            .add_systems(Update, (step, follow).chain().in_set(CollisionSystems::Motion));
+            .insert_resource(BroadPhaseSettings {
+                method: setup.method.clone(),
+                ..default()
+            })
+            .add_systems(
+                Update,
+                (step, follow).chain().in_set(CollisionSystems::Motion),
+            );
         StageTimes::install(&mut app, Update);
         app.finish();
         app.cleanup();
@@ -51,14 +57,21 @@ impl StressApp {
         let boxes = simulation.boxes().iter().enumerate();
         let entities = boxes.map(|(object, aabb)| {
             let shape = CollisionShape::try_from_half_size(aabb.half_size().into())?;
-            Ok((Object(object), shape, Transform::from_translation(aabb.center().into())))
+            Ok((
+                Object(object),
+                shape,
+                Transform::from_translation(aabb.center().into()),
+            ))
         });
         let entities = entities.collect::<Outcome<Vec<_>>>()?;
         app.world_mut().spawn_batch(entities);
         app.insert_resource(Simulation(simulation));
         app.update();
         app.world_mut().resource_mut::<StageTimes>().reset();
-        Ok(Self { app, update_ms: Vec::new() })
+        Ok(Self {
+            app,
+            update_ms: Vec::new(),
+        })
     }
 
     /// Runs and times a frame. Not inlined, so that profilers can tell it from what is done once.
@@ -74,11 +87,15 @@ impl StressApp {
         self.app.world().resource()
     }
 
-    /// Each stage's mean time per frame, in milliseconds, with its name; last what is left of the frame.
+    /// Each stage's mean time per frame, in milliseconds, with its name; last what is left of the
+    /// frame.
     pub fn stages_ms(&self) -> Vec<(&'static str, f64)> {
         let frames = self.update_ms.len().max(1) as f64;
         let sums = &self.app.world().resource::<StageTimes>().sums;
-        let stages = STAGES.iter().zip(sums).map(|((_, name), sum)| (*name, sum.as_secs_f64() * 1e3 / frames));
+        let stages = STAGES
+            .iter()
+            .zip(sums)
+            .map(|((_, name), sum)| (*name, sum.as_secs_f64() * 1e3 / frames));
         let mut stages: Vec<_> = stages.collect();
         let timed: f64 = stages.iter().map(|(_, ms)| ms).sum();
         stages.push(("other", self.update_ms.iter().sum::<f64>() / frames - timed));

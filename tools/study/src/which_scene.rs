@@ -6,7 +6,8 @@ use clap::Args;
 /// A stress scene.
 #[derive(Args, Clone, Copy)]
 pub struct WhichScene {
-    /// Which scene: brownian, freefall, gravity, planes, static90, sizes, clusters, ground, outlier or rooms.
+    /// Which scene: brownian, freefall, gravity, planes, static90, sizes, clusters, ground, outlier
+    /// or rooms.
     #[arg(long)]
     pub scene: StressScene,
     /// How many objects there are.

@@ -12,7 +12,11 @@ const MOMENTS: usize = 512;
 
 fn intersect(tests: &NarrowPhase, a: &Moving, b: &Moving, time: f32) -> bool {
     let (shape_a, shape_b, at_a, at_b) = (a.shape(), b.shape(), a.at(time), b.at(time));
-    tests.intersects(Placed::new(shape_a, &at_a), Placed::new(shape_b, &at_b), &mut Workspace::default())
+    tests.intersects(
+        Placed::new(shape_a, &at_a),
+        Placed::new(shape_b, &at_b),
+        &mut Workspace::default(),
+    )
 }
 
 fn met(a: &Moving, b: &Moving) -> Option<TimedContact> {
@@ -20,29 +24,52 @@ fn met(a: &Moving, b: &Moving) -> Option<TimedContact> {
 }
 
 fn turned(axis: Vec3, angle: f32) -> Quat {
-    axis.try_normalize().map_or(Quat::IDENTITY, |axis| Quat::from_axis_angle(axis, angle))
+    axis.try_normalize()
+        .map_or(Quat::IDENTITY, |axis| Quat::from_axis_angle(axis, angle))
 }
 
-/// As a look at all moments has it: whether the two meet at all, and not before or after the time that is found. Contacts
-/// that last for less than `shortest` moments may be missed, and those by tolerance alone.
+/// As a look at all moments has it: whether the two meet at all, and not before or after the time
+/// that is found. Contacts that last for less than `shortest` moments may be missed, and those by
+/// tolerance alone.
 fn check(a: &Moving, b: &Moving, shortest: usize) -> Result<(), TestCaseError> {
     let [strict, loose] = [1e-5, 4e-3].map(|tolerance| NarrowPhase::new(tolerance).unwrap());
     let (found, back) = (met(a, b), met(b, a));
     let time = |moment: usize| moment as f32 / MOMENTS as f32;
-    let touching: Vec<_> = (0..=MOMENTS).map(|moment| intersect(&strict, a, b, time(moment))).collect();
+    let touching: Vec<_> = (0..=MOMENTS)
+        .map(|moment| intersect(&strict, a, b, time(moment)))
+        .collect();
     // Two that start in contact may part, for a while; what comes after that counts.
     let gap = if touching[0] { MOMENTS / 16 + 1 } else { 1 };
-    let free = touching.windows(gap).position(|gap| gap.iter().all(|touching| !touching));
-    let lasts = |moment: &usize| touching[*moment..].iter().take(shortest).all(|touching| *touching);
+    let free = touching
+        .windows(gap)
+        .position(|gap| gap.iter().all(|touching| !touching));
+    let lasts = |moment: &usize| {
+        touching[*moment..]
+            .iter()
+            .take(shortest)
+            .all(|touching| *touching)
+    };
     let first = free.and_then(|free| (free..=MOMENTS).find(lasts)).map(time);
     if let Some(found) = found {
-        prop_assert!(intersect(&loose, a, b, found.time), "not in contact at {}", found.time);
+        prop_assert!(
+            intersect(&loose, a, b, found.time),
+            "not in contact at {}",
+            found.time
+        );
         prop_assert!(found.contact.normal.is_normalized());
         prop_assert!((0.0..=1.0).contains(&found.time));
         if let Some(first) = first {
             // Nor are those whose time is less exact: what turns in passing, and Rapier's.
-            let margin = if shortest > 1 || is_rapiers(a) || is_rapiers(b) { 2e-2 } else { 1e-3 };
-            prop_assert!(found.time <= first + margin, "found {}, met at {first}", found.time);
+            let margin = if shortest > 1 || is_rapiers(a) || is_rapiers(b) {
+                2e-2
+            } else {
+                1e-3
+            };
+            prop_assert!(
+                found.time <= first + margin,
+                "found {}, met at {first}",
+                found.time
+            );
             prop_assert!(back.is_some());
         }
     } else {
@@ -50,12 +77,18 @@ fn check(a: &Moving, b: &Moving, shortest: usize) -> Result<(), TestCaseError> {
         prop_assert!(touching.contains(&false));
     }
     let [box_a, box_b] = [a, b].map(|moving| NarrowPhase::default().swept_aabb(moving).unwrap());
-    prop_assert!(overlap(&box_a, &box_b) || (found.is_none() && first.is_none()), "a broad phase would miss it");
+    prop_assert!(
+        overlap(&box_a, &box_b) || (found.is_none() && first.is_none()),
+        "a broad phase would miss it"
+    );
     Ok(())
 }
 
 fn is_rapiers(moving: &Moving) -> bool {
-    !matches!(moving.shape(), Shape::Cuboid { .. } | Shape::Sphere { .. } | Shape::Convex(_) | Shape::Mesh(_))
+    !matches!(
+        moving.shape(),
+        Shape::Cuboid { .. } | Shape::Sphere { .. } | Shape::Convex(_) | Shape::Mesh(_)
+    )
 }
 
 proptest! {
@@ -89,17 +122,28 @@ proptest! {
 fn a_blade_hits_what_it_turns_through() {
     let (blade, ball) = (box_of(1.0, 0.01, 0.2), Shape::sphere(0.1));
     let start = at(0.0, 0.0, 0.0);
-    let blade = Moving::new(&blade, &start, &start.with_rotation(Quat::from_rotation_z(2.0)));
+    let blade = Moving::new(
+        &blade,
+        &start,
+        &start.with_rotation(Quat::from_rotation_z(2.0)),
+    );
     let placed = at(0.0, 0.8, 0.0);
     let found = met(&blade, &Moving::resting(Placed::new(&ball, &placed))).unwrap();
-    // The angle at which the face of the blade is a radius and half a thickness away from the ball's centre.
+    // The angle at which the face of the blade is a radius and half a thickness away from the
+    // ball's centre.
     let expected = (std::f32::consts::FRAC_PI_2 - (0.11f32 / 0.8).asin()) / 2.0;
-    assert!((found.time - expected).abs() < 1e-3, "{found:?}, expected {expected}");
+    assert!(
+        (found.time - expected).abs() < 1e-3,
+        "{found:?}, expected {expected}"
+    );
     // Upright by then, it comes from the right.
     assert!(found.contact.normal.x < -0.98, "{found:?}");
     // One that is out of reach is not hit, though it is in the box.
     let corner = at(0.95, 0.95, 0.0);
-    assert_eq!(met(&blade, &Moving::resting(Placed::new(&ball, &corner))), None);
+    assert_eq!(
+        met(&blade, &Moving::resting(Placed::new(&ball, &corner))),
+        None
+    );
 }
 
 /// A bar that spins while it flies at a thousand times its length per tick.
@@ -118,18 +162,40 @@ fn a_spinning_bullet_does_not_pass_through_paper() {
 fn those_that_part_meet_when_they_come_back() {
     // A wall with another behind it, as one mesh.
     let sheet = |x: f32| [[x, -1., -1.], [x, 1., -1.], [x, 1., 1.], [x, -1., 1.]].map(Vec3::from);
-    let walls = Shape::mesh([sheet(0.0), sheet(4.0)].concat(), [[0, 1, 2, 3], [4, 5, 6, 7]]).unwrap();
+    let walls = Shape::mesh(
+        [sheet(0.0), sheet(4.0)].concat(),
+        [[0, 1, 2, 3], [4, 5, 6, 7]],
+    )
+    .unwrap();
     let (ball, here) = (Shape::sphere(0.5), at(0.0, 0.0, 0.0));
     let walls = Moving::resting(Placed::new(&walls, &here));
     // Touching the first, on its way to the second.
-    let found = met(&Moving::new(&ball, &at(0.5, 0.0, 0.0), &at(8.5, 0.0, 0.0)), &walls).unwrap();
+    let found = met(
+        &Moving::new(&ball, &at(0.5, 0.0, 0.0), &at(8.5, 0.0, 0.0)),
+        &walls,
+    )
+    .unwrap();
     assert!((found.time - 3.0 / 8.0).abs() < 1e-3, "{found:?}");
     // Away from both.
-    assert_eq!(met(&Moving::new(&ball, &at(-0.5, 0.0, 0.0), &at(-8.5, 0.0, 0.0)), &walls), None);
+    assert_eq!(
+        met(
+            &Moving::new(&ball, &at(-0.5, 0.0, 0.0), &at(-8.5, 0.0, 0.0)),
+            &walls
+        ),
+        None
+    );
     // Into the first, at once; along it, all the time.
-    let found = met(&Moving::new(&ball, &at(0.5, 0.0, 0.0), &at(-8.5, 0.0, 0.0)), &walls).unwrap();
+    let found = met(
+        &Moving::new(&ball, &at(0.5, 0.0, 0.0), &at(-8.5, 0.0, 0.0)),
+        &walls,
+    )
+    .unwrap();
     assert_eq!(found.time, 0.0);
-    let found = met(&Moving::new(&ball, &at(0.5, 0.0, 0.0), &at(0.5, 0.7, 0.0)), &walls).unwrap();
+    let found = met(
+        &Moving::new(&ball, &at(0.5, 0.0, 0.0), &at(0.5, 0.7, 0.0)),
+        &walls,
+    )
+    .unwrap();
     assert_eq!(found.time, 0.0);
 }
 
@@ -141,30 +207,57 @@ fn what_is_not_finite_meets_nothing() {
         let moving = Moving::new(&cube, &at(-5.0, 0.0, 0.0), &at(bad, 0.0, 0.0));
         assert_eq!(met(&moving, &resting), None);
         assert!(NarrowPhase::default().swept_aabb(&moving).is_err());
-        let turning = Moving::new(&cube, &here, &here.with_rotation(Quat::from_xyzw(bad, 0.0, 0.0, 1.0)));
+        let turning = Moving::new(
+            &cube,
+            &here,
+            &here.with_rotation(Quat::from_xyzw(bad, 0.0, 0.0, 1.0)),
+        );
         let _ = met(&turning, &resting);
         assert!(NarrowPhase::default().swept_aabb(&turning).is_err());
     }
 }
 
-/// Asks on a thread of its own, so that a search without an end is a failure and not a test without one.
-fn met_in_time(name: &str, search: impl FnOnce() -> Option<TimedContact> + Send + 'static) -> Option<TimedContact> {
+/// Asks on a thread of its own, so that a search without an end is a failure and not a test without
+/// one.
+fn met_in_time(
+    name: &str,
+    search: impl FnOnce() -> Option<TimedContact> + Send + 'static,
+) -> Option<TimedContact> {
     let (sender, receiver) = std::sync::mpsc::channel();
     std::thread::spawn(move || sender.send(search()));
-    receiver.recv_timeout(std::time::Duration::from_secs(20)).unwrap_or_else(|_| panic!("{name} has no end"))
+    receiver
+        .recv_timeout(std::time::Duration::from_secs(20))
+        .unwrap_or_else(|_| panic!("{name} has no end"))
 }
 
 /// From the end of the world, turning, to where they touch, or nearly so.
 #[test]
 fn every_search_has_an_end() {
     let sizes = [1e-30, 1e-3, 0.5, 1e4, 1e10, 1e19, 1e30, 1e37, 1e38];
-    let shapes = |size: f32| [Shape::sphere(size), box_of(size, size, size), mesh_of(Vec3::splat(size))];
-    for (size, far) in sizes.into_iter().flat_map(|size| sizes.map(|far| (size, far))) {
-        for (one, other) in shapes(size).into_iter().flat_map(|one| shapes(0.5).map(|other| (one.clone(), other))) {
-            for (angle, gap) in [0.0, 0.3, 3.0].into_iter().flat_map(|angle| [0.0, 2e-4, 1.0].map(|gap| (angle, gap))) {
-                let name = format!("{size} from {far}, turned by {angle}, gap {gap}, {one:?} {other:?}");
+    let shapes = |size: f32| {
+        [
+            Shape::sphere(size),
+            box_of(size, size, size),
+            mesh_of(Vec3::splat(size)),
+        ]
+    };
+    for (size, far) in sizes
+        .into_iter()
+        .flat_map(|size| sizes.map(|far| (size, far)))
+    {
+        for (one, other) in shapes(size)
+            .into_iter()
+            .flat_map(|one| shapes(0.5).map(|other| (one.clone(), other)))
+        {
+            for (angle, gap) in [0.0, 0.3, 3.0]
+                .into_iter()
+                .flat_map(|angle| [0.0, 2e-4, 1.0].map(|gap| (angle, gap)))
+            {
+                let name =
+                    format!("{size} from {far}, turned by {angle}, gap {gap}, {one:?} {other:?}");
                 let (start, here) = (at(0.3, -far, 0.0), at(0.0, 0.0, 0.0));
-                let end = at(0.3, size + 0.5 + gap, 0.0).with_rotation(Quat::from_rotation_z(angle));
+                let end =
+                    at(0.3, size + 0.5 + gap, 0.0).with_rotation(Quat::from_rotation_z(angle));
                 let (one, other) = (one.clone(), other.clone());
                 met_in_time(&name, move || {
                     let resting = Moving::resting(Placed::new(&other, &here));
@@ -183,19 +276,25 @@ fn every_search_has_an_end() {
 fn the_search_above_a_half_space_has_an_end() {
     use bevy_rapier3d::geometry::Collider;
     for radius in [0.4995, 0.5, 0.5005] {
-        for (way, gap) in
-            [4e2, 4e3, 4e4].into_iter().flat_map(|way| [0.0, 1e-4, 1.5e-4, 2e-4, 3e-4, 1e-3].map(|gap| (way, gap)))
+        for (way, gap) in [4e2, 4e3, 4e4]
+            .into_iter()
+            .flat_map(|way| [0.0, 1e-4, 1.5e-4, 2e-4, 3e-4, 1e-3].map(|gap| (way, gap)))
         {
             for angle in [0.003, 0.3, 1.0, 3.0] {
-                met_in_time(&format!("{radius} from {way} to {gap}, turned by {angle}"), move || {
-                    let ground = Shape::from(&Collider::halfspace(Vec3::Y).unwrap());
-                    let (ball, here) = (Shape::from(&Collider::ball(radius)), at(0.0, 0.0, 0.0));
-                    let end = at(0.0, radius + gap, 0.0).with_rotation(Quat::from_rotation_z(angle));
-                    let resting = Moving::resting(Placed::new(&ground, &here));
-                    let own = Shape::sphere(radius);
-                    met(&Moving::new(&own, &at(0.0, -way, 0.0), &end), &resting);
-                    met(&Moving::new(&ball, &at(0.0, -way, 0.0), &end), &resting)
-                });
+                met_in_time(
+                    &format!("{radius} from {way} to {gap}, turned by {angle}"),
+                    move || {
+                        let ground = Shape::from(&Collider::halfspace(Vec3::Y).unwrap());
+                        let (ball, here) =
+                            (Shape::from(&Collider::ball(radius)), at(0.0, 0.0, 0.0));
+                        let end =
+                            at(0.0, radius + gap, 0.0).with_rotation(Quat::from_rotation_z(angle));
+                        let resting = Moving::resting(Placed::new(&ground, &here));
+                        let own = Shape::sphere(radius);
+                        met(&Moving::new(&own, &at(0.0, -way, 0.0), &end), &resting);
+                        met(&Moving::new(&ball, &at(0.0, -way, 0.0), &end), &resting)
+                    },
+                );
             }
         }
     }

@@ -7,7 +7,14 @@ pub fn cube() -> PolygonMesh {
     let bits = |i: u8| [i & 1, i >> 1 & 1, i >> 2 & 1];
     let corner = |i| Vec3::from(bits(i).map(|bit| f32::from(bit) * 2.0 - 1.0));
     let vertices: Vec<_> = (0..8).map(corner).collect();
-    let polygons = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [7, 3, 1, 5]];
+    let polygons = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [7, 3, 1, 5],
+    ];
     PolygonMesh::new(vertices, polygons).unwrap()
 }
 
@@ -18,7 +25,10 @@ fn cube_is_closed_and_faces_outwards() {
     assert_eq!((cube.edges().len(), cube.shells().len()), (12, 1));
     for (polygon, normal) in cube.polygons().zip(cube.normals()) {
         let corner = cube.vertices()[polygon[0] as usize];
-        assert!((normal.dot(corner) - 1.0).abs() < 1e-6, "{polygon:?} {normal}");
+        assert!(
+            (normal.dot(corner) - 1.0).abs() < 1e-6,
+            "{polygon:?} {normal}"
+        );
     }
     assert_eq!(cube.local_bounds(), (Vec3A::ZERO, Vec3A::ONE, 3f32.sqrt()));
 }
@@ -33,26 +43,51 @@ fn missing_polygon_leaves_the_mesh_open() {
 
 #[test]
 fn bad_input_is_named() {
-    let square = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y, Vec3::X * 2.0];
+    let square = [
+        Vec3::ZERO,
+        Vec3::X,
+        Vec3::new(1.0, 1.0, 0.0),
+        Vec3::Y,
+        Vec3::X * 2.0,
+    ];
     let build = |polygons: &[&[u32]]| PolygonMesh::new(square, polygons).unwrap_err();
     let good: &[u32] = &[0, 1, 2, 3];
     assert_eq!(build(&[]), ShapeError::Empty);
-    let error = ShapeError::TooFewCorners { polygon: 1, corners: 2 };
+    let error = ShapeError::TooFewCorners {
+        polygon: 1,
+        corners: 2,
+    };
     assert_eq!(build(&[good, &[0, 1]]), error);
-    let error = ShapeError::IndexOutOfRange { polygon: 1, vertex: 9, vertices: 5 };
+    let error = ShapeError::IndexOutOfRange {
+        polygon: 1,
+        vertex: 9,
+        vertices: 5,
+    };
     assert_eq!(build(&[good, &[0, 1, 9]]), error);
-    let error = ShapeError::RepeatedVertex { polygon: 1, vertex: 0 };
+    let error = ShapeError::RepeatedVertex {
+        polygon: 1,
+        vertex: 0,
+    };
     assert_eq!(build(&[good, &[0, 1, 2, 0]]), error);
-    assert_eq!(build(&[good, &[0, 1, 4]]), ShapeError::ZeroArea { polygon: 1 });
+    assert_eq!(
+        build(&[good, &[0, 1, 4]]),
+        ShapeError::ZeroArea { polygon: 1 }
+    );
 
     let mut bent = square;
     bent[2].z = 0.1;
     let error = PolygonMesh::new(bent, [good]).unwrap_err();
-    assert!(matches!(error, ShapeError::NotPlanar { polygon: 0, .. }), "{error}");
+    assert!(
+        matches!(error, ShapeError::NotPlanar { polygon: 0, .. }),
+        "{error}"
+    );
 
     bent[2].z = f32::NAN;
     let error = PolygonMesh::new(bent, [good]).unwrap_err();
-    assert!(matches!(error, ShapeError::NonFiniteVertex { vertex: 2, .. }), "{error}");
+    assert!(
+        matches!(error, ShapeError::NonFiniteVertex { vertex: 2, .. }),
+        "{error}"
+    );
 }
 
 #[test]

@@ -6,18 +6,36 @@ use bevy_rapier3d::geometry::Collider;
 use bevy_rapier3d::parry::math::IVector;
 use bevy_rapier3d::parry::shape::SharedShape;
 
-use crate::narrow_phase::parry::query::tests::{Random, boxes_of, contact, distance, hull_of, solids};
+use crate::narrow_phase::parry::query::tests::{
+    Random, boxes_of, contact, distance, hull_of, solids,
+};
 use crate::narrow_phase::tests::{at, box_of, mesh_of};
 use crate::narrow_phase::*;
 
-/// All kinds of shapes that a ray or something on its way can meet; each has the origin inside or on it, but no more than
-/// two units around it.
+/// All kinds of shapes that a ray or something on its way can meet; each has the origin inside or
+/// on it, but no more than two units around it.
 fn targets() -> Vec<Shape> {
     let random = &mut Random::new(4);
-    let flat = [Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 0.0, -1.0), Vec3::new(0.0, 0.0, 1.5)];
-    let field = Collider::heightfield(vec![0.1, 0.2, 0.0, 0.1, 0.0, 0.2, 0.1, 0.0, 0.1], 3, 3, Vec3::ONE);
-    let mut shapes: Vec<Shape> = solids(1.0, random).into_iter().map(|solid| solid.shape).collect();
-    shapes.extend(boxes_of(Vec3::new(0.5, 1.0, 0.7)).into_iter().map(|(_, shape)| shape));
+    let flat = [
+        Vec3::new(-1.0, 0.0, -1.0),
+        Vec3::new(1.0, 0.0, -1.0),
+        Vec3::new(0.0, 0.0, 1.5),
+    ];
+    let field = Collider::heightfield(
+        vec![0.1, 0.2, 0.0, 0.1, 0.0, 0.2, 0.1, 0.0, 0.1],
+        3,
+        3,
+        Vec3::ONE,
+    );
+    let mut shapes: Vec<Shape> = solids(1.0, random)
+        .into_iter()
+        .map(|solid| solid.shape)
+        .collect();
+    shapes.extend(
+        boxes_of(Vec3::new(0.5, 1.0, 0.7))
+            .into_iter()
+            .map(|(_, shape)| shape),
+    );
     shapes.extend([
         Shape::sphere(0.7),
         SharedShape::triangle(flat[0], flat[1], flat[2]).into(),
@@ -33,33 +51,69 @@ fn rays_and_sweeps_from_afar_are_those_from_nearby() {
     let mut random = Random::new(5);
     let mut workspace = Workspace::default();
     let tests = NarrowPhase::default();
-    let probes = [box_of(0.2, 0.1, 0.3), SharedShape::capsule_y(0.2, 0.1).into(), mesh_of(Vec3::splat(0.2))];
+    let probes = [
+        box_of(0.2, 0.1, 0.3),
+        SharedShape::capsule_y(0.2, 0.1).into(),
+        mesh_of(Vec3::splat(0.2)),
+    ];
     for shape in targets() {
         let (mut rays, mut sweeps) = (0, 0);
         for i in 0..40 {
             let here = Transform::from_translation(random.point()).with_rotation(random.turn());
             let target = Placed::new(&shape, &here);
-            // Along a direction that 32-bit floats hold exactly, so that what is far is no other ray.
+            // Along a direction that 32-bit floats hold exactly, so that what is far is no other
+            // ray.
             let direction = [Dir3::X, Dir3::Y, Dir3::NEG_Z, Dir3::NEG_X][i % 4];
             let grid = |point: Vec3| (point * 1024.0).round() / 1024.0;
             let start = grid(here.translation + random.point() * 0.8) - direction * 8.0;
             let near = tests.cast_ray(target, start, direction, 100.0);
             let probe = &probes[i % 3];
             let from = Transform::from_translation(start).with_rotation(random.turn());
-            let swept = tests.sweep(Placed::new(probe, &from), direction, 100.0, target, &mut workspace);
+            let swept = tests.sweep(
+                Placed::new(probe, &from),
+                direction,
+                100.0,
+                target,
+                &mut workspace,
+            );
             for far in [256.0, 4096.0, 12_288.0] {
                 let afar = start - direction * far;
                 let hit = tests.cast_ray(target, afar, direction, 20_000.0);
-                assert_eq!(hit.is_some(), near.is_some(), "{shape:?} from {far}: {hit:?} {near:?}");
+                assert_eq!(
+                    hit.is_some(),
+                    near.is_some(),
+                    "{shape:?} from {far}: {hit:?} {near:?}"
+                );
                 let from = from.with_translation(afar);
-                let met = tests.sweep(Placed::new(probe, &from), direction, 20_000.0, target, &mut workspace);
-                assert_eq!(met.is_some(), swept.is_some(), "{shape:?} and {probe:?} from {far}: {met:?} {swept:?}");
-                for (hit, near) in [(hit, near), (met, swept)].into_iter().filter_map(|(a, b)| a.zip(b)) {
+                let met = tests.sweep(
+                    Placed::new(probe, &from),
+                    direction,
+                    20_000.0,
+                    target,
+                    &mut workspace,
+                );
+                assert_eq!(
+                    met.is_some(),
+                    swept.is_some(),
+                    "{shape:?} and {probe:?} from {far}: {met:?} {swept:?}"
+                );
+                for (hit, near) in [(hit, near), (met, swept)]
+                    .into_iter()
+                    .filter_map(|(a, b)| a.zip(b))
+                {
                     // As well as the distance can be held.
                     let off = (hit.distance - far - near.distance).abs();
-                    assert!(off <= far * 2.5e-7 + 2e-5, "{shape:?} from {far}: {hit:?} {near:?}");
-                    let closest = tests.closest_point(target, hit.point, &mut workspace).unwrap();
-                    assert!(closest.distance(hit.point) < 1e-4, "{shape:?} from {far}: {hit:?}, closest {closest}");
+                    assert!(
+                        off <= far * 2.5e-7 + 2e-5,
+                        "{shape:?} from {far}: {hit:?} {near:?}"
+                    );
+                    let closest = tests
+                        .closest_point(target, hit.point, &mut workspace)
+                        .unwrap();
+                    assert!(
+                        closest.distance(hit.point) < 1e-4,
+                        "{shape:?} from {far}: {hit:?}, closest {closest}"
+                    );
                 }
             }
             rays += usize::from(near.is_some());
@@ -81,15 +135,26 @@ fn a_ray_from_inside_meets_the_shape_where_it_starts() {
         let target = Placed::new(&solid.shape, &here);
         for _ in 0..200 {
             let origin = here.translation + random.point();
-            let closest = tests.closest_point(target, origin, &mut Workspace::default()).unwrap();
+            let closest = tests
+                .closest_point(target, origin, &mut Workspace::default())
+                .unwrap();
             if closest.distance(origin) > 0.0 {
                 continue;
             }
             inside += 1;
             let direction = Dir3::new(origin - here.translation + Vec3::X * 0.01).unwrap();
             let impact = tests.cast_ray(target, origin, direction, 10.0).unwrap();
-            assert_eq!((impact.distance, impact.normal), (0.0, -*direction), "{:?}", solid.shape);
-            assert!(impact.point.distance(origin) < 1e-5, "{:?}: {impact:?} from {origin}", solid.shape);
+            assert_eq!(
+                (impact.distance, impact.normal),
+                (0.0, -*direction),
+                "{:?}",
+                solid.shape
+            );
+            assert!(
+                impact.point.distance(origin) < 1e-5,
+                "{:?}: {impact:?} from {origin}",
+                solid.shape
+            );
         }
     }
     assert!(inside > 200, "{inside}");
@@ -98,16 +163,36 @@ fn a_ray_from_inside_meets_the_shape_where_it_starts() {
 #[test]
 fn a_ray_from_a_face_along_it_meets_the_shape_at_once() {
     let half = Vec3::splat(0.5);
-    let mut flat: Vec<(&str, Shape, f32)> =
-        boxes_of(half).into_iter().map(|(name, shape)| (name, shape, 0.5)).collect();
-    let square =
-        [Vec3::new(-0.5, 0.0, -0.5), Vec3::new(-0.5, 0.0, 0.5), Vec3::new(0.5, 0.0, 0.5), Vec3::new(0.5, 0.0, -0.5)];
+    let mut flat: Vec<(&str, Shape, f32)> = boxes_of(half)
+        .into_iter()
+        .map(|(name, shape)| (name, shape, 0.5))
+        .collect();
+    let square = [
+        Vec3::new(-0.5, 0.0, -0.5),
+        Vec3::new(-0.5, 0.0, 0.5),
+        Vec3::new(0.5, 0.0, 0.5),
+        Vec3::new(0.5, 0.0, -0.5),
+    ];
     let field = Collider::heightfield(vec![0.0; 9], 3, 3, Vec3::ONE);
     flat.extend([
-        ("open mesh", Shape::mesh(square, [[0u32, 1, 2, 3]]).unwrap(), 0.0),
-        ("open triangles", SharedShape::trimesh(square.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap().into(), 0.0),
+        (
+            "open mesh",
+            Shape::mesh(square, [[0u32, 1, 2, 3]]).unwrap(),
+            0.0,
+        ),
+        (
+            "open triangles",
+            SharedShape::trimesh(square.to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+                .unwrap()
+                .into(),
+            0.0,
+        ),
         ("height field", (&field).into(), 0.0),
-        ("voxel", SharedShape::voxels(Vec3::ONE, &[IVector::new(0, 0, 0)]).into(), 1.0),
+        (
+            "voxel",
+            SharedShape::voxels(Vec3::ONE, &[IVector::new(0, 0, 0)]).into(),
+            1.0,
+        ),
     ]);
     let round = [
         ("sphere", Shape::sphere(0.5), 0.5),
@@ -115,7 +200,11 @@ fn a_ray_from_a_face_along_it_meets_the_shape_at_once() {
         ("capsule", SharedShape::capsule_x(0.3, 0.5).into(), 0.5),
         ("cylinder", SharedShape::cylinder(0.5, 0.3).into(), 0.5),
         ("cone", SharedShape::cone(0.5, 0.5).into(), -0.5),
-        ("round cuboid", SharedShape::round_cuboid(0.3, 0.3, 0.3, 0.2).into(), 0.5),
+        (
+            "round cuboid",
+            SharedShape::round_cuboid(0.3, 0.3, 0.3, 0.2).into(),
+            0.5,
+        ),
     ];
     let mut random = Random::new(7);
     let tests = NarrowPhase::default();
@@ -130,26 +219,57 @@ fn a_ray_from_a_face_along_it_meets_the_shape_at_once() {
             let target = Placed::new(shape, &here);
             let x = if *name == "voxel" { 0.5 } else { 0.0 };
             let on_face = here * (Vec3::new(x, *top, x) + Vec3::new(0.2, 0.0, -0.1));
-            for direction in [Vec3::X, Vec3::NEG_Z, Vec3::new(0.6, 0.0, 0.8), Vec3::Y, Vec3::NEG_Y] {
+            for direction in [
+                Vec3::X,
+                Vec3::NEG_Z,
+                Vec3::new(0.6, 0.0, 0.8),
+                Vec3::Y,
+                Vec3::NEG_Y,
+            ] {
                 let hit = tests.cast_ray(target, on_face, turned(direction), 10.0);
-                assert_eq!(hit.map(|hit| hit.distance), Some(0.0), "{name} {direction} {here:?}");
+                assert_eq!(
+                    hit.map(|hit| hit.distance),
+                    Some(0.0),
+                    "{name} {direction} {here:?}"
+                );
             }
-            // In the plane of the face, from outside: as it is alone, for rounding puts it over or under that plane.
+            // In the plane of the face, from outside: as it is alone, for rounding puts it over or
+            // under that plane.
             if i == 0 {
                 let start = Vec3::new(x - 2.0, *top, x + 0.1);
-                let hit = tests.cast_ray(target, start, Dir3::X, 10.0).unwrap_or_else(|| panic!("{name}"));
-                assert!((hit.distance - 1.5).abs() < 1e-5 && hit.normal.x < -0.99, "{name}: {hit:?}");
-                assert!(tests.cast_ray(target, start, Dir3::Z, 10.0).is_none(), "{name}");
-                assert!(tests.cast_ray(target, start, Dir3::NEG_X, 10.0).is_none(), "{name}");
+                let hit = tests
+                    .cast_ray(target, start, Dir3::X, 10.0)
+                    .unwrap_or_else(|| panic!("{name}"));
+                assert!(
+                    (hit.distance - 1.5).abs() < 1e-5 && hit.normal.x < -0.99,
+                    "{name}: {hit:?}"
+                );
+                assert!(
+                    tests.cast_ray(target, start, Dir3::Z, 10.0).is_none(),
+                    "{name}"
+                );
+                assert!(
+                    tests.cast_ray(target, start, Dir3::NEG_X, 10.0).is_none(),
+                    "{name}"
+                );
             }
             let over = here * Vec3::new(x + 0.2, top + 1e-3, x);
-            assert!(tests.cast_ray(target, over, turned(Vec3::X), 10.0).is_none(), "{name} {here:?}");
+            assert!(
+                tests
+                    .cast_ray(target, over, turned(Vec3::X), 10.0)
+                    .is_none(),
+                "{name} {here:?}"
+            );
         }
         for (name, shape, top) in &round {
             let (target, on_top) = (Placed::new(shape, &here), here * (Vec3::Y * *top));
             for direction in [Vec3::X, Vec3::new(0.6, 0.0, 0.8), Vec3::Y, Vec3::NEG_Y] {
                 let hit = tests.cast_ray(target, on_top, turned(direction), 10.0);
-                assert_eq!(hit.map(|hit| hit.distance), Some(0.0), "{name} {direction} {here:?}");
+                assert_eq!(
+                    hit.map(|hit| hit.distance),
+                    Some(0.0),
+                    "{name} {direction} {here:?}"
+                );
             }
         }
     }
@@ -165,44 +285,77 @@ fn what_is_huge_is_as_right_as_what_is_not() {
         let size = 2f32.powi(power);
         let near = |found: f32, expected: f32| (found / size - expected).abs() < 1e-4;
         let mesh = mesh_of(Vec3::splat(size));
-        let Shape::Mesh(polygons) = &mesh else { unreachable!() };
+        let Shape::Mesh(polygons) = &mesh else {
+            unreachable!()
+        };
         let quads: Vec<_> = polygons.polygons().map(<[u32]>::to_vec).collect();
         let convex = Shape::convex(polygons.vertices().to_vec(), quads).unwrap();
-        let mut boxes =
-            vec![box_of(size, size, size), SharedShape::cuboid(size, size, size).into(), convex, mesh.clone()];
+        let mut boxes = vec![
+            box_of(size, size, size),
+            SharedShape::cuboid(size, size, size).into(),
+            convex,
+            mesh.clone(),
+        ];
         // Larger ones, parry does not make.
         if power <= 33 {
             boxes.push(hull_of(Vec3::splat(size)).into());
         }
         // Wholly inside, of what is closed.
         let capsule: Shape = SharedShape::capsule_y(size * 0.2, size * 0.1).into();
-        assert!(contact((&mesh, at(0.0, 0.0, 0.0)), (&capsule, at(0.0, size * 0.2, 0.0))).is_some(), "2^{power}");
-        let balls: [Shape; 3] =
-            [Shape::sphere(size), SharedShape::ball(size).into(), SharedShape::capsule_z(size, size).into()];
+        assert!(
+            contact(
+                (&mesh, at(0.0, 0.0, 0.0)),
+                (&capsule, at(0.0, size * 0.2, 0.0))
+            )
+            .is_some(),
+            "2^{power}"
+        );
+        let balls: [Shape; 3] = [
+            Shape::sphere(size),
+            SharedShape::ball(size).into(),
+            SharedShape::capsule_z(size, size).into(),
+        ];
         for a in &boxes {
             for b in boxes.iter().chain(&balls) {
                 for rotation in [Quat::IDENTITY, turned] {
                     let names = format!("{a:?} and {b:?}, {rotation}, at 2^{power}");
                     let here = at(0.0, 0.0, 0.0).with_rotation(rotation);
                     let there = |height: f32| at(0.0, height * size, 0.0).with_rotation(rotation);
-                    let found = contact((a, here), (b, there(1.5))).unwrap_or_else(|| panic!("{names}"));
+                    let found =
+                        contact((a, here), (b, there(1.5))).unwrap_or_else(|| panic!("{names}"));
                     let is_mesh = |shape: &Shape| matches!(shape, Shape::Mesh(_));
                     if !is_mesh(a) && !is_mesh(b) {
-                        assert!(near(found.depth, 0.5) && found.normal.y > 0.999, "{names}: {found:?}");
+                        assert!(
+                            near(found.depth, 0.5) && found.normal.y > 0.999,
+                            "{names}: {found:?}"
+                        );
                     }
-                    assert!(found.point.is_finite() && found.depth.is_finite(), "{names}: {found:?}");
+                    assert!(
+                        found.point.is_finite() && found.depth.is_finite(),
+                        "{names}: {found:?}"
+                    );
                     assert!(contact((a, here), (b, there(3.0))).is_none(), "{names}");
                     let apart = distance((a, here), (b, there(3.0)));
-                    assert!(near(apart.distance, 1.0) && near(apart.offset.y, 1.0), "{names}: {apart:?}");
+                    assert!(
+                        near(apart.distance, 1.0) && near(apart.offset.y, 1.0),
+                        "{names}: {apart:?}"
+                    );
                     let (moving, at_moving) = (Placed::new(a, &here), there(4.0));
                     let target = Placed::new(b, &at_moving);
                     let met = tests.sweep(moving, Dir3::Y, f32::MAX, target, &mut workspace);
                     let met = met.unwrap_or_else(|| panic!("{names}"));
-                    assert!(near(met.distance, 2.0) && met.normal.y < -0.999, "{names}: {met:?}");
+                    assert!(
+                        near(met.distance, 2.0) && met.normal.y < -0.999,
+                        "{names}: {met:?}"
+                    );
                     let moved = Moving::new(a, &here, &there(4.0));
-                    let met = tests.time_of_impact(&moved, &Moving::resting(target), &mut workspace);
+                    let met =
+                        tests.time_of_impact(&moved, &Moving::resting(target), &mut workspace);
                     let met = met.unwrap_or_else(|| panic!("{names}"));
-                    assert!((met.time - 0.5).abs() < 1e-4 && met.contact.point.is_finite(), "{names}: {met:?}");
+                    assert!(
+                        (met.time - 0.5).abs() < 1e-4 && met.contact.point.is_finite(),
+                        "{names}: {met:?}"
+                    );
                 }
             }
         }
@@ -211,14 +364,26 @@ fn what_is_huge_is_as_right_as_what_is_not() {
             let target = Placed::new(shape, &here);
             let hit = tests.cast_ray(target, Vec3::Y * (size * 3.0), Dir3::NEG_Y, f32::INFINITY);
             let hit = hit.unwrap_or_else(|| panic!("{shape:?} at 2^{power}"));
-            assert!(near(hit.distance, 2.0) && hit.normal.y > 0.999, "{hit:?}, {shape:?} at 2^{power}");
+            assert!(
+                near(hit.distance, 2.0) && hit.normal.y > 0.999,
+                "{hit:?}, {shape:?} at 2^{power}"
+            );
             let inside = tests.cast_ray(target, Vec3::Y * (size * 0.5), Dir3::NEG_Y, f32::INFINITY);
             let is_surface = matches!(shape, Shape::Rapier(shape) if shape.as_trimesh().is_some());
-            assert!(is_surface || inside.is_some_and(|hit| hit.distance == 0.0), "{shape:?} at 2^{power}");
-            let closest = tests.closest_point(target, Vec3::Y * (size * 3.0), &mut workspace).unwrap();
+            assert!(
+                is_surface || inside.is_some_and(|hit| hit.distance == 0.0),
+                "{shape:?} at 2^{power}"
+            );
+            let closest = tests
+                .closest_point(target, Vec3::Y * (size * 3.0), &mut workspace)
+                .unwrap();
             assert!(near(closest.y, 1.0), "{closest}, {shape:?} at 2^{power}");
             let inside = Vec3::Y * (size * 0.5);
-            assert_eq!(tests.closest_point(target, inside, &mut workspace), Some(inside), "{shape:?} at 2^{power}");
+            assert_eq!(
+                tests.closest_point(target, inside, &mut workspace),
+                Some(inside),
+                "{shape:?} at 2^{power}"
+            );
             assert!(tests.world_aabb(target).is_ok() && shape.bounding_sphere(&here).is_ok());
         }
         // Small beside huge, and far away.
@@ -228,15 +393,27 @@ fn what_is_huge_is_as_right_as_what_is_not() {
         if power > 1 {
             assert!(contact((large, here), (&unit, at(0.0, size * 4.0, 0.0))).is_none());
             let apart = distance((&unit, here), (&unit, at(0.0, size * 4.0, 0.0)));
-            assert!((apart.distance - (size * 4.0 - 2.0)).abs() <= size * 1e-5, "{apart:?}");
+            assert!(
+                (apart.distance - (size * 4.0 - 2.0)).abs() <= size * 1e-5,
+                "{apart:?}"
+            );
             let capsule: Shape = SharedShape::capsule_y(1.0, 1.0).into();
             let apart = distance((&capsule, here), (&unit, at(0.0, size * 4.0, 0.0)));
-            assert!((apart.distance - (size * 4.0 - 3.0)).abs() <= size * 1e-5, "{apart:?}");
+            assert!(
+                (apart.distance - (size * 4.0 - 3.0)).abs() <= size * 1e-5,
+                "{apart:?}"
+            );
         }
     }
     // Where even sums overflow, nothing is in contact, and there are no bounds.
     let huge = box_of(f32::MAX, f32::MAX, f32::MAX);
     let here = at(f32::MAX, 0.0, 0.0);
     assert_eq!(huge.world_aabb(&here), Err(BoundsError::NonFinite));
-    assert!(contact((&huge, here), (&huge, at(-f32::MAX, 0.0, 0.0).with_rotation(turned))).is_none());
+    assert!(
+        contact(
+            (&huge, here),
+            (&huge, at(-f32::MAX, 0.0, 0.0).with_rotation(turned))
+        )
+        .is_none()
+    );
 }

@@ -47,9 +47,16 @@ fn turn(at: &Transform) -> DQuat {
 pub fn distance(a: (&Shape, Transform), b: (&Shape, Transform)) -> Proximity {
     let (one, two) = (Placed::new(a.0, &a.1), Placed::new(b.0, &b.1));
     let mut workspace = Workspace::default();
-    let found = NarrowPhase::default().closest_points(one, two, &mut workspace).expect("the pair is known");
-    let back = NarrowPhase::default().closest_points(two, one, &mut workspace).expect("the pair is known");
-    assert_eq!((found.distance, found.offset), (back.distance, -back.offset));
+    let found = NarrowPhase::default()
+        .closest_points(one, two, &mut workspace)
+        .expect("the pair is known");
+    let back = NarrowPhase::default()
+        .closest_points(two, one, &mut workspace)
+        .expect("the pair is known");
+    assert_eq!(
+        (found.distance, found.offset),
+        (back.distance, -back.offset)
+    );
     found
 }
 
@@ -58,15 +65,30 @@ pub fn contact(a: (&Shape, Transform), b: (&Shape, Transform)) -> Option<Contact
     let mut workspace = Workspace::default();
     let tests = NarrowPhase::default();
     let found = tests.contact(one, two, &mut workspace);
-    assert_eq!(found, tests.contact(two, one, &mut workspace).map(Contact::reversed));
+    assert_eq!(
+        found,
+        tests
+            .contact(two, one, &mut workspace)
+            .map(Contact::reversed)
+    );
     assert_eq!(found.is_some(), tests.intersects(one, two, &mut workspace));
     found
 }
 
 pub fn hull_of(half: Vec3) -> SharedShape {
     let corners: Vec<_> = (0..8).map(|i| half * Vec3::from(signs(i))).collect();
-    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let triangles: Vec<_> = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    let faces = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let triangles: Vec<_> = faces
+        .iter()
+        .flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]])
+        .collect();
     SharedShape::convex_mesh(corners, &triangles).expect("it has a volume")
 }
 
@@ -77,23 +99,46 @@ fn signs(i: u8) -> [f32; 3] {
 /// A box in all forms that there are.
 pub fn boxes_of(half: Vec3) -> Vec<(&'static str, Shape)> {
     let mesh = mesh_of(half);
-    let Shape::Mesh(polygons) = &mesh else { unreachable!() };
-    let (vertices, quads) = (polygons.vertices().to_vec(), polygons.polygons().map(<[u32]>::to_vec));
+    let Shape::Mesh(polygons) = &mesh else {
+        unreachable!()
+    };
+    let (vertices, quads) = (
+        polygons.vertices().to_vec(),
+        polygons.polygons().map(<[u32]>::to_vec),
+    );
     let quads: Vec<_> = quads.collect();
-    let triangles = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
-    let compound = vec![(bevy_rapier3d::parry::math::Pose::IDENTITY, SharedShape::cuboid(half.x, half.y, half.z))];
+    let triangles = quads
+        .iter()
+        .flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]])
+        .collect();
+    let compound = vec![(
+        bevy_rapier3d::parry::math::Pose::IDENTITY,
+        SharedShape::cuboid(half.x, half.y, half.z),
+    )];
     vec![
         ("cuboid", box_of(half.x, half.y, half.z)),
-        ("Rapier's cuboid", SharedShape::cuboid(half.x, half.y, half.z).into()),
+        (
+            "Rapier's cuboid",
+            SharedShape::cuboid(half.x, half.y, half.z).into(),
+        ),
         ("hull", hull_of(half).into()),
-        ("convex mesh", Shape::convex(vertices.clone(), &quads).expect("it is convex")),
+        (
+            "convex mesh",
+            Shape::convex(vertices.clone(), &quads).expect("it is convex"),
+        ),
         ("mesh", mesh),
-        ("triangles", SharedShape::trimesh(vertices, triangles).expect("they are fine").into()),
+        (
+            "triangles",
+            SharedShape::trimesh(vertices, triangles)
+                .expect("they are fine")
+                .into(),
+        ),
         ("compound", SharedShape::compound(compound).into()),
     ]
 }
 
-/// The distance of a segment from a box around the origin, by a search for the least of a convex function.
+/// The distance of a segment from a box around the origin, by a search for the least of a convex
+/// function.
 fn segment_to_box(ends: [DVec3; 2], half: DVec3) -> f64 {
     let at = |share: f64| {
         let point = ends[0].lerp(ends[1], share);
@@ -102,7 +147,11 @@ fn segment_to_box(ends: [DVec3; 2], half: DVec3) -> f64 {
     let (mut low, mut high) = (0.0f64, 1.0f64);
     for _ in 0..200 {
         let (one, two) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-        if at(one) <= at(two) { high = two } else { low = one }
+        if at(one) <= at(two) {
+            high = two
+        } else {
+            low = one
+        }
     }
     at(low.midpoint(high)).min(at(0.0)).min(at(1.0))
 }
@@ -121,44 +170,70 @@ fn capsules_near_large_boxes_are_as_far_as_they_are() {
     for half in halves {
         for (name, large) in boxes_of(half) {
             for _ in 0..60 {
-                let at_box = Transform::from_translation(random.point() * 50.0).with_rotation(random.turn());
-                let at_box = if random.0.bool() { at_box.with_rotation(Quat::from_rotation_y(0.2)) } else { at_box };
+                let at_box =
+                    Transform::from_translation(random.point() * 50.0).with_rotation(random.turn());
+                let at_box = if random.0.bool() {
+                    at_box.with_rotation(Quat::from_rotation_y(0.2))
+                } else {
+                    at_box
+                };
                 // Over a face, an edge or a corner, from 4 cm deep to 3 cm away.
                 let on_face = (random.point() * 1.1).clamp(Vec3::NEG_ONE, Vec3::ONE) * half;
                 let axis = random.0.usize(0..3);
                 let side = half[axis].copysign(random.between(-1.0, 1.0));
                 let upright = random.0.bool();
-                let turned = if upright { at_box.rotation } else { random.turn() };
+                let turned = if upright {
+                    at_box.rotation
+                } else {
+                    random.turn()
+                };
                 let mut center = on_face;
                 center[axis] = side;
                 let along = turned.inverse() * at_box.rotation * Vec3::AXES[axis];
                 let support = half_length * along.y.abs() + radius;
                 center[axis] += (support + random.between(-0.04, 0.03)) * side.signum();
                 let at_capsule = Transform::from_translation(at_box * center).with_rotation(turned);
-                let ends = [1.0, -1.0].map(|end| place(&at_capsule, DVec3::Y * f64::from(half_length) * end));
-                let local = ends.map(|end| turn(&at_box).inverse() * (end - at_box.translation.as_dvec3()));
+                let ends = [1.0, -1.0]
+                    .map(|end| place(&at_capsule, DVec3::Y * f64::from(half_length) * end));
+                let local =
+                    ends.map(|end| turn(&at_box).inverse() * (end - at_box.translation.as_dvec3()));
                 let expected = segment_to_box(local, half.as_dvec3()) - f64::from(radius);
-                let tolerance = f64::from(1e-4f32.max(16.0 * f32::EPSILON * (half.max_element() + 0.9)));
+                let tolerance =
+                    f64::from(1e-4f32.max(16.0 * f32::EPSILON * (half.max_element() + 0.9)));
                 let found = contact((&large, at_box), (&capsule, at_capsule));
                 if expected > tolerance + 1e-5 {
                     apart += 1;
-                    assert!(found.is_none(), "{name} {half}: {found:?} at a distance of {expected}");
+                    assert!(
+                        found.is_none(),
+                        "{name} {half}: {found:?} at a distance of {expected}"
+                    );
                     let near = distance((&large, at_box), (&capsule, at_capsule));
-                    assert!((f64::from(near.distance) - expected).abs() < 2e-5, "{name}: {near:?}, not {expected}");
+                    assert!(
+                        (f64::from(near.distance) - expected).abs() < 2e-5,
+                        "{name}: {near:?}, not {expected}"
+                    );
                 } else if expected < tolerance - 1e-5 {
                     touching += 1;
-                    let Some(found) = found else { panic!("{name} {half}: apart at a distance of {expected}") };
+                    let Some(found) = found else {
+                        panic!("{name} {half}: apart at a distance of {expected}")
+                    };
                     // While its axis is outside, no other way out is shorter.
                     assert!(expected > -f64::from(radius));
                     let depth = (-expected).max(0.0);
                     let off = (f64::from(found.depth) - depth).abs();
                     let surface = matches!(name, "mesh" | "triangles");
-                    assert!(off < 2e-5 || (surface && found.depth < 0.1), "{name}: {found:?}, not {depth}");
+                    assert!(
+                        off < 2e-5 || (surface && found.depth < 0.1),
+                        "{name}: {found:?}, not {depth}"
+                    );
                 }
             }
         }
     }
-    assert!(apart > 1000 && touching > 1000, "{apart} apart, {touching} touching");
+    assert!(
+        apart > 1000 && touching > 1000,
+        "{apart} apart, {touching} touching"
+    );
 }
 
 /// A convex shape and the point of it that is furthest along a direction, written anew here.
@@ -174,13 +249,29 @@ pub fn solids(size: f32, random: &mut Random) -> Vec<Solid> {
     let boxed = move |d: DVec3| d.map(|x| 1f64.copysign(x)) * DVec3::new(s, 0.5 * s, 2.0 * s);
     let points: Vec<_> = (0..12).map(|_| random.direction() * size).collect();
     let hull = SharedShape::convex_hull(&points).expect("it has a volume");
-    let corners: Vec<_> = hull.as_convex_polyhedron().expect("it is one").points().to_vec();
-    let solid = |name, shape: SharedShape, furthest| Solid { name, shape: shape.into(), furthest };
+    let corners: Vec<_> = hull
+        .as_convex_polyhedron()
+        .expect("it is one")
+        .points()
+        .to_vec();
+    let solid = |name, shape: SharedShape, furthest| Solid {
+        name,
+        shape: shape.into(),
+        furthest,
+    };
     let outwards = |d: DVec3| d.normalize();
     let round = size * 0.25;
     vec![
-        solid("ball", SharedShape::ball(size), Box::new(move |d| outwards(d) * s)),
-        solid("cuboid", SharedShape::cuboid(size, 0.5 * size, 2.0 * size), Box::new(boxed)),
+        solid(
+            "ball",
+            SharedShape::ball(size),
+            Box::new(move |d| outwards(d) * s),
+        ),
+        solid(
+            "cuboid",
+            SharedShape::cuboid(size, 0.5 * size, 2.0 * size),
+            Box::new(boxed),
+        ),
         solid(
             "capsule",
             SharedShape::capsule_x(size, 0.5 * size),
@@ -196,7 +287,11 @@ pub fn solids(size: f32, random: &mut Random) -> Vec<Solid> {
             SharedShape::cone(size, 0.5 * size),
             Box::new(move |d| {
                 let (apex, base) = (DVec3::Y * s, ring(d) * 0.5 * s - DVec3::Y * s);
-                if apex.dot(d) > base.dot(d) { apex } else { base }
+                if apex.dot(d) > base.dot(d) {
+                    apex
+                } else {
+                    base
+                }
             }),
         ),
         solid(
@@ -209,13 +304,16 @@ pub fn solids(size: f32, random: &mut Random) -> Vec<Solid> {
             hull,
             Box::new(move |d| {
                 let corners = corners.iter().map(|corner| corner.as_dvec3());
-                corners.max_by(|a, b| a.dot(d).total_cmp(&b.dot(d))).expect("there are some")
+                corners
+                    .max_by(|a, b| a.dot(d).total_cmp(&b.dot(d)))
+                    .expect("there are some")
             }),
         ),
     ]
 }
 
-/// How far the second is beyond the first along a direction; less than zero if they overlap that way.
+/// How far the second is beyond the first along a direction; less than zero if they overlap that
+/// way.
 fn separation(a: (&Solid, &Transform), b: (&Solid, &Transform), along: DVec3) -> f64 {
     let furthest = |(solid, at): (&Solid, &Transform), along: DVec3| {
         place(at, (solid.furthest)(turn(at).inverse() * along)).dot(along)
@@ -227,35 +325,56 @@ fn separation(a: (&Solid, &Transform), b: (&Solid, &Transform), along: DVec3) ->
 fn distances_and_depths_are_certain_for_all_convex_shapes() {
     let mut random = Random::new(2);
     let (mut apart, mut deep) = (0, 0);
-    for sizes in [[1.0, 1.0], [0.5, 60.0], [100.0, 0.3], [0.01, 0.02], [40.0, 90.0]] {
+    for sizes in [
+        [1.0, 1.0],
+        [0.5, 60.0],
+        [100.0, 0.3],
+        [0.01, 0.02],
+        [40.0, 90.0],
+    ] {
         let (ones, others) = (solids(sizes[0], &mut random), solids(sizes[1], &mut random));
         let reach = sizes[0] + sizes[1];
         for (a, b) in ones.iter().flat_map(|a| others.iter().map(move |b| (a, b))) {
             for _ in 0..12 {
-                let at_a = Transform::from_translation(random.point() * 10.0).with_rotation(random.turn());
+                let at_a =
+                    Transform::from_translation(random.point() * 10.0).with_rotation(random.turn());
                 let way = random.direction() * reach * random.between(0.0, 2.5);
-                let at_b = Transform::from_translation(at_a.translation + way).with_rotation(random.turn());
+                let at_b = Transform::from_translation(at_a.translation + way)
+                    .with_rotation(random.turn());
                 let rounding = f64::from(reach) * 1e-5;
                 let names = (a.name, b.name, reach);
                 let near = distance((&a.shape, at_a), (&b.shape, at_b));
                 let found = contact((&a.shape, at_a), (&b.shape, at_b));
                 if near.distance > 0.0 {
                     apart += 1;
-                    // A plane between the two says that they are no nearer, the two points that they are no further.
+                    // A plane between the two says that they are no nearer, the two points that
+                    // they are no further.
                     let along = near.offset.as_dvec3().normalize();
                     let certain = separation((a, &at_a), (b, &at_b), along);
-                    assert!((certain - f64::from(near.distance)).abs() < rounding, "{names:?}: {certain} {near:?}");
-                    assert!(found.is_none() || near.distance < 1e-3, "{names:?}: {found:?} {near:?}");
+                    assert!(
+                        (certain - f64::from(near.distance)).abs() < rounding,
+                        "{names:?}: {certain} {near:?}"
+                    );
+                    assert!(
+                        found.is_none() || near.distance < 1e-3,
+                        "{names:?}: {found:?} {near:?}"
+                    );
                 } else if let Some(found) = found {
                     let normal = found.normal.as_dvec3().normalize();
                     // What it says parts the two, and next to no direction does so with less.
                     let overlap = -separation((a, &at_a), (b, &at_b), normal);
-                    assert!((overlap - f64::from(found.depth)).abs() < rounding, "{names:?}: {overlap} {found:?}");
+                    assert!(
+                        (overlap - f64::from(found.depth)).abs() < rounding,
+                        "{names:?}: {overlap} {found:?}"
+                    );
                     let least = (0..2000)
                         .map(|_| random.direction().as_dvec3())
                         .map(|along| -separation((a, &at_a), (b, &at_b), along));
                     let least = least.fold(f64::INFINITY, f64::min);
-                    assert!(overlap < least * 1.01 + rounding, "{names:?}: {overlap}, at least {least}");
+                    assert!(
+                        overlap < least * 1.01 + rounding,
+                        "{names:?}: {overlap}, at least {least}"
+                    );
                     deep += usize::from(found.depth > 0.0);
                 } else {
                     panic!("{names:?}: no contact at a distance of zero");
@@ -270,9 +389,17 @@ fn distances_and_depths_are_certain_for_all_convex_shapes() {
 fn hills() -> [Shape; 3] {
     let heights: Vec<_> = (0..49).map(|i| ((i * 13) % 7) as f32 * 0.15).collect();
     let collider = Collider::heightfield(heights, 7, 7, Vec3::new(12.0, 1.5, 9.0));
-    let (vertices, triangles) = collider.raw.as_heightfield().expect("it is one").to_trimesh();
+    let (vertices, triangles) = collider
+        .raw
+        .as_heightfield()
+        .expect("it is one")
+        .to_trimesh();
     let trimesh = SharedShape::trimesh(vertices.clone(), triangles.clone()).expect("it is fine");
-    [(&collider).into(), trimesh.into(), Shape::mesh(vertices, triangles).expect("it is fine")]
+    [
+        (&collider).into(),
+        trimesh.into(),
+        Shape::mesh(vertices, triangles).expect("it is fine"),
+    ]
 }
 
 /// Some voxels, and the same as cuboids.
@@ -288,7 +415,10 @@ fn voxels() -> ([Shape; 2], Vec<(Shape, Vec3)>) {
         (pose, SharedShape::cuboid(half.x, half.y, half.z))
     });
     let alone = cuboids.map(|(center, half)| (box_of(half.x, half.y, half.z), center));
-    ([voxels.into(), SharedShape::compound(parts.to_vec()).into()], alone.to_vec())
+    (
+        [voxels.into(), SharedShape::compound(parts.to_vec()).into()],
+        alone.to_vec(),
+    )
 }
 
 #[test]
@@ -298,12 +428,19 @@ fn height_fields_and_voxels_are_as_far_as_what_they_are_made_of() {
     let ([voxels, compound], cuboids) = voxels();
     let probes: Vec<(Shape, Shape)> = vec![
         (Shape::sphere(0.4), SharedShape::ball(0.4).into()),
-        (box_of(0.5, 0.3, 0.4), SharedShape::cuboid(0.5, 0.3, 0.4).into()),
-        (mesh_of(Vec3::new(0.2, 0.6, 0.3)), hull_of(Vec3::new(0.2, 0.6, 0.3)).into()),
+        (
+            box_of(0.5, 0.3, 0.4),
+            SharedShape::cuboid(0.5, 0.3, 0.4).into(),
+        ),
+        (
+            mesh_of(Vec3::new(0.2, 0.6, 0.3)),
+            hull_of(Vec3::new(0.2, 0.6, 0.3)).into(),
+        ),
     ];
     let (mut near, mut touching) = (0, 0);
     for i in 0..600 {
-        let at_field = Transform::from_translation(random.point() * 100.0).with_rotation(random.turn());
+        let at_field =
+            Transform::from_translation(random.point() * 100.0).with_rotation(random.turn());
         let far = if i % 3 == 0 { 10.0 } else { 1.0 };
         let local = random.point() * Vec3::new(7.0, 1.5, 6.0) * far;
         let at_probe = Transform::from_translation(at_field * local).with_rotation(random.turn());
@@ -317,12 +454,18 @@ fn height_fields_and_voxels_are_as_far_as_what_they_are_made_of() {
         });
         let of_cuboids = of_cuboids.fold(f32::INFINITY, f32::min);
         for probe in [own, theirs] {
-            for (shape, expected) in
-                [(&field, expected), (&trimesh, expected), (&voxels, of_cuboids), (&compound, of_cuboids)]
-            {
+            for (shape, expected) in [
+                (&field, expected),
+                (&trimesh, expected),
+                (&voxels, of_cuboids),
+                (&compound, of_cuboids),
+            ] {
                 let found = distance((shape, at_field), (probe, at_probe));
                 let off = (found.distance - expected).abs();
-                assert!(off < 1e-4 * (1.0 + far), "{shape:?} and {probe:?}: {found:?}, not {expected}");
+                assert!(
+                    off < 1e-4 * (1.0 + far),
+                    "{shape:?} and {probe:?}: {found:?}, not {expected}"
+                );
                 let meets = contact((shape, at_field), (probe, at_probe));
                 if (expected - 1e-4).abs() > 5e-5 {
                     assert_eq!(meets.is_some(), expected <= 1e-4, "{probe:?} at {expected}");
@@ -332,7 +475,10 @@ fn height_fields_and_voxels_are_as_far_as_what_they_are_made_of() {
             }
         }
     }
-    assert!(near > 1000 && touching > 300, "{near} near, {touching} touching");
+    assert!(
+        near > 1000 && touching > 300,
+        "{near} near, {touching} touching"
+    );
 }
 
 #[test]
@@ -347,7 +493,13 @@ fn rapier_shapes_meet_each_other_whatever_they_consist_of() {
                 continue;
             }
             let turned = Quat::from_rotation_x(0.4);
-            assert!(contact((a, at(0.1, 0.2, 0.0)), (b, at(0.3, 0.2, 0.4).with_rotation(turned))).is_some());
+            assert!(
+                contact(
+                    (a, at(0.1, 0.2, 0.0)),
+                    (b, at(0.3, 0.2, 0.4).with_rotation(turned))
+                )
+                .is_some()
+            );
             let near = distance((a, at(0.0, 0.0, 0.0)), (b, at(2.0, 9.0, 1.0)));
             assert!((6.0..9.5).contains(&near.distance), "{near:?}");
         }
@@ -366,17 +518,26 @@ fn a_mesh_is_converted_once_whatever_its_scales() {
     let mut touching = 0;
     for i in 0..100 {
         let scale = random.point() * 3.0;
-        let at_mesh = Transform::from_translation(random.point()).with_rotation(random.turn()).with_scale(scale);
-        let at_capsule = Transform::from_translation(random.point() * 2.0).with_rotation(random.turn());
+        let at_mesh = Transform::from_translation(random.point())
+            .with_rotation(random.turn())
+            .with_scale(scale);
+        let at_capsule =
+            Transform::from_translation(random.point() * 2.0).with_rotation(random.turn());
         let copy = mesh.clone();
         let found = distance((&copy, at_mesh), (&capsule, at_capsule)).distance;
         // The same mesh, made at that size.
-        let Shape::Mesh(polygons) = &mesh else { unreachable!() };
+        let Shape::Mesh(polygons) = &mesh else {
+            unreachable!()
+        };
         let ends = [0.5, -0.5].map(|end| place(&at_capsule, DVec3::Y * end));
-        let local = ends.map(|end| turn(&at_mesh).inverse() * (end - at_mesh.translation.as_dvec3()));
+        let local =
+            ends.map(|end| turn(&at_mesh).inverse() * (end - at_mesh.translation.as_dvec3()));
         let half = (polygons.vertices()[0] * scale).abs().as_dvec3();
         let expected = (segment_to_box(local, half) - 0.25).max(0.0);
-        assert!((f64::from(found) - expected).abs() < 1e-4, "{i}: {found}, not {expected} at {scale}");
+        assert!(
+            (f64::from(found) - expected).abs() < 1e-4,
+            "{i}: {found}, not {expected} at {scale}"
+        );
         touching += usize::from(contact((&copy, at_mesh), (&capsule, at_capsule)).is_some());
     }
     assert!((10..90).contains(&touching), "{touching}");

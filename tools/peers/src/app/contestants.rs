@@ -39,7 +39,13 @@ struct Number(usize);
 
 impl Contestant {
     /// All of them, in the order of the tables.
-    pub const ALL: [Self; 5] = [Self::Ours, Self::Avian, Self::Rapier, Self::RapierBodyless, Self::Movement];
+    pub const ALL: [Self; 5] = [
+        Self::Ours,
+        Self::Avian,
+        Self::Rapier,
+        Self::RapierBodyless,
+        Self::Movement,
+    ];
 
     /// The name in tables and on the command line.
     pub const fn name(self) -> &'static str {
@@ -57,7 +63,9 @@ impl Contestant {
         let simulation = StressSimulation::new(StressScene::Brownian, objects, seed);
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, TransformPlugin))
-            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 60.0)))
+            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(
+                1.0 / 60.0,
+            )))
             .init_resource::<Events>()
             .add_systems(Update, move_cubes);
         match self {
@@ -68,8 +76,13 @@ impl Contestant {
         }
         app.finish();
         app.cleanup();
-        let places = simulation.boxes().iter().map(|aabb| Vec3::from((aabb.min + aabb.max) * 0.5));
-        let cubes = places.enumerate().map(|(i, place)| (Number(i), Transform::from_translation(place)));
+        let places = simulation
+            .boxes()
+            .iter()
+            .map(|aabb| Vec3::from((aabb.min + aabb.max) * 0.5));
+        let cubes = places
+            .enumerate()
+            .map(|(i, place)| (Number(i), Transform::from_translation(place)));
         let world = app.world_mut();
         match self {
             Self::Ours => {
@@ -80,7 +93,14 @@ impl Contestant {
                 use avian3d::prelude::*;
                 // Avian takes full sides.
                 let collider = Collider::cuboid(1.0, 1.0, 1.0);
-                let body = || (RigidBody::Kinematic, collider.clone(), Sensor, CollisionEventsEnabled);
+                let body = || {
+                    (
+                        RigidBody::Kinematic,
+                        collider.clone(),
+                        Sensor,
+                        CollisionEventsEnabled,
+                    )
+                };
                 world.spawn_batch(cubes.map(|cube| (cube, body())).collect::<Vec<_>>());
             }
             Self::Rapier => {
@@ -89,7 +109,11 @@ impl Contestant {
                 world.spawn_batch(cubes.map(|cube| (cube, body())).collect::<Vec<_>>());
             }
             Self::RapierBodyless => {
-                world.spawn_batch(cubes.map(|cube| (cube, rapier_collider())).collect::<Vec<_>>());
+                world.spawn_batch(
+                    cubes
+                        .map(|cube| (cube, rapier_collider()))
+                        .collect::<Vec<_>>(),
+                );
             }
             Self::Movement => {
                 world.spawn_batch(cubes.collect::<Vec<_>>());
@@ -107,7 +131,12 @@ impl FromStr for Contestant {
         Self::ALL
             .into_iter()
             .find(|contestant| contestant.name() == name)
-            .ok_or_else(|| format!("unknown app: expected one of {}", Self::ALL.map(Self::name).join(", ")))
+            .ok_or_else(|| {
+                format!(
+                    "unknown app: expected one of {}",
+                    Self::ALL.map(Self::name).join(", ")
+                )
+            })
     }
 }
 
@@ -129,7 +158,8 @@ fn ours(app: &mut App) {
         events.started += started.read().count() as u64;
         events.ended += ended.read().count() as u64;
     };
-    app.add_plugins(OctreePlugins::new(PostUpdate)).add_systems(Last, count);
+    app.add_plugins(OctreePlugins::new(PostUpdate))
+        .add_systems(Last, count);
 }
 
 fn avian(app: &mut App) {
@@ -142,7 +172,10 @@ fn avian(app: &mut App) {
     };
     app.add_plugins(PhysicsPlugins::new(PostUpdate))
         .insert_resource(SubstepCount(1))
-        .insert_resource(ColliderTreeOptimization { optimize_in_place: true, ..default() })
+        .insert_resource(ColliderTreeOptimization {
+            optimize_in_place: true,
+            ..default()
+        })
         .add_systems(Last, count);
 }
 
@@ -156,9 +189,12 @@ fn rapier(app: &mut App) {
             }
         }
     };
-    app.insert_resource(TimestepMode::Fixed { dt: 1.0 / 60.0, substeps: 1 })
-        .add_plugins(RapierPhysicsPlugin::<()>::default())
-        .add_systems(Last, count);
+    app.insert_resource(TimestepMode::Fixed {
+        dt: 1.0 / 60.0,
+        substeps: 1,
+    })
+    .add_plugins(RapierPhysicsPlugin::<()>::default())
+    .add_systems(Last, count);
 }
 
 /// What makes a cube take part in rapier's world.
@@ -172,7 +208,12 @@ type RapierCollider = (
 fn rapier_collider() -> RapierCollider {
     use bevy_rapier3d::prelude::*;
     // Rapier takes half sides.
-    (Collider::cuboid(0.5, 0.5, 0.5), Sensor, ActiveEvents::COLLISION_EVENTS, ActiveCollisionTypes::all())
+    (
+        Collider::cuboid(0.5, 0.5, 0.5),
+        Sensor,
+        ActiveEvents::COLLISION_EVENTS,
+        ActiveCollisionTypes::all(),
+    )
 }
 
 #[cfg(test)]
@@ -189,9 +230,17 @@ mod tests {
         assert_eq!(started(Contestant::Movement), 0);
         let ours = started(Contestant::Ours);
         assert!(ours > 100);
-        for contestant in [Contestant::Avian, Contestant::Rapier, Contestant::RapierBodyless] {
+        for contestant in [
+            Contestant::Avian,
+            Contestant::Rapier,
+            Contestant::RapierBodyless,
+        ] {
             let theirs = started(contestant);
-            assert!(theirs.abs_diff(ours) < ours / 8, "{}: {theirs}, ours: {ours}", contestant.name());
+            assert!(
+                theirs.abs_diff(ours) < ours / 8,
+                "{}: {theirs}, ours: {ours}",
+                contestant.name()
+            );
         }
     }
 }

@@ -1,9 +1,10 @@
 //! `peers app`: end to end, in headless Bevy apps.
 //!
-//! All apps are alike but for what detects collisions: one schedule run per update, the same cubes of side 1 in the
-//! `brownian` scene, moved by the same system, which writes their `Transform`s; transform propagation; messages about
-//! collisions that start and end, which a system reads and counts. One app only moves the cubes, and shows what that
-//! costs. Apps take turns in blocks of eight updates, the first of which is not counted.
+//! All apps are alike but for what detects collisions: one schedule run per update, the same cubes
+//! of side 1 in the `brownian` scene, moved by the same system, which writes their `Transform`s;
+//! transform propagation; messages about collisions that start and end, which a system reads and
+//! counts. One app only moves the cubes, and shows what that costs. Apps take turns in blocks of
+//! eight updates, the first of which is not counted.
 //!
 //! | app | its cubes | settings, and why |
 //! |---|---|---|
@@ -13,7 +14,8 @@
 //! | `rapier-bodyless` | colliders without bodies, sensors | the same |
 //! | `movement` | nothing | the baseline |
 //!
-//! Numbers of events differ a little between apps: the physics engines enlarge shapes by a tolerance.
+//! Numbers of events differ a little between apps: the physics engines enlarge shapes by a
+//! tolerance.
 
 mod contestants;
 
@@ -88,7 +90,10 @@ struct Runner {
 
 impl Runner {
     fn new(contestant: Contestant, objects: usize, seed: u64) -> Self {
-        Self { app: contestant.app(objects, seed), times: vec![] }
+        Self {
+            app: contestant.app(objects, seed),
+            times: vec![],
+        }
     }
 
     fn run(&mut self, ticks: usize) {
@@ -112,9 +117,16 @@ impl Runner {
 
 /// Runs the comparison.
 pub fn run(arguments: &Arguments) -> Outcome {
-    let contestants = if arguments.apps.is_empty() { Contestant::ALL.to_vec() } else { arguments.apps.clone() };
+    let contestants = if arguments.apps.is_empty() {
+        Contestant::ALL.to_vec()
+    } else {
+        arguments.apps.clone()
+    };
     let Arguments { objects, seed, .. } = *arguments;
-    let mut runners: Vec<_> = contestants.iter().map(|contestant| Runner::new(*contestant, objects, seed)).collect();
+    let mut runners: Vec<_> = contestants
+        .iter()
+        .map(|contestant| Runner::new(*contestant, objects, seed))
+        .collect();
     let mut ticks = usize::from(arguments.ticks);
     let mut progress = Progress::new((1 + ticks.div_ceil(BLOCK)) as u64);
     progress.begin("warming up");
@@ -130,7 +142,10 @@ pub fn run(arguments: &Arguments) -> Outcome {
     }
     drop(progress);
 
-    let ours = contestants.iter().zip(&runners).find(|(contestant, _)| **contestant == Contestant::Ours);
+    let ours = contestants
+        .iter()
+        .zip(&runners)
+        .find(|(contestant, _)| **contestant == Contestant::Ours);
     let ours = ours.map(|(_, runner)| runner.median_ms());
     let mut rows = vec![];
     for (contestant, runner) in contestants.iter().zip(&runners) {
@@ -154,17 +169,31 @@ pub fn run(arguments: &Arguments) -> Outcome {
     print(&rows);
     if let Some(file) = &arguments.json {
         let json = serde_json::to_string_pretty(&rows)?;
-        fs::write(file, json).map_err(|error| format!("cannot write {}: {error}", file.display()))?;
+        fs::write(file, json)
+            .map_err(|error| format!("cannot write {}: {error}", file.display()))?;
     }
     Ok(())
 }
 
 fn print(rows: &[Row]) {
-    println!("app               objects    tick_ms    started      ended    / ours  limit at 60 Hz");
-    for Row { app, objects, tick_ms, started, ended, ratio, limit } in rows {
+    println!(
+        "app               objects    tick_ms    started      ended    / ours  limit at 60 Hz"
+    );
+    for Row {
+        app,
+        objects,
+        tick_ms,
+        started,
+        ended,
+        ratio,
+        limit,
+    } in rows
+    {
         let ratio = ratio.map_or_else(String::new, |ratio| format!("{ratio:.2}"));
         let limit = limit.map_or_else(String::new, |limit| limit.to_string());
-        println!("{app:<15} {objects:>9} {tick_ms:>10.3} {started:>10} {ended:>10} {ratio:>9} {limit:>15}");
+        println!(
+            "{app:<15} {objects:>9} {tick_ms:>10.3} {started:>10} {ended:>10} {ratio:>9} {limit:>15}"
+        );
     }
 }
 

@@ -40,19 +40,34 @@ pub fn draw(stem: &Path, report: &Report) -> Result<[PathBuf; 2], Box<dyn Error>
 }
 
 fn legend(canvas: &Canvas, sizes: &[usize]) -> Drawn {
-    canvas.draw(&Text::new("Time of the fastest peer, by that of this crate", (20, 12), bold(20)))?;
+    canvas.draw(&Text::new(
+        "Time of the fastest peer, by that of this crate",
+        (20, 12),
+        bold(20),
+    ))?;
     for (i, size) in sizes.iter().enumerate() {
         let x = 20 + 150 * i as i32;
-        canvas.draw(&Rectangle::new([(x, 42), (x + 14, 56)], SHADES[i % SHADES.len()].filled()))?;
-        canvas.draw(&Text::new(format!("{size} objects"), (x + 20, 42), text(15)))?;
+        canvas.draw(&Rectangle::new(
+            [(x, 42), (x + 14, 56)],
+            SHADES[i % SHADES.len()].filled(),
+        ))?;
+        canvas.draw(&Text::new(
+            format!("{size} objects"),
+            (x + 20, 42),
+            text(15),
+        ))?;
     }
     Ok(())
 }
 
-/// Heights are logarithms to base 2, so that twice as fast and twice as slow are as far from the line between.
+/// Heights are logarithms to base 2, so that twice as fast and twice as slow are as far from the
+/// line between.
 fn bars(canvas: &Canvas, cells: &[Cell], scenes: &[&str], sizes: &[usize]) -> Drawn {
     let heights = || cells.iter().filter_map(Cell::ratio).map(f64::log2);
-    let (low, high) = (heights().fold(-0.4, f64::min) - 0.3, heights().fold(1.0, f64::max) + 0.3);
+    let (low, high) = (
+        heights().fold(-0.4, f64::min) - 0.3,
+        heights().fold(1.0, f64::max) + 0.3,
+    );
     let whole = |height| [(0.0, height), (scenes.len() as f64, height)];
     let mut chart = ChartBuilder::on(canvas)
         .margin_right(20)
@@ -66,13 +81,24 @@ fn bars(canvas: &Canvas, cells: &[Cell], scenes: &[&str], sizes: &[usize]) -> Dr
         chart.draw_series([PathElement::new(whole(height), BLACK.mix(0.15))])?;
         chart.draw_series([EmptyElement::at((0.0, height)) + label])?;
     }
-    let upright = text(14).transform(FontTransform::Rotate270).pos(Pos::new(HPos::Center, VPos::Center));
-    canvas.draw(&Text::new("peer / ours", (22, (SIZE.1 as i32 - HEAD) / 2), upright))?;
+    let upright = text(14)
+        .transform(FontTransform::Rotate270)
+        .pos(Pos::new(HPos::Center, VPos::Center));
+    canvas.draw(&Text::new(
+        "peer / ours",
+        (22, (SIZE.1 as i32 - HEAD) / 2),
+        upright,
+    ))?;
     let width = 0.84 / sizes.len().max(1) as f64;
     for (scene, name) in scenes.iter().enumerate() {
         for cell in cells.iter().filter(|cell| cell.scene == *name) {
-            let (Some(ratio), Some(peer)) = (cell.ratio(), cell.fastest(Role::Peer)) else { continue };
-            let size = sizes.iter().position(|size| *size == cell.objects).unwrap_or(0);
+            let (Some(ratio), Some(peer)) = (cell.ratio(), cell.fastest(Role::Peer)) else {
+                continue;
+            };
+            let size = sizes
+                .iter()
+                .position(|size| *size == cell.objects)
+                .unwrap_or(0);
             let (left, height) = (scene as f64 + 0.08 + width * size as f64, ratio.log2());
             let (middle, right) = (left + width * 0.46, left + width * 0.92);
             let shade = SHADES[size % SHADES.len()].filled();
@@ -87,10 +113,16 @@ fn bars(canvas: &Canvas, cells: &[Cell], scenes: &[&str], sizes: &[usize]) -> Dr
                 chart.draw_series([EmptyElement::at((middle, 0.0)) + name])?;
             }
         }
-        let (x, _) = chart.plotting_area().map_coordinate(&(scene as f64 + 0.5, 0.0));
+        let (x, _) = chart
+            .plotting_area()
+            .map_coordinate(&(scene as f64 + 0.5, 0.0));
         let below = text(15).pos(Pos::new(HPos::Center, VPos::Center));
         // Coordinates of the plot are those of the whole picture.
-        canvas.draw(&Text::new((*name).to_owned(), (x, SIZE.1 as i32 - HEAD - 22), below))?;
+        canvas.draw(&Text::new(
+            (*name).to_owned(),
+            (x, SIZE.1 as i32 - HEAD - 22),
+            below,
+        ))?;
     }
     chart.draw_series([PathElement::new(whole(0.0), BLACK.stroke_width(2))])?;
     Ok(())

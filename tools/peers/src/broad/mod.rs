@@ -1,13 +1,14 @@
 //! `peers broad`: the broad phase alone.
 //!
-//! The frames of a scene are made before anything is timed, so that every engine sees the same. Engines take turns in
-//! blocks of [`BLOCK`] frames, each time in another order: what disturbs the machine for a while disturbs all of them,
-//! and only the first frame of a block finds the caches as another engine left them, which a median ignores. The first
-//! block is for warming up, and is not counted. A frame's time is that of handing over all boxes, maintenance, and
-//! all pairs, written to a list that keeps its memory.
+//! The frames of a scene are made before anything is timed, so that every engine sees the same.
+//! Engines take turns in blocks of [`BLOCK`] frames, each time in another order: what disturbs the
+//! machine for a while disturbs all of them, and only the first frame of a block finds the caches
+//! as another engine left them, which a median ignores. The first block is for warming up, and is
+//! not counted. A frame's time is that of handing over all boxes, maintenance, and all pairs,
+//! written to a list that keeps its memory.
 //!
-//! The pairs of all engines are compared frame by frame by their number and an order-independent hash, with those of
-//! brute force if it takes part, otherwise with what most of the engines found.
+//! The pairs of all engines are compared frame by frame by their number and an order-independent
+//! hash, with those of brute force if it takes part, otherwise with what most of the engines found.
 
 mod chart;
 mod report;
@@ -68,8 +69,18 @@ fn engine(name: &str) -> Result<Entry, String> {
 
 /// Runs the comparison.
 pub fn run(arguments: &Arguments) -> Outcome {
-    let or_all = |given: &[Case]| if given.is_empty() { Case::all() } else { given.to_vec() };
-    let engines = if arguments.engines.is_empty() { engines::all() } else { arguments.engines.clone() };
+    let or_all = |given: &[Case]| {
+        if given.is_empty() {
+            Case::all()
+        } else {
+            given.to_vec()
+        }
+    };
+    let engines = if arguments.engines.is_empty() {
+        engines::all()
+    } else {
+        arguments.engines.clone()
+    };
     let cases = or_all(&arguments.scenes);
     let mut report = Report::default();
     let mut progress = Progress::new((cases.len() * arguments.objects.len()) as u64);
@@ -77,8 +88,16 @@ pub fn run(arguments: &Arguments) -> Outcome {
     for case in cases {
         for &objects in &arguments.objects {
             progress.begin(format!("{case}, {objects} objects"));
-            let engines: Vec<_> = engines.iter().filter(|entry| objects <= entry.most_objects).copied().collect();
-            let frames = case.frames(objects, BLOCK + usize::from(arguments.frames), arguments.seed);
+            let engines: Vec<_> = engines
+                .iter()
+                .filter(|entry| objects <= entry.most_objects)
+                .copied()
+                .collect();
+            let frames = case.frames(
+                objects,
+                BLOCK + usize::from(arguments.frames),
+                arguments.seed,
+            );
             let cell = run::compare(&case.to_string(), &frames, &engines, arguments.limit);
             print!("{cell}");
             report.cells.push(cell);
@@ -88,14 +107,20 @@ pub fn run(arguments: &Arguments) -> Outcome {
     print!("{report}");
     if let Some(file) = &arguments.json {
         let json = serde_json::to_string_pretty(&report)?;
-        fs::write(file, json).map_err(|error| format!("cannot write {}: {error}", file.display()))?;
+        fs::write(file, json)
+            .map_err(|error| format!("cannot write {}: {error}", file.display()))?;
     }
     if let Some(stem) = &arguments.chart {
         for path in chart::draw(stem, &report)? {
             println!("{}", path.display());
         }
     }
-    if report.cells.iter().flat_map(|cell| &cell.rows).any(|row| row.role == Role::Ours && row.mismatch) {
+    if report
+        .cells
+        .iter()
+        .flat_map(|cell| &cell.rows)
+        .any(|row| row.role == Role::Ours && row.mismatch)
+    {
         return Err("this crate's pairs differ from those of its peers".into());
     }
     Ok(())

@@ -7,8 +7,7 @@ use serde::{Serialize, Serializer, ser::SerializeStruct};
 use crate::{engines::Role, measure::geometric_mean};
 
 /// The head of the table that cells print rows of.
-pub const HEADER: &str =
-    "scene             objects      pairs engine         update_ms   pairs_ms   total_ms  ns/object   / ours";
+pub const HEADER: &str = "scene             objects      pairs engine         update_ms   pairs_ms   total_ms  ns/object   / ours";
 
 /// The name of the crate's default way to search, which ratios relate to where it takes part.
 const DEFAULT: &str = "auto";
@@ -48,7 +47,10 @@ pub struct Cell {
 impl Cell {
     /// This crate: as it is by default, if that takes part, otherwise its best.
     pub fn ours(&self) -> Option<&Row> {
-        self.rows.iter().find(|row| row.engine == DEFAULT).or_else(|| self.fastest(Role::Ours))
+        self.rows
+            .iter()
+            .find(|row| row.engine == DEFAULT)
+            .or_else(|| self.fastest(Role::Ours))
     }
 
     /// The fastest of the engines that found the right pairs.
@@ -69,15 +71,28 @@ impl fmt::Display for Cell {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ours = self.ours().map_or(f64::NAN, |row| row.total_ms);
         for row in &self.rows {
-            let Row { engine, update_ms, pairs_ms, total_ms, .. } = row;
-            write!(f, "{:<15} {:>9} {:>10} {engine:<14}", self.scene, self.objects, self.pairs)?;
+            let Row {
+                engine,
+                update_ms,
+                pairs_ms,
+                total_ms,
+                ..
+            } = row;
+            write!(
+                f,
+                "{:<15} {:>9} {:>10} {engine:<14}",
+                self.scene, self.objects, self.pairs
+            )?;
             if row.too_slow {
                 writeln!(f, " over the limit")?;
                 continue;
             }
             let ns = total_ms * 1e6 / self.objects as f64;
             let ratio = total_ms / ours;
-            write!(f, "{update_ms:>10.4} {pairs_ms:>10.4} {total_ms:>10.4} {ns:>10.1} {ratio:>8.2}")?;
+            write!(
+                f,
+                "{update_ms:>10.4} {pairs_ms:>10.4} {total_ms:>10.4} {ns:>10.1} {ratio:>8.2}"
+            )?;
             writeln!(f, "{}", if row.mismatch { " MISMATCH" } else { "" })?;
         }
         Ok(())
@@ -91,7 +106,10 @@ impl Serialize for Cell {
         cell.serialize_field("objects", &self.objects)?;
         cell.serialize_field("pairs", &self.pairs)?;
         cell.serialize_field("ours", &self.ours().map(|row| row.engine))?;
-        cell.serialize_field("fastest_peer", &self.fastest(Role::Peer).map(|row| row.engine))?;
+        cell.serialize_field(
+            "fastest_peer",
+            &self.fastest(Role::Peer).map(|row| row.engine),
+        )?;
         cell.serialize_field("ratio", &self.ratio())?;
         cell.serialize_field("rows", &self.rows)?;
         cell.end()
@@ -107,19 +125,35 @@ pub struct Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "\nscene             objects ours             total_ms fastest peer     total_ms    ratio")?;
+        writeln!(
+            f,
+            "\nscene             objects ours             total_ms fastest peer     total_ms    ratio"
+        )?;
         let mut ratios = vec![];
         for cell in &self.cells {
-            let (Some(ours), Some(peer), Some(ratio)) = (cell.ours(), cell.fastest(Role::Peer), cell.ratio()) else {
+            let (Some(ours), Some(peer), Some(ratio)) =
+                (cell.ours(), cell.fastest(Role::Peer), cell.ratio())
+            else {
                 continue;
             };
             ratios.push(ratio);
-            write!(f, "{:<15} {:>9} {:<14}{:>11.4}", cell.scene, cell.objects, ours.engine, ours.total_ms)?;
-            writeln!(f, " {:<14}{:>11.4} {ratio:>8.2}", peer.engine, peer.total_ms)?;
+            write!(
+                f,
+                "{:<15} {:>9} {:<14}{:>11.4}",
+                cell.scene, cell.objects, ours.engine, ours.total_ms
+            )?;
+            writeln!(
+                f,
+                " {:<14}{:>11.4} {ratio:>8.2}",
+                peer.engine, peer.total_ms
+            )?;
         }
         let worst = ratios.iter().copied().fold(f64::NAN, f64::min);
         let mean = geometric_mean(&ratios);
-        writeln!(f, "\nworst_ratio={worst:.2} geomean_ratio={mean:.2} (fastest peer / ours)")
+        writeln!(
+            f,
+            "\nworst_ratio={worst:.2} geomean_ratio={mean:.2} (fastest peer / ours)"
+        )
     }
 }
 
@@ -128,7 +162,15 @@ mod tests {
     use super::*;
 
     fn row(engine: &'static str, role: Role, total_ms: f64) -> Row {
-        Row { engine, role, update_ms: 0.0, pairs_ms: total_ms, total_ms, too_slow: false, mismatch: false }
+        Row {
+            engine,
+            role,
+            update_ms: 0.0,
+            pairs_ms: total_ms,
+            total_ms,
+            too_slow: false,
+            mismatch: false,
+        }
     }
 
     #[test]
@@ -140,13 +182,26 @@ mod tests {
             row("floor", Role::Floor, 0.1),
         ];
         rows[2].mismatch = true;
-        let mut cell = Cell { scene: "brownian".into(), objects: 10, pairs: 3, rows };
+        let mut cell = Cell {
+            scene: "brownian".into(),
+            objects: 10,
+            pairs: 3,
+            rows,
+        };
         assert_eq!(cell.ratio(), Some(6.0));
         cell.rows.push(row("auto", Role::Ours, 2.0));
         assert_eq!(cell.ratio(), Some(3.0));
         assert!(cell.to_string().contains("MISMATCH"));
         let report = Report { cells: vec![cell] };
-        assert!(report.to_string().ends_with("worst_ratio=3.00 geomean_ratio=3.00 (fastest peer / ours)\n"));
-        assert!(serde_json::to_string(&report).unwrap().contains(r#""fastest_peer":"grid","ratio":3.0"#));
+        assert!(
+            report
+                .to_string()
+                .ends_with("worst_ratio=3.00 geomean_ratio=3.00 (fastest peer / ours)\n")
+        );
+        assert!(
+            serde_json::to_string(&report)
+                .unwrap()
+                .contains(r#""fastest_peer":"grid","ratio":3.0"#)
+        );
     }
 }

@@ -25,7 +25,10 @@ fn digest(pairs: &[Pair]) -> Digest {
         let key = (key ^ key >> 31).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         (key ^ key >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9)
     };
-    (pairs.len(), pairs.iter().map(hash).fold(0, u64::wrapping_add))
+    (
+        pairs.len(),
+        pairs.iter().map(hash).fold(0, u64::wrapping_add),
+    )
 }
 
 /// An engine and what was measured of it.
@@ -51,8 +54,9 @@ impl Runner {
     }
 
     fn row(&self, expected: &[Digest]) -> Row {
-        let milliseconds =
-            |of: fn(&[Duration; 2]) -> Duration| median(self.times.iter().map(|time| of(time).as_secs_f64() * 1e3));
+        let milliseconds = |of: fn(&[Duration; 2]) -> Duration| {
+            median(self.times.iter().map(|time| of(time).as_secs_f64() * 1e3))
+        };
         Row {
             engine: self.entry.name,
             role: self.entry.role,
@@ -61,7 +65,11 @@ impl Runner {
             total_ms: milliseconds(|[update, pairs]| *update + *pairs),
             too_slow: self.too_slow,
             mismatch: self.entry.role != Role::Floor
-                && self.digests.iter().zip(expected).any(|(found, expected)| found != expected),
+                && self
+                    .digests
+                    .iter()
+                    .zip(expected)
+                    .any(|(found, expected)| found != expected),
         }
     }
 }
@@ -79,7 +87,11 @@ pub fn compare(scene: &str, frames: &[Vec<Aabb3d>], engines: &[Entry], limit: f6
     let mut pairs = vec![];
     for (number, block) in frames.chunks(BLOCK).enumerate() {
         let (late, early) = runners.split_at_mut(number % engines.len().max(1));
-        for runner in early.iter_mut().chain(late).filter(|runner| !runner.too_slow) {
+        for runner in early
+            .iter_mut()
+            .chain(late)
+            .filter(|runner| !runner.too_slow)
+        {
             for boxes in block {
                 let time = runner.run(boxes, &mut pairs);
                 if number > 0 {
@@ -103,16 +115,25 @@ pub fn compare(scene: &str, frames: &[Vec<Aabb3d>], engines: &[Entry], limit: f6
 
 /// What brute force found in each frame, or else most of the engines.
 fn expected(runners: &[Runner], frames: usize) -> Vec<Digest> {
-    if let Some(brute) = runners.iter().find(|runner| runner.entry.name == "brute" && !runner.too_slow) {
+    if let Some(brute) = runners
+        .iter()
+        .find(|runner| runner.entry.name == "brute" && !runner.too_slow)
+    {
         return brute.digests.clone();
     }
-    let voters: Vec<_> = runners.iter().filter(|runner| runner.entry.role != Role::Floor).collect();
+    let voters: Vec<_> = runners
+        .iter()
+        .filter(|runner| runner.entry.role != Role::Floor)
+        .collect();
     let winner = |frame: usize| {
         let mut votes = BTreeMap::<Digest, usize>::new();
         for digest in voters.iter().filter_map(|runner| runner.digests.get(frame)) {
             *votes.entry(*digest).or_default() += 1;
         }
-        votes.into_iter().max_by_key(|(_, votes)| *votes).map(|(digest, _)| digest)
+        votes
+            .into_iter()
+            .max_by_key(|(_, votes)| *votes)
+            .map(|(digest, _)| digest)
     };
     (0..frames).filter_map(winner).collect()
 }

@@ -36,7 +36,9 @@ pub struct Floor(u32);
 
 impl Engine for Floor {
     fn update(&mut self, boxes: &[Aabb3d]) {
-        let sum = boxes.iter().fold(bevy::math::Vec3A::ZERO, |sum, aabb| sum + aabb.min + aabb.max);
+        let sum = boxes.iter().fold(bevy::math::Vec3A::ZERO, |sum, aabb| {
+            sum + aabb.min + aabb.max
+        });
         self.0 = black_box((sum.x + sum.y + sum.z).to_bits());
     }
 

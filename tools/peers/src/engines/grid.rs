@@ -1,17 +1,18 @@
-//! A uniform sorted grid: cells as large as the largest box, so that whatever overlaps is in the same cell or in one
-//! of its neighbours.
+//! A uniform sorted grid: cells as large as the largest box, so that whatever overlaps is in the
+//! same cell or in one of its neighbours.
 //!
-//! Boxes are sorted by the cell of their lower corner, by a radix sort of keys, and copied in that order. A cell is
-//! compared with itself and with the half of its neighbours that come later in the order. Cells that follow each
-//! other along x follow each other in memory too, so that these are five runs: one of its own row, and one in each of
-//! four rows beyond, whose ends only ever move forward.
+//! Boxes are sorted by the cell of their lower corner, by a radix sort of keys, and copied in that
+//! order. A cell is compared with itself and with the half of its neighbours that come later in the
+//! order. Cells that follow each other along x follow each other in memory too, so that these are
+//! five runs: one of its own row, and one in each of four rows beyond, whose ends only ever move
+//! forward.
 
 use bevy::math::{UVec3, Vec3A, bounding::Aabb3d};
 
 use super::{Engine, Pair};
 
-/// Cells along an axis: more bits would take another pass of sorting, and more precision than centimetres at
-/// kilometres have.
+/// Cells along an axis: more bits would take another pass of sorting, and more precision than
+/// centimetres at kilometres have.
 const MOST_CELLS: u32 = 1022;
 /// Bits of a digit of the radix sort.
 const DIGIT: u32 = 11;
@@ -71,7 +72,9 @@ impl Engine for Grid {
             largest = largest.max(aabb.max - aabb.min);
         }
         // A little larger, so that rounding puts no two boxes that touch two cells apart.
-        let cell = (largest * 1.001).max((high - low) / MOST_CELLS as f32).max(Vec3A::splat(f32::MIN_POSITIVE));
+        let cell = (largest * 1.001)
+            .max((high - low) / MOST_CELLS as f32)
+            .max(Vec3A::splat(f32::MIN_POSITIVE));
         let scale = cell.recip();
         let cells: UVec3 = ((high - low) * scale).as_uvec3() + 1;
         // An empty cell at the end of each row and layer keeps neighbours from wrapping around.
@@ -82,14 +85,25 @@ impl Engine for Grid {
             let at = ((aabb.min - low) * scale).as_uvec3();
             u64::from(at.x + at.y * self.row + at.z * self.layer) << 32 | i as u64
         }));
-        radix_sort(&mut self.keys, &mut self.spare, self.layer.saturating_mul(cells.z));
+        radix_sort(
+            &mut self.keys,
+            &mut self.spare,
+            self.layer.saturating_mul(cells.z),
+        );
         self.items.clear();
-        self.items.extend(self.keys.iter().map(|&key| Item { aabb: boxes[key as u32 as usize] }));
+        self.items.extend(self.keys.iter().map(|&key| Item {
+            aabb: boxes[key as u32 as usize],
+        }));
     }
 
     fn pairs(&mut self, pairs: &mut Vec<Pair>) {
         let (keys, items) = (&self.keys[..], &self.items[..]);
-        let rows = [self.row, self.layer - self.row, self.layer, self.layer + self.row];
+        let rows = [
+            self.row,
+            self.layer - self.row,
+            self.layer,
+            self.layer + self.row,
+        ];
         let mut runs = [(0, 0); 4];
         let (mut start, mut next) = (0, 0);
         let mut found = 0;
@@ -100,23 +114,37 @@ impl Engine for Grid {
             let a = &items[i].aabb;
             for (key, item) in keys[run.clone()].iter().zip(&items[run]) {
                 pairs[found] = (keys[i] as u32, *key as u32);
-                found += usize::from((a.min.cmple(item.aabb.max) & item.aabb.min.cmple(a.max)).all());
+                found +=
+                    usize::from((a.min.cmple(item.aabb.max) & item.aabb.min.cmple(a.max)).all());
             }
         };
         while start < keys.len() {
             let key = key_of(keys[start]);
-            let end = start + keys[start..].iter().take_while(|other| key_of(**other) == key).count();
+            let end = start
+                + keys[start..]
+                    .iter()
+                    .take_while(|other| key_of(**other) == key)
+                    .count();
             // The next cell of its own row.
             next = usize::max(next, end);
-            next += keys[next..].iter().take_while(|other| key_of(**other) <= key + 1).count();
+            next += keys[next..]
+                .iter()
+                .take_while(|other| key_of(**other) <= key + 1)
+                .count();
             for i in start..end {
                 compare(i, i + 1..next);
             }
             // Three cells in each of the rows beyond.
             for (run, row) in runs.iter_mut().zip(rows) {
-                run.0 += keys[run.0..].iter().take_while(|other| key_of(**other) + 1 < key + row).count();
+                run.0 += keys[run.0..]
+                    .iter()
+                    .take_while(|other| key_of(**other) + 1 < key + row)
+                    .count();
                 run.1 = usize::max(run.0, run.1);
-                run.1 += keys[run.1..].iter().take_while(|other| key_of(**other) <= key + row + 1).count();
+                run.1 += keys[run.1..]
+                    .iter()
+                    .take_while(|other| key_of(**other) <= key + row + 1)
+                    .count();
                 for i in start..end {
                     compare(i, run.0..run.1);
                 }

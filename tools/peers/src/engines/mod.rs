@@ -1,8 +1,9 @@
 //! The engines of the broad phase, behind one small trait.
 //!
-//! Each engine gets what a game has at hand each frame: the box of every object, in object order, unchanged ones too;
-//! an engine that gains by skipping those does so itself. What it owes is every pair of overlapping boxes, touching
-//! included. The time for both is taken, copies and filters included.
+//! Each engine gets what a game has at hand each frame: the box of every object, in object order,
+//! unchanged ones too; an engine that gains by skipping those does so itself. What it owes is every
+//! pair of overlapping boxes, touching included. The time for both is taken, copies and filters
+//! included.
 
 mod flat;
 mod grid;
@@ -20,8 +21,8 @@ pub type Pair = (u32, u32);
 
 /// One way to find the overlapping pairs, frame after frame.
 pub trait Engine {
-    /// Takes over the box of every object: as many as in the first frame, in the same order. Whatever has to be
-    /// maintained is maintained here.
+    /// Takes over the box of every object: as many as in the first frame, in the same order.
+    /// Whatever has to be maintained is maintained here.
     fn update(&mut self, boxes: &[Aabb3d]);
 
     /// Appends every pair of overlapping boxes to an empty list, each once.
@@ -54,22 +55,44 @@ pub struct Entry {
 
 /// All engines, in the order of the tables.
 pub fn all() -> Vec<Entry> {
-    let entry = |name, role, make| Entry { name, role, most_objects: usize::MAX, make };
-    let up_to = |most_objects, entry: Entry| Entry { most_objects, ..entry };
+    let entry = |name, role, make| Entry {
+        name,
+        role,
+        most_objects: usize::MAX,
+        make,
+    };
+    let up_to = |most_objects, entry: Entry| Entry {
+        most_objects,
+        ..entry
+    };
     vec![
         entry("auto", Role::Ours, || Box::new(ours::Ours::new("auto"))),
         entry("linear", Role::Ours, || Box::new(ours::Ours::new("linear"))),
         entry("object", Role::Ours, || Box::new(ours::Ours::new("object"))),
-        up_to(flat::MOST, entry("exhaustive", Role::Ours, || Box::new(ours::Ours::new("exhaustive")))),
-        entry("parry", Role::Peer, || Box::new(parry::Incremental::new(parry::NO_SKIN))),
-        entry("parry-skin", Role::Peer, || Box::new(parry::Incremental::new(parry::SKIN))),
-        entry("parry-rebuild", Role::Peer, || Box::<parry::Rebuilt>::default()),
+        up_to(
+            flat::MOST,
+            entry("exhaustive", Role::Ours, || {
+                Box::new(ours::Ours::new("exhaustive"))
+            }),
+        ),
+        entry("parry", Role::Peer, || {
+            Box::new(parry::Incremental::new(parry::NO_SKIN))
+        }),
+        entry("parry-skin", Role::Peer, || {
+            Box::new(parry::Incremental::new(parry::SKIN))
+        }),
+        entry("parry-rebuild", Role::Peer, || {
+            Box::<parry::Rebuilt>::default()
+        }),
         entry("rapier", Role::Peer, || Box::<rapier::Rapier>::default()),
         entry("obvhs", Role::Peer, || Box::<obvhs::Obvhs>::default()),
         entry("rstar", Role::Peer, || Box::<rstar::Rstar>::default()),
         entry("sweep", Role::Peer, || Box::<sweep::Sweep>::default()),
         entry("grid", Role::Peer, || Box::<grid::Grid>::default()),
-        up_to(flat::MOST, entry("brute", Role::Peer, || Box::<flat::Brute>::default())),
+        up_to(
+            flat::MOST,
+            entry("brute", Role::Peer, || Box::<flat::Brute>::default()),
+        ),
         entry("floor", Role::Floor, || Box::<flat::Floor>::default()),
     ]
 }
@@ -85,7 +108,8 @@ fn overlap(a: &Aabb3d, b: &Aabb3d) -> bool {
 struct Boxes(Vec<Aabb3d>);
 
 impl Boxes {
-    /// Takes over a frame and calls `changed` with the number and the box of each object that is new or has moved.
+    /// Takes over a frame and calls `changed` with the number and the box of each object that is
+    /// new or has moved.
     #[inline]
     fn take(&mut self, boxes: &[Aabb3d], mut changed: impl FnMut(u32, &Aabb3d)) {
         if self.0.is_empty() {
@@ -122,7 +146,10 @@ mod tests {
             .map(|i| {
                 let low = Vec3::new(quarter(40), quarter(40), quarter(40));
                 let side = if i % 50 == 0 { 4.0 } else { 0.25 + quarter(4) };
-                Aabb3d { min: low.into(), max: (low + side).into() }
+                Aabb3d {
+                    min: low.into(),
+                    max: (low + side).into(),
+                }
             })
             .collect();
         let mut frames = vec![];
@@ -162,7 +189,12 @@ mod tests {
                     engine.pairs(&mut found);
                     brute.update(boxes);
                     brute.pairs(&mut expected);
-                    assert_eq!(sorted(&found), sorted(&expected), "{} of {objects}, frame {number}", entry.name);
+                    assert_eq!(
+                        sorted(&found),
+                        sorted(&expected),
+                        "{} of {objects}, frame {number}",
+                        entry.name
+                    );
                 }
             }
         }

@@ -1,10 +1,11 @@
 //! obvhs' `Bvh2`, maintained as Avian 0.7 maintains its collider trees.
 //!
-//! Boxes in the tree are 0.05 larger on each side than objects, and stay until an object leaves its own. Where fewer
-//! than a tenth do, their leaves are resized one by one, otherwise all nodes are refitted. After the search, the tree
-//! is improved for the next frame: leaves that moved are reinserted if they are fewer than 15 %, a part of the tree
-//! is rebuilt up to 45 %, and all of it beyond. Pairs are searched for by a query for each object that left its box,
-//! and live until that happens again. Avian keeps them in a hash map; here they are a list, which is faster.
+//! Boxes in the tree are 0.05 larger on each side than objects, and stay until an object leaves its
+//! own. Where fewer than a tenth do, their leaves are resized one by one, otherwise all nodes are
+//! refitted. After the search, the tree is improved for the next frame: leaves that moved are
+//! reinserted if they are fewer than 15 %, a part of the tree is rebuilt up to 45 %, and all of it
+//! beyond. Pairs are searched for by a query for each object that left its box, and live until that
+//! happens again. Avian keeps them in a hash map; here they are a list, which is faster.
 
 use bevy::math::bounding::Aabb3d;
 use obvhs::{
@@ -38,7 +39,10 @@ pub fn aabb_of(aabb: &Aabb3d) -> Aabb {
 }
 
 fn enlarge(aabb: &Aabb3d) -> Aabb3d {
-    Aabb3d { min: aabb.min - MARGIN, max: aabb.max + MARGIN }
+    Aabb3d {
+        min: aabb.min - MARGIN,
+        max: aabb.max + MARGIN,
+    }
 }
 
 impl Obvhs {
@@ -48,7 +52,13 @@ impl Obvhs {
         self.moved.extend(0..boxes.len() as u32);
         self.is_moved.resize(boxes.len(), true);
         let aabbs: Vec<_> = self.enlarged.iter().map(aabb_of).collect();
-        self.tree = self.builder.build(PlocSearchDistance::Minimum, &aabbs, self.moved.clone(), SortPrecision::U64, 0);
+        self.tree = self.builder.build(
+            PlocSearchDistance::Minimum,
+            &aabbs,
+            self.moved.clone(),
+            SortPrecision::U64,
+            0,
+        );
         self.tree.init_parents_if_uninit();
         self.tree.init_primitives_to_nodes_if_uninit();
     }
@@ -58,10 +68,16 @@ impl Obvhs {
         if moved == 0.0 {
             return;
         }
-        let leaves = || self.moved.iter().map(|&i| self.tree.primitives_to_nodes[i as usize]).collect::<Vec<_>>();
+        let leaves = || {
+            self.moved
+                .iter()
+                .map(|&i| self.tree.primitives_to_nodes[i as usize])
+                .collect::<Vec<_>>()
+        };
         if moved < 0.15 {
             let leaves = leaves();
-            self.optimizer.run_with_candidates(&mut self.tree, &leaves, 1);
+            self.optimizer
+                .run_with_candidates(&mut self.tree, &leaves, 1);
         } else if moved < 0.45 {
             let leaves = leaves();
             compute_rebuild_path_flags(&self.tree, leaves, &mut self.flags);
@@ -74,7 +90,12 @@ impl Obvhs {
                 0,
             );
         } else {
-            self.builder.full_rebuild(&mut self.tree, PlocSearchDistance::Minimum, SortPrecision::U64, 0);
+            self.builder.full_rebuild(
+                &mut self.tree,
+                PlocSearchDistance::Minimum,
+                SortPrecision::U64,
+                0,
+            );
         }
         self.tree.init_parents_if_uninit();
         self.tree.init_primitives_to_nodes_if_uninit();
@@ -100,8 +121,10 @@ impl Engine for Obvhs {
         self.boxes.0.copy_from_slice(boxes);
         let one_by_one = self.moved.len() * 10 < boxes.len();
         for &i in &self.moved {
-            let (node, aabb) =
-                (self.tree.primitives_to_nodes[i as usize] as usize, aabb_of(&self.enlarged[i as usize]));
+            let (node, aabb) = (
+                self.tree.primitives_to_nodes[i as usize] as usize,
+                aabb_of(&self.enlarged[i as usize]),
+            );
             if one_by_one {
                 self.tree.resize_node(node, aabb);
             } else {
@@ -114,7 +137,14 @@ impl Engine for Obvhs {
     }
 
     fn pairs(&mut self, pairs: &mut Vec<Pair>) {
-        let Self { tree, enlarged, moved, is_moved, candidates, .. } = self;
+        let Self {
+            tree,
+            enlarged,
+            moved,
+            is_moved,
+            candidates,
+            ..
+        } = self;
         candidates.retain(|&(a, b)| !is_moved[a as usize] && !is_moved[b as usize]);
         for &a in moved.iter() {
             tree.aabb_traverse(aabb_of(&enlarged[a as usize]), |tree, node| {
@@ -130,7 +160,11 @@ impl Engine for Obvhs {
             });
         }
         let boxes = &self.boxes.0;
-        pairs.extend(candidates.iter().filter(|&&(a, b)| overlap(&boxes[a as usize], &boxes[b as usize])));
+        pairs.extend(
+            candidates
+                .iter()
+                .filter(|&&(a, b)| overlap(&boxes[a as usize], &boxes[b as usize])),
+        );
         self.improve();
     }
 }

@@ -18,14 +18,20 @@ impl Ours {
     /// If there is no such method.
     pub fn new(method: &str) -> Self {
         let method: BroadPhaseMethod = method.parse().expect("the engines of the list are methods");
-        Self { index: SpatialIndex::new(&method), ids: vec![] }
+        Self {
+            index: SpatialIndex::new(&method),
+            ids: vec![],
+        }
     }
 }
 
 impl Engine for Ours {
     fn update(&mut self, boxes: &[Aabb3d]) {
         if self.ids.is_empty() {
-            self.ids = boxes.iter().map(|aabb| self.index.insert(*aabb).expect("the boxes are finite")).collect();
+            self.ids = boxes
+                .iter()
+                .map(|aabb| self.index.insert(*aabb).expect("the boxes are finite"))
+                .collect();
         } else {
             for (id, aabb) in self.ids.iter().zip(boxes) {
                 self.index.set(*id, aabb).expect("the boxes are finite");
@@ -35,7 +41,13 @@ impl Engine for Ours {
     }
 
     fn pairs(&mut self, pairs: &mut Vec<Pair>) {
-        // Handles are dense and were given out in object order: they are the numbers of the objects.
-        pairs.extend(self.index.find_pairs().iter().map(|pair| (pair.a.get(), pair.b.get())));
+        // Handles are dense and were given out in object order: they are the numbers of the
+        // objects.
+        pairs.extend(
+            self.index
+                .find_pairs()
+                .iter()
+                .map(|pair| (pair.a.get(), pair.b.get())),
+        );
     }
 }

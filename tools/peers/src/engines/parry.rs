@@ -1,16 +1,18 @@
 //! parry's `Bvh`.
 //!
-//! The incremental engine follows the recipe of rapier's broad phase, the tree's main user, without what a physics
-//! engine needs and a list of pairs does not (hash maps, adjacency lists, events):
+//! The incremental engine follows the recipe of rapier's broad phase, the tree's main user, without
+//! what a physics engine needs and a list of pairs does not (hash maps, adjacency lists, events):
 //!
-//! - where fewer than one box in sixteen changed, leaves are reinserted and only their ancestors refitted;
-//! - otherwise leaves are updated in place, one step of incremental optimisation follows, and a refit of all nodes,
-//!   which also puts them into depth-first order;
-//! - the tree is traversed against itself with change detection, which gives the pairs with a leaf that changed;
-//!   those without one are kept from the last frame.
+//! - where fewer than one box in sixteen changed, leaves are reinserted and only their ancestors
+//!   refitted;
+//! - otherwise leaves are updated in place, one step of incremental optimisation follows, and a
+//!   refit of all nodes, which also puts them into depth-first order;
+//! - the tree is traversed against itself with change detection, which gives the pairs with a leaf
+//!   that changed; those without one are kept from the last frame.
 //!
-//! It runs with the skin that rapier gives to leaves, 4 % of a length unit, and with next to none: a skin saves
-//! updates where things are slow, and costs candidates otherwise. (A skin of exactly 0 turns change detection off.)
+//! It runs with the skin that rapier gives to leaves, 4 % of a length unit, and with next to none:
+//! a skin saves updates where things are slow, and costs candidates otherwise. (A skin of exactly 0
+//! turns change detection off.)
 
 use bevy::math::bounding::Aabb3d;
 use parry3d::{
@@ -30,7 +32,10 @@ const FEW: usize = 16;
 
 /// A box in this library's terms.
 pub fn aabb_of(aabb: &Aabb3d) -> Aabb {
-    Aabb { mins: aabb.min.to_array().into(), maxs: aabb.max.to_array().into() }
+    Aabb {
+        mins: aabb.min.to_array().into(),
+        maxs: aabb.max.to_array().into(),
+    }
 }
 
 /// The tree is maintained from frame to frame.
@@ -65,11 +70,13 @@ impl Incremental {
     fn build(&mut self, boxes: &[Aabb3d]) {
         self.tree = Bvh::new();
         for (i, aabb) in boxes.iter().enumerate() {
-            self.tree.insert_or_update_partially(aabb_of(aabb), i as u32, self.skin);
+            self.tree
+                .insert_or_update_partially(aabb_of(aabb), i as u32, self.skin);
             self.updated.push(i as u32);
         }
         self.is_updated.resize(boxes.len(), true);
-        self.tree.rebuild(&mut self.workspace, BvhBuildStrategy::Binned);
+        self.tree
+            .rebuild(&mut self.workspace, BvhBuildStrategy::Binned);
         self.tree.refit(&mut self.workspace);
     }
 }
@@ -84,7 +91,8 @@ impl Engine for Incremental {
 
         let first = self.is_updated.is_empty();
         self.changes.clear();
-        self.boxes.take(boxes, |i, aabb| self.changes.push((i, aabb_of(aabb))));
+        self.boxes
+            .take(boxes, |i, aabb| self.changes.push((i, aabb_of(aabb))));
         if first {
             self.build(boxes);
             return;
@@ -93,7 +101,8 @@ impl Engine for Incremental {
         let one_by_one = few(self.changes.len());
         for &(i, aabb) in &self.changes {
             let status = if one_by_one {
-                self.tree.reinsert_or_update_with_change_detection(aabb, i, self.skin)
+                self.tree
+                    .reinsert_or_update_with_change_detection(aabb, i, self.skin)
             } else {
                 self.tree.insert_or_update_partially(aabb, i, self.skin)
             };
@@ -113,7 +122,14 @@ impl Engine for Incremental {
     }
 
     fn pairs(&mut self, pairs: &mut Vec<Pair>) {
-        let Self { tree, workspace, boxes, is_updated, candidates, .. } = self;
+        let Self {
+            tree,
+            workspace,
+            boxes,
+            is_updated,
+            candidates,
+            ..
+        } = self;
         candidates.retain(|&(a, b)| !is_updated[a as usize] && !is_updated[b as usize]);
         for &(a, b) in candidates.iter() {
             if boxes.overlap(a, b) {
@@ -140,14 +156,19 @@ pub struct Rebuilt {
 impl Engine for Rebuilt {
     fn update(&mut self, boxes: &[Aabb3d]) {
         for (i, aabb) in boxes.iter().enumerate() {
-            self.tree.insert_or_update_partially(aabb_of(aabb), i as u32, 0.0);
+            self.tree
+                .insert_or_update_partially(aabb_of(aabb), i as u32, 0.0);
         }
         self.objects = boxes.len();
-        self.tree.rebuild(&mut self.workspace, BvhBuildStrategy::Binned);
+        self.tree
+            .rebuild(&mut self.workspace, BvhBuildStrategy::Binned);
     }
 
     fn pairs(&mut self, pairs: &mut Vec<Pair>) {
         // Leaves are exact, so that no pair needs a filter.
-        self.tree.traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |a, b| pairs.push((a, b)));
+        self.tree
+            .traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |a, b| {
+                pairs.push((a, b))
+            });
     }
 }

@@ -1,8 +1,8 @@
-//! Rapier's broad phase, driven through its public interface: [`BroadPhaseBvh::set_aabb`] for each box that changed,
-//! then an update, whose events keep a list of candidates.
+//! Rapier's broad phase, driven through its public interface: [`BroadPhaseBvh::set_aabb`] for each
+//! box that changed, then an update, whose events keep a list of candidates.
 //!
-//! The other way in, moving colliders of a set and naming them to the update, needs the whole physics pipeline to
-//! reset their change flags, and computes boxes from shapes and poses on top.
+//! The other way in, moving colliders of a set and naming them to the update, needs the whole
+//! physics pipeline to reset their change flags, and computes boxes from shapes and poses on top.
 
 use bevy::{math::bounding::Aabb3d, platform::collections::HashMap};
 use parry3d::bounding_volume::Aabb;
@@ -25,23 +25,45 @@ pub struct Rapier {
 }
 
 fn numbers(pair: &ColliderPair) -> Pair {
-    (pair.collider1.into_raw_parts().0, pair.collider2.into_raw_parts().0)
+    (
+        pair.collider1.into_raw_parts().0,
+        pair.collider2.into_raw_parts().0,
+    )
 }
 
 impl Engine for Rapier {
     fn update(&mut self, boxes: &[Aabb3d]) {
         if self.handles.is_empty() {
             // Colliders come without bodies, and meet all others of the kind.
-            let collider = ColliderBuilder::cuboid(0.5, 0.5, 0.5).active_collision_types(ActiveCollisionTypes::all());
-            self.handles = boxes.iter().map(|_| self.colliders.insert(collider.clone())).collect();
+            let collider = ColliderBuilder::cuboid(0.5, 0.5, 0.5)
+                .active_collision_types(ActiveCollisionTypes::all());
+            self.handles = boxes
+                .iter()
+                .map(|_| self.colliders.insert(collider.clone()))
+                .collect();
         }
-        let Self { broad_phase, parameters, handles, .. } = self;
+        let Self {
+            broad_phase,
+            parameters,
+            handles,
+            ..
+        } = self;
         self.boxes.take(boxes, |i, aabb| {
-            let aabb = Aabb { mins: aabb.min.to_array().into(), maxs: aabb.max.to_array().into() };
+            let aabb = Aabb {
+                mins: aabb.min.to_array().into(),
+                maxs: aabb.max.to_array().into(),
+            };
             broad_phase.set_aabb(parameters, handles[i as usize], aabb);
         });
         self.events.clear();
-        broad_phase.update(parameters, &self.colliders, &self.bodies, &[], &[], &mut self.events);
+        broad_phase.update(
+            parameters,
+            &self.colliders,
+            &self.bodies,
+            &[],
+            &[],
+            &mut self.events,
+        );
     }
 
     fn pairs(&mut self, pairs: &mut Vec<Pair>) {
@@ -63,6 +85,10 @@ impl Engine for Rapier {
             }
         }
         self.events.clear();
-        pairs.extend(self.candidates.iter().filter(|&&(a, b)| self.boxes.overlap(a, b)));
+        pairs.extend(
+            self.candidates
+                .iter()
+                .filter(|&&(a, b)| self.boxes.overlap(a, b)),
+        );
     }
 }

@@ -1,5 +1,5 @@
-//! rstar: an R*-tree, bulk-loaded each frame and joined with itself. Moving objects by removal and insertion takes it
-//! several times longer.
+//! rstar: an R*-tree, bulk-loaded each frame and joined with itself. Moving objects by removal and
+//! insertion takes it several times longer.
 
 use bevy::math::bounding::Aabb3d;
 use rstar::{AABB, RTree, RTreeObject};
@@ -29,7 +29,10 @@ pub fn envelope_of(aabb: &Aabb3d) -> AABB<[f32; 3]> {
 
 /// The tree of these boxes, built at once.
 pub fn load(boxes: &[Aabb3d]) -> RTree<Object> {
-    let object = |(number, aabb)| Object { number, envelope: envelope_of(aabb) };
+    let object = |(number, aabb)| Object {
+        number,
+        envelope: envelope_of(aabb),
+    };
     RTree::bulk_load((0..).zip(boxes).map(object).collect())
 }
 

@@ -1,7 +1,8 @@
 //! Sort and sweep along one axis, the one on which the boxes are spread most.
 //!
-//! The order of the last frame is kept: where it is nearly right, insertion sort mends it, and a radix sort where it
-//! is not. The two other axes are tested without branches, four planes per instruction.
+//! The order of the last frame is kept: where it is nearly right, insertion sort mends it, and a
+//! radix sort where it is not. The two other axes are tested without branches, four planes per
+//! instruction.
 
 use bevy::math::{Vec3A, Vec4, bounding::Aabb3d};
 
@@ -49,7 +50,9 @@ fn mend(items: &mut [Item]) -> bool {
 /// The axis of the largest variance of centres.
 fn widest_axis(boxes: &[Aabb3d]) -> usize {
     let count = boxes.len() as f32;
-    let mean = boxes.iter().fold(Vec3A::ZERO, |sum, aabb| sum + (aabb.min + aabb.max) / count);
+    let mean = boxes
+        .iter()
+        .fold(Vec3A::ZERO, |sum, aabb| sum + (aabb.min + aabb.max) / count);
     let variance = boxes.iter().fold(Vec3A::ZERO, |sum, aabb| {
         let offset = aabb.min + aabb.max - mean;
         sum + offset * offset / count
@@ -61,7 +64,12 @@ impl Engine for Sweep {
     fn update(&mut self, boxes: &[Aabb3d]) {
         let axis = widest_axis(boxes);
         if self.items.len() != boxes.len() {
-            self.items = (0..boxes.len() as u32).map(|number| Item { number, ..Item::default() }).collect();
+            self.items = (0..boxes.len() as u32)
+                .map(|number| Item {
+                    number,
+                    ..Item::default()
+                })
+                .collect();
         }
         let kept = self.axis == axis;
         self.axis = axis;
@@ -84,8 +92,12 @@ impl Engine for Sweep {
         let mut found = pairs.len();
         for (i, item) in self.items.iter().enumerate() {
             let rest = &self.items[i + 1..];
-            let reach = rest.iter().take_while(|other| other.low <= item.high).count();
-            // Their lower planes must not lie above this box's upper ones, nor their upper ones below its lower ones.
+            let reach = rest
+                .iter()
+                .take_while(|other| other.low <= item.high)
+                .count();
+            // Their lower planes must not lie above this box's upper ones, nor their upper ones
+            // below its lower ones.
             let low = self.lows[i];
             let high = Vec4::new(-low.z, -low.w, -low.x, -low.y);
             if pairs.len() < found + reach {

@@ -46,7 +46,9 @@ impl Answer {
 
     fn of(values: impl Iterator<Item = Option<f32>>) -> Option<Self> {
         let mut answer = Self::default();
-        values.flatten().for_each(|value| answer.add(f64::from(value)));
+        values
+            .flatten()
+            .for_each(|value| answer.add(f64::from(value)));
         Some(answer)
     }
 
@@ -108,20 +110,28 @@ impl Ours {
 
 impl QueryEngine for Ours {
     fn rays(&mut self, rays: &[Ray]) -> Option<Answer> {
-        let cast = |ray: &Ray| self.0.cast(&RayCast3d::new(ray.origin, ray.direction, f32::INFINITY));
+        let cast = |ray: &Ray| {
+            self.0
+                .cast(&RayCast3d::new(ray.origin, ray.direction, f32::INFINITY))
+        };
         Answer::of(rays.iter().map(|ray| cast(ray).map(|hit| hit.distance)))
     }
 
     fn regions(&mut self, regions: &[Aabb3d]) -> Option<Answer> {
         let mut answer = Answer::default();
         for region in regions {
-            self.0.for_each_overlapping(region, |id| answer.add(f64::from(id.get())));
+            self.0
+                .for_each_overlapping(region, |id| answer.add(f64::from(id.get())));
         }
         Some(answer)
     }
 
     fn nearest(&mut self, points: &[Vec3]) -> Option<Answer> {
-        let nearest = |point: &Vec3| self.0.nearest(*point, f32::INFINITY).map(|hit| hit.distance);
+        let nearest = |point: &Vec3| {
+            self.0
+                .nearest(*point, f32::INFINITY)
+                .map(|hit| hit.distance)
+        };
         Answer::of(points.iter().map(nearest))
     }
 }
@@ -135,23 +145,33 @@ struct Parry {
 impl Parry {
     fn new(boxes: &[Aabb3d]) -> Self {
         let boxes: Vec<_> = boxes.iter().map(parry_aabb).collect();
-        Self { tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes), boxes }
+        Self {
+            tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
+            boxes,
+        }
     }
 }
 
 impl QueryEngine for Parry {
     fn rays(&mut self, rays: &[Ray]) -> Option<Answer> {
         Answer::of(rays.iter().map(|ray| {
-            let ray = parry3d::query::Ray::new(ray.origin.to_array().into(), ray.direction.to_array().into());
+            let ray = parry3d::query::Ray::new(
+                ray.origin.to_array().into(),
+                ray.direction.to_array().into(),
+            );
             let leaf = |leaf: u32, best| self.boxes[leaf as usize].cast_local_ray(&ray, best, true);
-            self.tree.cast_ray(&ray, f32::MAX, leaf).map(|(_, distance)| distance)
+            self.tree
+                .cast_ray(&ray, f32::MAX, leaf)
+                .map(|(_, distance)| distance)
         }))
     }
 
     fn regions(&mut self, regions: &[Aabb3d]) -> Option<Answer> {
         let mut answer = Answer::default();
         for region in regions {
-            self.tree.intersect_aabb(&parry_aabb(region)).for_each(|leaf| answer.add(f64::from(leaf)));
+            self.tree
+                .intersect_aabb(&parry_aabb(region))
+                .for_each(|leaf| answer.add(f64::from(leaf)));
         }
         Some(answer)
     }
@@ -159,19 +179,30 @@ impl QueryEngine for Parry {
     fn nearest(&mut self, points: &[Vec3]) -> Option<Answer> {
         Answer::of(points.iter().map(|point| {
             let point = point.to_array().into();
-            let leaf = |leaf: u32, _| Some(self.boxes[leaf as usize].distance_to_local_point(point, true));
-            let node = |node: &parry3d::partitioning::BvhNode, _| node.aabb().distance_to_local_point(point, true);
-            self.tree.find_best(f32::MAX, node, leaf).map(|(_, distance)| distance)
+            let leaf =
+                |leaf: u32, _| Some(self.boxes[leaf as usize].distance_to_local_point(point, true));
+            let node = |node: &parry3d::partitioning::BvhNode, _| {
+                node.aabb().distance_to_local_point(point, true)
+            };
+            self.tree
+                .find_best(f32::MAX, node, leaf)
+                .map(|(_, distance)| distance)
         }))
     }
 }
 
 fn obvhs_ray(ray: &Ray) -> obvhs::ray::Ray {
-    obvhs::ray::Ray::new_inf(ray.origin.to_array().into(), ray.direction.to_array().into())
+    obvhs::ray::Ray::new_inf(
+        ray.origin.to_array().into(),
+        ray.direction.to_array().into(),
+    )
 }
 
 /// The first box along each ray, by one of obvhs' trees.
-fn obvhs_rays(rays: &[Ray], walk: impl Fn(obvhs::ray::Ray, &mut obvhs::ray::RayHit) -> bool) -> Option<Answer> {
+fn obvhs_rays(
+    rays: &[Ray],
+    walk: impl Fn(obvhs::ray::Ray, &mut obvhs::ray::RayHit) -> bool,
+) -> Option<Answer> {
     Answer::of(rays.iter().map(|ray| {
         let mut hit = obvhs::ray::RayHit::none();
         walk(obvhs_ray(ray), &mut hit).then_some(hit.t)
@@ -185,7 +216,10 @@ fn entry_into(boxes: &[obvhs::aabb::Aabb]) -> impl Fn(&obvhs::ray::Ray, usize) -
 
 /// The boxes in the order of a tree.
 fn in_order(boxes: &[Aabb3d], order: &[u32]) -> Vec<obvhs::aabb::Aabb> {
-    order.iter().map(|&i| obvhs_aabb(&boxes[i as usize])).collect()
+    order
+        .iter()
+        .map(|&i| obvhs_aabb(&boxes[i as usize]))
+        .collect()
 }
 
 /// obvhs' binary tree.
@@ -206,7 +240,9 @@ impl Obvhs2 {
 
 impl QueryEngine for Obvhs2 {
     fn rays(&mut self, rays: &[Ray]) -> Option<Answer> {
-        obvhs_rays(rays, |ray, hit| self.tree.ray_traverse(ray, hit, entry_into(&self.boxes)))
+        obvhs_rays(rays, |ray, hit| {
+            self.tree.ray_traverse(ray, hit, entry_into(&self.boxes))
+        })
     }
 
     fn regions(&mut self, regions: &[Aabb3d]) -> Option<Answer> {
@@ -250,11 +286,14 @@ impl ObvhsWide {
 
 impl QueryEngine for ObvhsWide {
     fn rays(&mut self, rays: &[Ray]) -> Option<Answer> {
-        obvhs_rays(rays, |ray, hit| self.tree.ray_traverse(ray, hit, entry_into(&self.boxes)))
+        obvhs_rays(rays, |ray, hit| {
+            self.tree.ray_traverse(ray, hit, entry_into(&self.boxes))
+        })
     }
 
     fn regions(&mut self, regions: &[Aabb3d]) -> Option<Answer> {
-        // The macro below needs the name, and of the version of glam that obvhs has, which is parry's too.
+        // The macro below needs the name, and of the version of glam that obvhs has, which is
+        // parry's too.
         use parry3d::glamx::UVec2;
         let mut answer = Answer::default();
         let tree = &self.tree;
@@ -262,12 +301,18 @@ impl QueryEngine for ObvhsWide {
             let region = obvhs_aabb(region);
             let mut state = tree.new_traversal(Vec3A::ONE.to_array().into());
             let mut node;
-            obvhs::traverse!(tree, node, state, node.intersect_aabb(&region, state.oct_inv4), {
-                let primitive = state.primitive_id as usize;
-                if self.boxes[primitive].intersect_aabb(&region) {
-                    answer.add(f64::from(tree.primitive_indices[primitive]));
+            obvhs::traverse!(
+                tree,
+                node,
+                state,
+                node.intersect_aabb(&region, state.oct_inv4),
+                {
+                    let primitive = state.primitive_id as usize;
+                    if self.boxes[primitive].intersect_aabb(&region) {
+                        answer.add(f64::from(tree.primitive_indices[primitive]));
+                    }
                 }
-            });
+            );
         }
         Some(answer)
     }
@@ -277,7 +322,8 @@ impl QueryEngine for ObvhsWide {
     }
 }
 
-/// rstar's tree, bulk-loaded. It has no rays: they are a selection, which stops at what is beyond the best hit.
+/// rstar's tree, bulk-loaded. It has no rays: they are a selection, which stops at what is beyond
+/// the best hit.
 struct Rstar(RTree<Object>);
 
 impl PointDistance for Object {
@@ -309,7 +355,9 @@ impl SelectionFunction<Object> for Along<'_> {
 
     fn should_unpack_leaf(&self, object: &Object) -> bool {
         let distance = self.distance(&object.envelope);
-        distance.inspect(|distance| self.best.set(*distance)).is_some()
+        distance
+            .inspect(|distance| self.best.set(*distance))
+            .is_some()
     }
 }
 
@@ -324,8 +372,15 @@ impl QueryEngine for Rstar {
         Answer::of(rays.iter().map(|ray| {
             let best = Cell::new(f32::INFINITY);
             let reciprocal = Vec3A::from(*ray.direction).recip();
-            let along = Along { origin: ray.origin.into(), reciprocal, best: &best };
-            self.0.locate_with_selection_function(along).last().map(|_| best.get())
+            let along = Along {
+                origin: ray.origin.into(),
+                reciprocal,
+                best: &best,
+            };
+            self.0
+                .locate_with_selection_function(along)
+                .last()
+                .map(|_| best.get())
         }))
     }
 
@@ -333,27 +388,32 @@ impl QueryEngine for Rstar {
         let mut answer = Answer::default();
         for region in regions {
             let region = envelope_of(region);
-            let _: ControlFlow<()> = self.0.locate_in_envelope_intersecting_int(region, |object| {
-                answer.add(f64::from(object.number));
-                ControlFlow::Continue(())
-            });
+            let _: ControlFlow<()> = self
+                .0
+                .locate_in_envelope_intersecting_int(region, |object| {
+                    answer.add(f64::from(object.number));
+                    ControlFlow::Continue(())
+                });
         }
         Some(answer)
     }
 
     fn nearest(&mut self, points: &[Vec3]) -> Option<Answer> {
-        Answer::of(
-            points.iter().map(|point| {
-                self.0.nearest_neighbor_with_distance_2(point.to_array()).map(|(_, squared)| squared.sqrt())
-            }),
-        )
+        Answer::of(points.iter().map(|point| {
+            self.0
+                .nearest_neighbor_with_distance_2(point.to_array())
+                .map(|(_, squared)| squared.sqrt())
+        }))
     }
 }
 
 /// Avian's `SpatialQuery`, against static bodies.
 struct Avian {
     app: App,
-    state: SystemState<(avian::SpatialQuery<'static, 'static>, Query<'static, 'static, &'static Number>)>,
+    state: SystemState<(
+        avian::SpatialQuery<'static, 'static>,
+        Query<'static, 'static, &'static Number>,
+    )>,
 }
 
 /// The number of a box.
@@ -363,16 +423,28 @@ struct Number(u32);
 impl Avian {
     fn new(boxes: &[Aabb3d]) -> Self {
         let mut app = App::new();
-        app.add_plugins((MinimalPlugins, TransformPlugin, avian::PhysicsPlugins::new(PostUpdate)))
-            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 60.0)));
+        app.add_plugins((
+            MinimalPlugins,
+            TransformPlugin,
+            avian::PhysicsPlugins::new(PostUpdate),
+        ))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(
+            1.0 / 60.0,
+        )));
         app.finish();
         app.cleanup();
         let body = |(i, aabb): (usize, &Aabb3d)| {
             let (center, sides) = ((aabb.min + aabb.max) * 0.5, aabb.max - aabb.min);
             let collider = avian::Collider::cuboid(sides.x, sides.y, sides.z);
-            (Number(i as u32), avian::RigidBody::Static, collider, Transform::from_translation(center.into()))
+            (
+                Number(i as u32),
+                avian::RigidBody::Static,
+                collider,
+                Transform::from_translation(center.into()),
+            )
         };
-        app.world_mut().spawn_batch(boxes.iter().enumerate().map(body).collect::<Vec<_>>());
+        app.world_mut()
+            .spawn_batch(boxes.iter().enumerate().map(body).collect::<Vec<_>>());
         // In the first updates the tree takes its shape.
         (0..4).for_each(|_| app.update());
         let state = SystemState::new(app.world_mut());
@@ -392,10 +464,17 @@ impl QueryEngine for Avian {
         let (query, numbers) = self.state.get(self.app.world()).ok()?;
         let mut answer = Answer::default();
         for region in regions {
-            let region = avian::ColliderAabb { min: region.min.into(), max: region.max.into() };
+            let region = avian::ColliderAabb {
+                min: region.min.into(),
+                max: region.max.into(),
+            };
             query.aabb_intersections_with_aabb_callback(region, |entity| {
                 // As elsewhere, what was found is looked up.
-                answer.add(numbers.get(entity).map_or(0.0, |number| f64::from(number.0)));
+                answer.add(
+                    numbers
+                        .get(entity)
+                        .map_or(0.0, |number| f64::from(number.0)),
+                );
                 true
             });
         }
@@ -405,8 +484,11 @@ impl QueryEngine for Avian {
     fn nearest(&mut self, points: &[Vec3]) -> Option<Answer> {
         let (query, _) = self.state.get(self.app.world()).ok()?;
         let filter = avian::SpatialQueryFilter::default();
-        let nearest =
-            |point: &Vec3| query.project_point(*point, true, &filter).map(|found| found.point.distance(*point));
+        let nearest = |point: &Vec3| {
+            query
+                .project_point(*point, true, &filter)
+                .map(|found| found.point.distance(*point))
+        };
         Answer::of(points.iter().map(nearest))
     }
 }

@@ -1,15 +1,18 @@
 //! `peers queries`: rays, regions and nearest objects, against boxes that rest.
 //!
-//! - A *ray* from a random point in a random direction finds the first box that it meets, and how far away.
+//! - A *ray* from a random point in a random direction finds the first box that it meets, and how
+//!   far away.
 //! - A *region* is a cube at a random place, and finds all boxes that overlap it.
 //! - *Nearest* finds the box next to a random point, and how far away.
 //!
-//! All engines hold the boxes of the `brownian` scene and get the same queries, a batch at a time, by turns; the first
-//! batch is not counted. What they find is compared: hits, and sums of distances. obvhs builds with its medium
-//! settings, which take longer than a game has each frame and pay in queries; its boxes stand in the tree's order.
-//! Avian's queries go through its `SpatialQuery`, which tests colliders, not boxes: here they are the same, but that
-//! Avian makes the boxes 0.005 larger, so that its regions find a little more. An engine that turns out to be slower
-//! than [`LIMIT_NS`] per query answers a few only; what Avian does for the nearest collider looks at all of them.
+//! All engines hold the boxes of the `brownian` scene and get the same queries, a batch at a time,
+//! by turns; the first batch is not counted. What they find is compared: hits, and sums of
+//! distances. obvhs builds with its medium settings, which take longer than a game has each frame
+//! and pay in queries; its boxes stand in the tree's order. Avian's queries go through its
+//! `SpatialQuery`, which tests colliders, not boxes: here they are the same, but that Avian makes
+//! the boxes 0.005 larger, so that its regions find a little more. An engine that turns out to be
+//! slower than [`LIMIT_NS`] per query answers a few only; what Avian does for the nearest collider
+//! looks at all of them.
 
 mod engines;
 
@@ -67,18 +70,28 @@ pub struct Batch {
 
 impl Batch {
     fn new(boxes: &[Aabb3d], arguments: &Arguments) -> Self {
-        let low = boxes.iter().fold(Vec3::INFINITY, |low, aabb| low.min(aabb.min.into()));
-        let high = boxes.iter().fold(Vec3::NEG_INFINITY, |high, aabb| high.max(aabb.max.into()));
+        let low = boxes
+            .iter()
+            .fold(Vec3::INFINITY, |low, aabb| low.min(aabb.min.into()));
+        let high = boxes
+            .iter()
+            .fold(Vec3::NEG_INFINITY, |high, aabb| high.max(aabb.max.into()));
         // Not the numbers that the boxes were drawn from.
         let mut random = fastrand::Rng::with_seed(!arguments.seed);
         let unit = |random: &mut fastrand::Rng| Vec3::new(random.f32(), random.f32(), random.f32());
         let half = Vec3::splat(arguments.region / 2.0);
-        let mut batch = Self { rays: vec![], regions: vec![], points: vec![] };
+        let mut batch = Self {
+            rays: vec![],
+            regions: vec![],
+            points: vec![],
+        };
         for _ in 0..arguments.batch {
             let origin = low + (high - low) * unit(&mut random);
             let direction = Dir3::new(unit(&mut random) - 0.5).unwrap_or(Dir3::X);
             batch.rays.push(Ray { origin, direction });
-            batch.regions.push(Aabb3d::new(low + (high - low) * unit(&mut random), half));
+            batch
+                .regions
+                .push(Aabb3d::new(low + (high - low) * unit(&mut random), half));
             batch.points.push(low + (high - low) * unit(&mut random));
         }
         batch
@@ -106,7 +119,12 @@ impl Kind {
     }
 
     /// Asks the first so many queries of the batch; also tells how many nanoseconds each took.
-    fn ask(self, engine: &mut dyn QueryEngine, batch: &Batch, queries: usize) -> Option<(Answer, f64)> {
+    fn ask(
+        self,
+        engine: &mut dyn QueryEngine,
+        batch: &Batch,
+        queries: usize,
+    ) -> Option<(Answer, f64)> {
         let start = Instant::now();
         let answer = match self {
             Self::Rays => engine.rays(&batch.rays[..queries]),
@@ -141,7 +159,11 @@ struct Runner<'a> {
 
 /// Runs the comparison.
 pub fn run(arguments: &Arguments) -> Outcome {
-    let simulation = StressSimulation::new(StressScene::Brownian, arguments.objects as usize, arguments.seed);
+    let simulation = StressSimulation::new(
+        StressScene::Brownian,
+        arguments.objects as usize,
+        arguments.seed,
+    );
     let boxes = simulation.boxes();
     let batch = Batch::new(boxes, arguments);
     let mut progress = Progress::new(1 + Kind::ALL.len() as u64);
@@ -156,20 +178,42 @@ pub fn run(arguments: &Arguments) -> Outcome {
             .iter_mut()
             .filter_map(|entry| {
                 let (_, time) = kind.ask(&mut *entry.engine, &batch, few)?;
-                Some(Runner { entry, queries: if time > LIMIT_NS { few } else { all }, times: vec![], answer: None })
+                Some(Runner {
+                    entry,
+                    queries: if time > LIMIT_NS { few } else { all },
+                    times: vec![],
+                    answer: None,
+                })
             })
             .collect();
         for number in 0..=arguments.batches {
-            for Runner { entry, queries, times, answer } in &mut runners {
+            for Runner {
+                entry,
+                queries,
+                times,
+                answer,
+            } in &mut runners
+            {
                 let asked = kind.ask(&mut *entry.engine, &batch, *queries);
                 *answer = asked.map(|(answer, _)| answer);
                 times.extend(asked.map(|(_, time)| time).filter(|_| number > 0));
             }
         }
         // The first engine that answered all is the measure for the others.
-        let expected = runners.iter().find(|runner| runner.queries == all).and_then(|runner| runner.answer);
-        for Runner { entry, queries, times, answer } in runners {
-            let (Some(answer), Some(expected)) = (answer, expected) else { continue };
+        let expected = runners
+            .iter()
+            .find(|runner| runner.queries == all)
+            .and_then(|runner| runner.answer);
+        for Runner {
+            entry,
+            queries,
+            times,
+            answer,
+        } in runners
+        {
+            let (Some(answer), Some(expected)) = (answer, expected) else {
+                continue;
+            };
             rows.push(Row {
                 kind,
                 engine: entry.name,
@@ -186,32 +230,63 @@ pub fn run(arguments: &Arguments) -> Outcome {
     print(&rows, arguments);
     if let Some(file) = &arguments.json {
         let json = serde_json::to_string_pretty(&rows)?;
-        fs::write(file, json).map_err(|error| format!("cannot write {}: {error}", file.display()))?;
+        fs::write(file, json)
+            .map_err(|error| format!("cannot write {}: {error}", file.display()))?;
     }
     Ok(())
 }
 
 fn print(rows: &[Row], arguments: &Arguments) {
-    println!("{} boxes, {} queries of each kind", arguments.objects, arguments.batch);
+    println!(
+        "{} boxes, {} queries of each kind",
+        arguments.objects, arguments.batch
+    );
     println!("kind     engine           ns/query    queries      found            sum    / ours");
     for kind in Kind::ALL {
         let of_kind = || rows.iter().filter(|row| row.kind == kind);
-        let best = |role| of_kind().filter(|row| row.role == role).map(|row| row.nanoseconds).reduce(f64::min);
+        let best = |role| {
+            of_kind()
+                .filter(|row| row.role == role)
+                .map(|row| row.nanoseconds)
+                .reduce(f64::min)
+        };
         let ours = best(Role::Ours);
-        for Row { engine, queries, nanoseconds, found, sum, mismatch, .. } in of_kind() {
-            print!("{:<8} {engine:<14} {nanoseconds:>10.1} {queries:>10} {found:>10} {sum:>14.1}", kind.name());
-            print!("{}", ours.map_or_else(String::new, |ours| format!("{:>10.2}", nanoseconds / ours)));
+        for Row {
+            engine,
+            queries,
+            nanoseconds,
+            found,
+            sum,
+            mismatch,
+            ..
+        } in of_kind()
+        {
+            print!(
+                "{:<8} {engine:<14} {nanoseconds:>10.1} {queries:>10} {found:>10} {sum:>14.1}",
+                kind.name()
+            );
+            print!(
+                "{}",
+                ours.map_or_else(String::new, |ours| format!("{:>10.2}", nanoseconds / ours))
+            );
             println!("{}", if *mismatch { " MISMATCH" } else { "" });
         }
     }
     for kind in Kind::ALL {
         let best = |role| {
-            let rows = rows.iter().filter(|row| row.kind == kind && row.role == role);
+            let rows = rows
+                .iter()
+                .filter(|row| row.kind == kind && row.role == role);
             rows.min_by(|a, b| a.nanoseconds.total_cmp(&b.nanoseconds))
         };
         if let (Some(ours), Some(peer)) = (best(Role::Ours), best(Role::Peer)) {
             let ratio = peer.nanoseconds / ours.nanoseconds;
-            println!("{}_ratio={ratio:.2} ({} / {})", kind.name(), peer.engine, ours.engine);
+            println!(
+                "{}_ratio={ratio:.2} ({} / {})",
+                kind.name(),
+                peer.engine,
+                ours.engine
+            );
         }
     }
 }

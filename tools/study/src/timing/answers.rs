@@ -50,7 +50,15 @@ impl Comparison {
 fn compare(pairs: &[(&[f64], &[f64])]) -> Vec<Comparison> {
     let tests: Vec<_> = pairs
         .iter()
-        .map(|(mine, other)| signed_rank(&mine.iter().zip(*other).map(|(a, b)| a - b).collect::<Vec<_>>()))
+        .map(|(mine, other)| {
+            signed_rank(
+                &mine
+                    .iter()
+                    .zip(*other)
+                    .map(|(a, b)| a - b)
+                    .collect::<Vec<_>>(),
+            )
+        })
         .collect();
     let corrected = holm(&tests.iter().map(|test| test.p).collect::<Vec<_>>());
     let comparison = |(test, corrected): (&super::stats::SignedRank, f64)| Comparison {
@@ -72,42 +80,70 @@ pub fn answer(table: &Table, seed: u64) -> Answers {
     let best = best_n(table, &mut text);
     let largest = by_size(table, best, &mut text);
     crossover(table, best, seed, &mut text);
-    Answers { best, text, largest }
+    Answers {
+        best,
+        text,
+        largest,
+    }
 }
 
 /// By row of those that have an N: for each repeat, the mean logarithm of the times of some sets.
 fn scores(table: &Table, sets: impl Fn(usize) -> bool) -> Vec<(Row, Vec<f64>)> {
     let rows = Row::ALL.into_iter().filter(|row| *row != Row::Exhaustive);
     rows.map(|row| {
-        let logs: Vec<Vec<f64>> =
-            (0..table.sets.len()).filter(|set| sets(*set)).map(|set| table.logs(row, set)).collect();
-        let score = |repeat: usize| logs.iter().map(|log| log[repeat]).sum::<f64>() / logs.len() as f64;
+        let logs: Vec<Vec<f64>> = (0..table.sets.len())
+            .filter(|set| sets(*set))
+            .map(|set| table.logs(row, set))
+            .collect();
+        let score =
+            |repeat: usize| logs.iter().map(|log| log[repeat]).sum::<f64>() / logs.len() as f64;
         (row, (0..logs[0].len()).map(score).collect())
     })
     .collect()
 }
 
-/// The row of the lowest median score, and each of the others against it. All pairs of rows are one family, for the
-/// one to compare with is not known beforehand.
+/// The row of the lowest median score, and each of the others against it. All pairs of rows are one
+/// family, for the one to compare with is not known beforehand.
 fn rank(scores: &[(Row, Vec<f64>)]) -> (Row, Vec<(Row, Comparison)>) {
     let middle = |scores: &Vec<f64>| median(scores).mid;
-    let fastest = (0..scores.len()).min_by(|&a, &b| middle(&scores[a].1).total_cmp(&middle(&scores[b].1)));
+    let fastest =
+        (0..scores.len()).min_by(|&a, &b| middle(&scores[a].1).total_cmp(&middle(&scores[b].1)));
     let fastest = fastest.expect("there are rows");
-    let places: Vec<_> = (0..scores.len()).flat_map(|a| (0..a).map(move |b| (a, b))).collect();
+    let places: Vec<_> = (0..scores.len())
+        .flat_map(|a| (0..a).map(move |b| (a, b)))
+        .collect();
     let oriented = |&(a, b): &(usize, usize)| if a == fastest { (b, a) } else { (a, b) };
     let places: Vec<_> = places.iter().map(oriented).collect();
-    let family: Vec<_> = places.iter().map(|&(a, b)| (&scores[a].1[..], &scores[b].1[..])).collect();
-    let others = compare(&family).into_iter().zip(&places).filter(|(_, (_, other))| *other == fastest);
-    (scores[fastest].0, others.map(|(comparison, &(row, _))| (scores[row].0, comparison)).collect())
+    let family: Vec<_> = places
+        .iter()
+        .map(|&(a, b)| (&scores[a].1[..], &scores[b].1[..]))
+        .collect();
+    let others = compare(&family)
+        .into_iter()
+        .zip(&places)
+        .filter(|(_, (_, other))| *other == fastest);
+    (
+        scores[fastest].0,
+        others
+            .map(|(comparison, &(row, _))| (scores[row].0, comparison))
+            .collect(),
+    )
 }
 
 fn best_n(table: &Table, text: &mut String) -> Row {
     let objects: Vec<usize> = table.sets.iter().map(TestSet::object_count).collect();
     let scores_of_large = scores(table, |set| objects[set] >= RIGHT_HAND_SIDE);
     let (fastest, others) = rank(&scores_of_large);
-    let ties: Vec<String> =
-        others.iter().filter(|(_, comparison)| !comparison.is_slower()).map(|(row, _)| row.to_string()).collect();
-    let with = if ties.is_empty() { "all others are slower".into() } else { format!("a tie with {}", ties.join(", ")) };
+    let ties: Vec<String> = others
+        .iter()
+        .filter(|(_, comparison)| !comparison.is_slower())
+        .map(|(row, _)| row.to_string())
+        .collect();
+    let with = if ties.is_empty() {
+        "all others are slower".into()
+    } else {
+        format!("a tie with {}", ties.join(", "))
+    };
     _ = write!(
         text,
         "\n## Which N is best?\n\n\
@@ -116,16 +152,33 @@ fn best_n(table: &Table, text: &mut String) -> Row {
          | against {fastest} | ratio of times | p | p, Holm | verdict |\n| --- | --- | --- | --- | --- |\n"
     );
     for (row, comparison) in &others {
-        let verdict = if comparison.is_slower() { "slower" } else { "tie" };
+        let verdict = if comparison.is_slower() {
+            "slower"
+        } else {
+            "tie"
+        };
         _ = writeln!(text, "| {row} | {} | {verdict} |", columns(comparison));
     }
-    text.push_str("\nSet by set:\n\n| set | objects | fastest | tied with it |\n| --- | --: | --- | --- |\n");
+    text.push_str(
+        "\nSet by set:\n\n| set | objects | fastest | tied with it |\n| --- | --: | --- | --- |\n",
+    );
     for (index, set) in table.sets.iter().enumerate() {
         let (fastest, others) = rank(&scores(table, |other| other == index));
-        let ties = others.iter().filter(|(_, comparison)| !comparison.is_slower());
+        let ties = others
+            .iter()
+            .filter(|(_, comparison)| !comparison.is_slower());
         let ties: Vec<String> = ties.map(|(row, _)| row.to_string()).collect();
-        let ties = if ties.is_empty() { "–".to_owned() } else { ties.join(", ") };
-        _ = writeln!(text, "| {} | {} | {fastest} | {ties} |", set.name(), set.object_count());
+        let ties = if ties.is_empty() {
+            "–".to_owned()
+        } else {
+            ties.join(", ")
+        };
+        _ = writeln!(
+            text,
+            "| {} | {} | {fastest} | {ties} |",
+            set.name(),
+            set.object_count()
+        );
     }
     // Where undivided space wins, the questions that follow are still about the octree.
     let divided = scores_of_large.iter().filter(|(row, _)| row.is_divided());
@@ -135,14 +188,32 @@ fn best_n(table: &Table, text: &mut String) -> Row {
 
 fn by_size(table: &Table, best: Row, text: &mut String) -> Comparison {
     // Every N is in the family, so that choosing the best afterwards is paid for.
-    let divided: Vec<Row> = Row::ALL.into_iter().filter(|row| row.is_divided()).collect();
+    let divided: Vec<Row> = Row::ALL
+        .into_iter()
+        .filter(|row| row.is_divided())
+        .collect();
     let sets = 0..table.sets.len();
-    let exhaustive: Vec<Vec<f64>> = sets.clone().map(|set| table.logs(Row::Exhaustive, set)).collect();
-    let octrees: Vec<_> =
-        divided.iter().flat_map(|row| sets.clone().map(move |set| (*row, set, table.logs(*row, set)))).collect();
-    let family: Vec<_> = octrees.iter().map(|(_, set, logs)| (&logs[..], &exhaustive[*set][..])).collect();
-    let comparisons: Vec<_> =
-        compare(&family).into_iter().zip(&octrees).filter(|(_, octree)| octree.0 == best).map(|(c, _)| c).collect();
+    let exhaustive: Vec<Vec<f64>> = sets
+        .clone()
+        .map(|set| table.logs(Row::Exhaustive, set))
+        .collect();
+    let octrees: Vec<_> = divided
+        .iter()
+        .flat_map(|row| {
+            sets.clone()
+                .map(move |set| (*row, set, table.logs(*row, set)))
+        })
+        .collect();
+    let family: Vec<_> = octrees
+        .iter()
+        .map(|(_, set, logs)| (&logs[..], &exhaustive[*set][..]))
+        .collect();
+    let comparisons: Vec<_> = compare(&family)
+        .into_iter()
+        .zip(&octrees)
+        .filter(|(_, octree)| octree.0 == best)
+        .map(|(c, _)| c)
+        .collect();
     _ = write!(
         text,
         "\n## Is the octree faster than exhaustive search?\n\n\
@@ -159,28 +230,58 @@ fn by_size(table: &Table, best: Row, text: &mut String) -> Comparison {
             comparison if comparison.is_slower() => "exhaustive search is faster",
             _ => "no difference shown",
         };
-        _ = writeln!(text, "| {} | {} | {} | {verdict} |", set.name(), set.object_count(), columns(comparison));
+        _ = writeln!(
+            text,
+            "| {} | {} | {} | {verdict} |",
+            set.name(),
+            set.object_count(),
+            columns(comparison)
+        );
     }
     *comparisons.last().expect("there are sets")
 }
 
 fn crossover(table: &Table, best: Row, seed: u64, text: &mut String) {
     const RESAMPLES: usize = 2000;
-    let objects: Vec<f64> = table.sets.iter().map(|set| set.object_count() as f64).collect();
+    let objects: Vec<f64> = table
+        .sets
+        .iter()
+        .map(|set| set.object_count() as f64)
+        .collect();
     let ratios: Vec<Vec<f64>> = (0..objects.len())
         .map(|set| {
             let exhaustive = table.logs(Row::Exhaustive, set);
-            table.logs(best, set).iter().zip(exhaustive).map(|(octree, exhaustive)| octree - exhaustive).collect()
+            table
+                .logs(best, set)
+                .iter()
+                .zip(exhaustive)
+                .map(|(octree, exhaustive)| octree - exhaustive)
+                .collect()
         })
         .collect();
     let repeats = ratios[0].len();
     let crossing = |drawn: &[usize]| {
-        let middle = |ratios: &Vec<f64>| median(&drawn.iter().map(|repeat| ratios[*repeat]).collect::<Vec<_>>()).mid;
+        let middle = |ratios: &Vec<f64>| {
+            median(
+                &drawn
+                    .iter()
+                    .map(|repeat| ratios[*repeat])
+                    .collect::<Vec<_>>(),
+            )
+            .mid
+        };
         last_crossing(&objects, &ratios.iter().map(middle).collect::<Vec<_>>())
     };
     let mut random = fastrand::Rng::with_seed(seed);
-    let resampled: Vec<f64> =
-        (0..RESAMPLES).map(|_| crossing(&(0..repeats).map(|_| random.usize(..repeats)).collect::<Vec<_>>())).collect();
+    let resampled: Vec<f64> = (0..RESAMPLES)
+        .map(|_| {
+            crossing(
+                &(0..repeats)
+                    .map(|_| random.usize(..repeats))
+                    .collect::<Vec<_>>(),
+            )
+        })
+        .collect();
     let name = |crossing: f64| match crossing {
         0.0 => format!("fewer than {}", objects[0]),
         f64::INFINITY => format!("more than {}", objects[objects.len() - 1]),
@@ -204,8 +305,8 @@ fn crossover(table: &Table, best: Row, seed: u64, text: &mut String) {
     );
 }
 
-/// The number of objects from which on the logarithm of the ratio stays below 0: 0 if it is everywhere, infinity if
-/// not even at the last.
+/// The number of objects from which on the logarithm of the ratio stays below 0: 0 if it is
+/// everywhere, infinity if not even at the last.
 fn last_crossing(objects: &[f64], log_ratios: &[f64]) -> f64 {
     match log_ratios.iter().rposition(|ratio| *ratio >= 0.0) {
         None => 0.0,
@@ -218,15 +319,34 @@ fn last_crossing(objects: &[f64], log_ratios: &[f64]) -> f64 {
 }
 
 /// Ratio, p, and corrected p, as three columns.
-fn columns(Comparison { ratio, p, corrected }: &Comparison) -> String {
+fn columns(
+    Comparison {
+        ratio,
+        p,
+        corrected,
+    }: &Comparison,
+) -> String {
     let Estimate { low, mid, high } = *ratio;
-    let ratio = format!("{} ({}–{})", significant(mid), significant(low), significant(high));
-    format!("{ratio} | {} | {}", probability(*p), probability(*corrected))
+    let ratio = format!(
+        "{} ({}–{})",
+        significant(mid),
+        significant(low),
+        significant(high)
+    );
+    format!(
+        "{ratio} | {} | {}",
+        probability(*p),
+        probability(*corrected)
+    )
 }
 
 /// A probability to two significant digits.
 pub fn probability(p: f64) -> String {
-    if p < 1e-4 { "< 0.0001".to_owned() } else { format!("{p:.*}", (1.0 - p.log10().floor()) as usize) }
+    if p < 1e-4 {
+        "< 0.0001".to_owned()
+    } else {
+        format!("{p:.*}", (1.0 - p.log10().floor()) as usize)
+    }
 }
 
 #[cfg(test)]
@@ -243,12 +363,25 @@ mod tests {
 
     #[test]
     fn the_fastest_is_found_and_ties_are_no_losses() {
-        let scores = |shift: f64| (0..12).map(|repeat| f64::from(repeat % 5) + shift).collect::<Vec<_>>();
+        let scores = |shift: f64| {
+            (0..12)
+                .map(|repeat| f64::from(repeat % 5) + shift)
+                .collect::<Vec<_>>()
+        };
         let mut tie = scores(0.0);
-        tie.iter_mut().enumerate().for_each(|(repeat, score)| *score += if repeat % 2 == 0 { 0.1 } else { -0.09 });
-        let (fastest, others) = rank(&[(Row::Big, scores(1.0)), (Row::Octree(5), scores(0.0)), (Row::Octree(10), tie)]);
+        tie.iter_mut()
+            .enumerate()
+            .for_each(|(repeat, score)| *score += if repeat % 2 == 0 { 0.1 } else { -0.09 });
+        let (fastest, others) = rank(&[
+            (Row::Big, scores(1.0)),
+            (Row::Octree(5), scores(0.0)),
+            (Row::Octree(10), tie),
+        ]);
         assert_eq!(fastest, Row::Octree(5));
-        assert_eq!(others.iter().map(|(row, _)| *row).collect::<Vec<_>>(), [Row::Big, Row::Octree(10)]);
+        assert_eq!(
+            others.iter().map(|(row, _)| *row).collect::<Vec<_>>(),
+            [Row::Big, Row::Octree(10)]
+        );
         assert!(others[0].1.is_slower() && !others[1].1.is_slower());
         assert!((others[0].1.ratio.mid - 1f64.exp()).abs() < 1e-9);
     }

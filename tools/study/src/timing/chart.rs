@@ -65,17 +65,25 @@ where
         .label_style(text(32))
         .axis_desc_style(text(36))
         .draw()?;
-    for Series { row, points, fit, .. } in series {
+    for Series {
+        row, points, fit, ..
+    } in series
+    {
         let style = color(*row).stroke_width(3);
         match fit {
             Some(ends) => {
                 chart.draw_series(DashedLineSeries::new(*ends, 14, 10, style))?;
             }
             None => {
-                chart.draw_series(LineSeries::new(points.iter().map(|(x, time)| (*x, time.mid)), style))?;
+                chart.draw_series(LineSeries::new(
+                    points.iter().map(|(x, time)| (*x, time.mid)),
+                    style,
+                ))?;
             }
         }
-        let bar = |&(x, Estimate { low, mid, high }): &(f64, _)| ErrorBar::new_vertical(x, low, mid, high, style, 16);
+        let bar = |&(x, Estimate { low, mid, high }): &(f64, _)| {
+            ErrorBar::new_vertical(x, low, mid, high, style, 16)
+        };
         chart.draw_series(points.iter().map(bar))?;
     }
     let area = chart.plotting_area();
@@ -103,15 +111,23 @@ pub fn extents(series: &[Series]) -> Option<[Range<f64>; 2]> {
 /// Lists the series from `corner` down.
 fn legend(canvas: &Canvas, (left, top): (i32, i32), series: &[Series]) -> Drawn {
     let font = text(32);
-    let widths = series.iter().map(|series| canvas.estimate_text_size(&series.label, &font));
-    let width = widths.map(|size| size.map_or(0, |(width, _)| width)).max().unwrap_or(0) as i32;
+    let widths = series
+        .iter()
+        .map(|series| canvas.estimate_text_size(&series.label, &font));
+    let width = widths
+        .map(|size| size.map_or(0, |(width, _)| width))
+        .max()
+        .unwrap_or(0) as i32;
     let bottom = top + 46 * series.len() as i32 + 20;
     let corners = [(left, top), (left + width + 150, bottom)];
     canvas.draw(&Rectangle::new(corners, WHITE.filled()))?;
     canvas.draw(&Rectangle::new(corners, GRID.stroke_width(2)))?;
     for (place, Series { label, row, .. }) in (0..).zip(series) {
         let y = top + 46 * place + 33;
-        canvas.draw(&PathElement::new([(left + 24, y), (left + 100, y)], color(*row).stroke_width(3)))?;
+        canvas.draw(&PathElement::new(
+            [(left + 24, y), (left + 100, y)],
+            color(*row).stroke_width(3),
+        ))?;
         marker(canvas, *row, (left + 62, y))?;
         let style = font.pos(Pos::new(HPos::Left, VPos::Center));
         canvas.draw(&Text::new(&label[..], (left + 120, y), style))?;
@@ -124,7 +140,10 @@ fn marker(canvas: &Canvas, row: Row, (x, y): (i32, i32)) -> Drawn {
     let corners = shape(row);
     for (radius, color) in [(MARKER_RADIUS + RIM, WHITE), (MARKER_RADIUS, color(row))] {
         let place = |at: i32, offset: f64| at + (offset * radius).round() as i32;
-        let corners: Vec<_> = corners.iter().map(|corner| (place(x, corner.0), place(y, corner.1))).collect();
+        let corners: Vec<_> = corners
+            .iter()
+            .map(|corner| (place(x, corner.0), place(y, corner.1)))
+            .collect();
         canvas.draw(&Polygon::new(corners, color))?;
     }
     Ok(())

@@ -35,7 +35,11 @@ pub fn figures_9_and_10(table: &Table, output: &Output) -> Outcome {
         })
     };
     let repeats = table.row(Row::Exhaustive)[0].times.len();
-    let bars = if repeats < 6 { "range" } else { "95 % confidence" };
+    let bars = if repeats < 6 {
+        "range"
+    } else {
+        "95 % confidence"
+    };
     let figure9 = Frame {
         title: "Figure 9: test set size and time to detect collisions",
         note: &format!("median of {repeats} runs, bars: {bars}"),
@@ -45,14 +49,22 @@ pub fn figures_9_and_10(table: &Table, output: &Output) -> Outcome {
     let all = series(0);
     if let Some([x, y]) = extents(&all) {
         let ranges = (-0.02 * x.end..1.05 * x.end, 0.0..1.05 * y.end);
-        draw(&output.path("figure9"), SIZE, |canvas| chart(canvas, &figure9, ranges, &all))?;
+        draw(&output.path("figure9"), SIZE, |canvas| {
+            chart(canvas, &figure9, ranges, &all)
+        })?;
     }
-    let title = format!("Figure 10: the right-hand side of Figure 9, from {RIGHT_HAND_SIDE} objects on");
-    let figure10 = Frame { title: &title, ..figure9 };
+    let title =
+        format!("Figure 10: the right-hand side of Figure 9, from {RIGHT_HAND_SIDE} objects on");
+    let figure10 = Frame {
+        title: &title,
+        ..figure9
+    };
     let right = series(RIGHT_HAND_SIDE);
     if let Some([x, y]) = extents(&right) {
         let ranges = (x.start - 30.0..x.end + 30.0, 0.0..1.05 * y.end);
-        draw(&output.path("figure10"), SIZE, |canvas| chart(canvas, &figure10, ranges, &right))?;
+        draw(&output.path("figure10"), SIZE, |canvas| {
+            chart(canvas, &figure10, ranges, &right)
+        })?;
     }
     Ok(())
 }
@@ -67,9 +79,13 @@ pub fn growth_figure(growth: &Growth, output: &Output) -> Outcome {
         formats: [thousands, duration],
     };
     if let Some([x, y]) = extents(&series) {
-        let ranges =
-            (logarithmic(x.start / 1.3..x.end * 1.3, &[1, 2, 5]), logarithmic(y.start / 2.0..y.end * 2.0, &[1]));
-        draw(&output.path("growth"), SIZE, |canvas| chart(canvas, &frame, ranges, &series))?;
+        let ranges = (
+            logarithmic(x.start / 1.3..x.end * 1.3, &[1, 2, 5]),
+            logarithmic(y.start / 2.0..y.end * 2.0, &[1]),
+        );
+        draw(&output.path("growth"), SIZE, |canvas| {
+            chart(canvas, &frame, ranges, &series)
+        })?;
     }
     Ok(())
 }
@@ -77,13 +93,23 @@ pub fn growth_figure(growth: &Growth, output: &Output) -> Outcome {
 /// A logarithmic scale with labels at these digits in each decade.
 fn logarithmic(range: Range<f64>, digits: &[i32]) -> WithKeyPoints<LogCoord<f64>> {
     let decades = range.start.log10().floor() as i32..=range.end.log10().ceil() as i32;
-    let points = decades.flat_map(|decade| digits.iter().map(move |digit| f64::from(*digit) * 10f64.powi(decade)));
-    let points = points.filter(|point| range.contains(point)).collect::<Vec<_>>();
+    let points = decades.flat_map(|decade| {
+        digits
+            .iter()
+            .map(move |digit| f64::from(*digit) * 10f64.powi(decade))
+    });
+    let points = points
+        .filter(|point| range.contains(point))
+        .collect::<Vec<_>>();
     range.log_scale().with_key_points(points)
 }
 
 fn growth_series(curve: &Curve) -> Series {
-    let points: Vec<_> = curve.points.iter().map(|point| (point.objects(), median(&point.times))).collect();
+    let points: Vec<_> = curve
+        .points
+        .iter()
+        .map(|point| (point.objects(), median(&point.times)))
+        .collect();
     let mut label = label(curve.row);
     let fit = curve.fit().map(|line| {
         let Estimate { low, mid, high } = line.slope;
@@ -91,19 +117,38 @@ fn growth_series(curve: &Curve) -> Series {
         let fitted = curve.fitted();
         [0, fitted.len() - 1]
             .map(|end| fitted[end].objects())
-            .map(|objects| (objects, (line.intercept + line.slope.mid * objects.ln()).exp()))
+            .map(|objects| {
+                (
+                    objects,
+                    (line.intercept + line.slope.mid * objects.ln()).exp(),
+                )
+            })
     });
-    Series { label, row: curve.row, points, fit }
+    Series {
+        label,
+        row: curve.row,
+        points,
+        fit,
+    }
 }
 
 fn label(row: Row) -> String {
-    if row == Row::Exhaustive { "exhaustive search".to_owned() } else { format!("octree, {row}") }
+    if row == Row::Exhaustive {
+        "exhaustive search".to_owned()
+    } else {
+        format!("octree, {row}")
+    }
 }
 
 /// A number with its digits in groups of three.
 fn thousands(value: f64) -> String {
     let digits = format!("{value:.0}");
-    let groups: Vec<_> = digits.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy).collect();
+    let groups: Vec<_> = digits
+        .as_bytes()
+        .rchunks(3)
+        .rev()
+        .map(String::from_utf8_lossy)
+        .collect();
     groups.join("\u{202f}")
 }
 

@@ -17,7 +17,8 @@ use crate::{outcome::Outcome, progress::Progress};
 /// The octree's exponent is to be below this.
 const NEARLY_LINEAR: f64 = 1.15;
 
-/// The line is fitted from so many rings on: below, what a step costs whatever the number of objects still shows.
+/// The line is fitted from so many rings on: below, what a step costs whatever the number of
+/// objects still shows.
 const FITTED_FROM: u32 = 20;
 
 /// How the growth is measured.
@@ -58,7 +59,12 @@ pub struct Point {
 
 impl Point {
     const fn new(set: TestSet, steps: u32) -> Self {
-        Self { set, steps, times: Vec::new(), pairs: 0 }
+        Self {
+            set,
+            steps,
+            times: Vec::new(),
+            pairs: 0,
+        }
     }
 
     pub fn objects(&self) -> f64 {
@@ -67,7 +73,8 @@ impl Point {
 
     fn measure(&mut self, row: Row, laboratory: &mut Laboratory) -> Outcome {
         let run = laboratory.run(&self.set, row, self.steps)?;
-        self.times.push(run.time.as_secs_f64() * 1e6 / f64::from(self.steps));
+        self.times
+            .push(run.time.as_secs_f64() * 1e6 / f64::from(self.steps));
         self.pairs = run.counters.pairs_tested;
         Ok(())
     }
@@ -77,17 +84,26 @@ impl Curve {
     /// The line through the logarithms of objects and time: its slope is the exponent of growth.
     pub fn fit(&self) -> Option<Line> {
         let points = self.fitted().iter();
-        fit_line(&points.map(|point| (point.objects().ln(), median(&point.times).mid.ln())).collect::<Vec<_>>())
+        fit_line(
+            &points
+                .map(|point| (point.objects().ln(), median(&point.times).mid.ln()))
+                .collect::<Vec<_>>(),
+        )
     }
 
     /// The points that the line is fitted to.
     pub fn fitted(&self) -> &[Point] {
-        &self.points[self.points.partition_point(|point| point.set.rings < FITTED_FROM)..]
+        &self.points[self
+            .points
+            .partition_point(|point| point.set.rings < FITTED_FROM)..]
     }
 
     /// The rings of the smallest and the largest set that the line is fitted to.
     fn fitted_rings(&self) -> [u32; 2] {
-        [FITTED_FROM, self.points.last().map_or(0, |point| point.set.rings)]
+        [
+            FITTED_FROM,
+            self.points.last().map_or(0, |point| point.set.rings),
+        ]
     }
 }
 
@@ -102,8 +118,16 @@ impl Growth {
     /// The octree that is fastest on the sets that the line is fitted to, together.
     fn best(&self) -> &Curve {
         let octrees = self.curves.iter().filter(|curve| curve.row.is_divided());
-        let time = |curve: &Curve| curve.fitted().iter().map(|point| median(&point.times).mid.ln()).sum::<f64>();
-        octrees.min_by(|a, b| time(a).total_cmp(&time(b))).expect("octrees are measured")
+        let time = |curve: &Curve| {
+            curve
+                .fitted()
+                .iter()
+                .map(|point| median(&point.times).mid.ln())
+                .sum::<f64>()
+        };
+        octrees
+            .min_by(|a, b| time(a).total_cmp(&time(b)))
+            .expect("octrees are measured")
     }
 
     /// Writes `growth.csv`.
@@ -152,28 +176,44 @@ impl Growth {
             for point in points {
                 let time = median(&point.times).mid;
                 let pairs = point.pairs as f64 / f64::from(point.steps) / point.objects();
-                let [per_object, time, pairs] = [1e3 * time / point.objects(), time, pairs].map(significant);
-                let Point { set, steps, times, .. } = point;
+                let [per_object, time, pairs] =
+                    [1e3 * time / point.objects(), time, pairs].map(significant);
+                let Point {
+                    set, steps, times, ..
+                } = point;
                 let (rings, objects, repeats) = (set.rings, set.object_count(), times.len());
-                let figures = format!("{rings} | {objects} | {steps} | {repeats} | {time} | {per_object} | {pairs}");
+                let figures = format!(
+                    "{rings} | {objects} | {steps} | {repeats} | {time} | {per_object} | {pairs}"
+                );
                 _ = writeln!(text, "| {row} | {figures} |");
             }
         }
         if !self.left_out.is_empty() {
             let names: Vec<String> = self.left_out.iter().map(TestSet::name).collect();
-            _ = writeln!(text, "\nExhaustive search had no time left for {}: see `--budget`.", names.join(", "));
+            _ = writeln!(
+                text,
+                "\nExhaustive search had no time left for {}: see `--budget`.",
+                names.join(", ")
+            );
         }
         text.push('\n');
         for curve in &self.curves {
             let [first, last] = curve.fitted_rings();
             _ = match curve.fit() {
-                Some(Line { slope: Estimate { low, mid, high }, .. }) => writeln!(
+                Some(Line {
+                    slope: Estimate { low, mid, high },
+                    ..
+                }) => writeln!(
                     text,
                     "- {}: time ∝ objects^**{mid:.3}** (95 % confidence: {low:.3} to {high:.3}) from r = {first} to \
                      r = {last}.",
                     curve.row
                 ),
-                None => writeln!(text, "- {}: no exponent, for want of three sizes from r = {first} on.", curve.row),
+                None => writeln!(
+                    text,
+                    "- {}: no exponent, for want of three sizes from r = {first} on.",
+                    curve.row
+                ),
             };
         }
         text
@@ -188,8 +228,14 @@ impl Growth {
              {NEARLY_LINEAR}",
             best.row
         );
-        let Some(Line { slope: Estimate { low, mid, high }, .. }) = best.fit() else {
-            return format!("{claim}: **not decided** (fewer than three sizes; see `--max-rings`).");
+        let Some(Line {
+            slope: Estimate { low, mid, high },
+            ..
+        }) = best.fit()
+        else {
+            return format!(
+                "{claim}: **not decided** (fewer than three sizes; see `--max-rings`)."
+            );
         };
         let verdict = if high < NEARLY_LINEAR {
             "holds"
@@ -205,9 +251,23 @@ impl Growth {
 /// In an order that is shuffled anew in each repeat.
 fn octrees(plan: &Plan, laboratory: &mut Laboratory) -> Outcome<Vec<Curve>> {
     let mut random = fastrand::Rng::with_seed(plan.seed);
-    let points = || plan.sets.iter().map(|set| Point::new(*set, plan.steps)).collect();
-    let mut curves: Vec<Curve> = plan.octrees.iter().map(|row| Curve { row: *row, points: points() }).collect();
-    let mut order: Vec<_> = (0..curves.len()).flat_map(|row| (0..plan.sets.len()).map(move |set| (row, set))).collect();
+    let points = || {
+        plan.sets
+            .iter()
+            .map(|set| Point::new(*set, plan.steps))
+            .collect()
+    };
+    let mut curves: Vec<Curve> = plan
+        .octrees
+        .iter()
+        .map(|row| Curve {
+            row: *row,
+            points: points(),
+        })
+        .collect();
+    let mut order: Vec<_> = (0..curves.len())
+        .flat_map(|row| (0..plan.sets.len()).map(move |set| (row, set)))
+        .collect();
     let mut progress = Progress::new(u64::from(plan.repeats) * order.len() as u64);
     for _ in 0..plan.repeats {
         random.shuffle(&mut order);
@@ -245,8 +305,8 @@ fn exhaustive(plan: &Plan, laboratory: &mut Laboratory) -> Outcome<(Curve, Vec<T
     Ok((Curve { row, points }, Vec::new()))
 }
 
-/// How many repeats of how many steps of `step` seconds fit in this set's share of the seconds that are left; `None` if
-/// not one does in all of them.
+/// How many repeats of how many steps of `step` seconds fit in this set's share of the seconds that
+/// are left; `None` if not one does in all of them.
 fn share(plan: &Plan, left: f64, sets: usize, step: f64) -> Option<(u32, u32)> {
     // The update that takes up the objects costs as much as a step.
     let shortest = 2.0 * step;
@@ -254,8 +314,12 @@ fn share(plan: &Plan, left: f64, sets: usize, step: f64) -> Option<(u32, u32)> {
         return None;
     }
     let share = left / sets as f64;
-    let repeats = (share / shortest).clamp(1.0, f64::from(plan.repeats)).floor();
-    let steps = (share / repeats / step - 1.0).clamp(1.0, f64::from(plan.steps)).floor();
+    let repeats = (share / shortest)
+        .clamp(1.0, f64::from(plan.repeats))
+        .floor();
+    let steps = (share / repeats / step - 1.0)
+        .clamp(1.0, f64::from(plan.steps))
+        .floor();
     Some((repeats as u32, steps as u32))
 }
 

@@ -29,9 +29,16 @@ pub enum Row {
 }
 
 impl Row {
-    /// The rows of the report's table, and exhaustive search without an octree, which the report's last row stands for.
-    pub const ALL: [Self; 6] =
-        [Self::Octree(5), Self::Octree(10), Self::Octree(30), Self::Octree(50), Self::Big, Self::Exhaustive];
+    /// The rows of the report's table, and exhaustive search without an octree, which the report's
+    /// last row stands for.
+    pub const ALL: [Self; 6] = [
+        Self::Octree(5),
+        Self::Octree(10),
+        Self::Octree(30),
+        Self::Octree(50),
+        Self::Big,
+        Self::Exhaustive,
+    ];
 
     /// Is space divided?
     pub const fn is_divided(self) -> bool {
@@ -61,7 +68,8 @@ impl fmt::Display for Row {
 /// What one run gave.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
-    /// The time of all steps. Not in it: making the app, and its first update, which takes up the objects.
+    /// The time of all steps. Not in it: making the app, and its first update, which takes up the
+    /// objects.
     pub time: Duration,
     /// The sums over all steps.
     pub counters: TickCounters,
@@ -72,16 +80,22 @@ fn run(set: &TestSet, row: Row, steps: u32) -> Run {
     let mut app = app_with(set, row.method());
     let motion = *app.world().resource::<MotionSettings>();
     // In the update that takes up the objects, no time passes.
-    app.insert_resource(MotionSettings { step: Step::Seconds(0.0) });
+    app.insert_resource(MotionSettings {
+        step: Step::Seconds(0.0),
+    });
     app.update();
-    app.insert_resource(motion).insert_resource(CollisionCounters::default());
+    app.insert_resource(motion)
+        .insert_resource(CollisionCounters::default());
 
     let start = Instant::now();
     for _ in 0..steps {
         app.update();
     }
     let time = start.elapsed();
-    Run { time, counters: app.world().resource::<CollisionCounters>().total }
+    Run {
+        time,
+        counters: app.world().resource::<CollisionCounters>().total,
+    }
 }
 
 /// Runs, and checks that the results of all runs agree.
@@ -97,7 +111,8 @@ impl Laboratory {
     /// Runs a test set for so many steps.
     ///
     /// # Errors
-    /// If another way to search gave other contacts or bounces, or the same one compared other pairs before.
+    /// If another way to search gave other contacts or bounces, or the same one compared other
+    /// pairs before.
     pub fn run(&mut self, set: &TestSet, row: Row, steps: u32) -> Outcome<Run> {
         let run = run(set, row, steps);
         let verdict = [run.counters.contacts, run.counters.bounces];
@@ -121,7 +136,10 @@ impl Laboratory {
         let before = *self.work.entry((set.rings, steps, row)).or_insert(compared);
         if before != compared {
             let name = set.name();
-            return Err(format!("{row} on {name} compared {compared} pairs in one run, {before} in another").into());
+            return Err(format!(
+                "{row} on {name} compared {compared} pairs in one run, {before} in another"
+            )
+            .into());
         }
         Ok(run)
     }

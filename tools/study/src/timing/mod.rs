@@ -1,5 +1,5 @@
-//! The timing study of Swan, *Fast Collision Detection with an N-Objects Octree*, 1994, section 3, as a script; and
-//! further, to a hundred thousand objects.
+//! The timing study of Swan, *Fast Collision Detection with an N-Objects Octree*, 1994, section 3,
+//! as a script; and further, to a hundred thousand objects.
 //!
 //! `cargo run --release -p study -- timing --help` explains the arguments.
 
@@ -28,35 +28,36 @@ use crate::outcome::Outcome;
 
 /// Measures collision detection on test sets of cubes, and asks what the measurements mean.
 ///
-/// First, the sets t0 to t10 (2 to 882 cubes), searched by octrees of at most N = 5, 10, 30, 50 and "big" objects in a
-/// leaf, and exhaustively: a table, two figures, and answers with statistics to the questions which N is best, from
-/// what size on the octree is faster, and how surely. Then, sets of up to 97 682 cubes: the exponent with which the time
-/// of a step grows.
+/// First, the sets t0 to t10 (2 to 882 cubes), searched by octrees of at most N = 5, 10, 30, 50 and
+/// "big" objects in a leaf, and exhaustively: a table, two figures, and answers with statistics to
+/// the questions which N is best, from what size on the octree is faster, and how surely. Then,
+/// sets of up to 97 682 cubes: the exponent with which the time of a step grows.
 ///
-/// Written to the folder of --out: table1.md, table1.csv, samples.csv, answers.md, growth.csv, and figure9, figure10
-/// and growth as SVG and PNG.
+/// Written to the folder of --out: table1.md, table1.csv, samples.csv, answers.md, growth.csv, and
+/// figure9, figure10 and growth as SVG and PNG.
 #[derive(Parser)]
 #[command(allow_negative_numbers = true)]
 pub struct Arguments {
     /// The folder for what is written; made if there is none.
     #[arg(long, value_name = "DIR", default_value = "target/timing_study")]
     out: PathBuf,
-    /// Seconds instead of minutes: every other set, 50 steps, 11 repeats, 40 rings, a budget of 2, where these are not
-    /// given.
+    /// Seconds instead of minutes: every other set, 50 steps, 11 repeats, 40 rings, a budget of 2,
+    /// where these are not given.
     #[arg(long)]
     quick: bool,
     /// How many steps each run has [default: 200].
     #[arg(long, value_parser = value_parser!(u32).range(1..=1_000_000))]
     steps: Option<u32>,
-    /// How often each run is repeated, after a pass that warms up; at most 5 times in the study of growth, whose runs
-    /// are long [default: 15].
+    /// How often each run is repeated, after a pass that warms up; at most 5 times in the study of
+    /// growth, whose runs are long [default: 15].
     #[arg(long, value_parser = value_parser!(u32).range(1..=200))]
     repeats: Option<u32>,
-    /// The rings of the largest set in the study of growth: r rings are 2·(2r + 1)² cubes [default: 110].
+    /// The rings of the largest set in the study of growth: r rings are 2·(2r + 1)² cubes [default:
+    /// 110].
     #[arg(long, value_name = "RINGS", value_parser = value_parser!(u32).range(1..=i64::from(TestSet::MAX_RINGS)))]
     max_rings: Option<u32>,
-    /// How many seconds exhaustive search may take in the study of growth, about; its steps, then its repeats, then its
-    /// sizes are cut to fit [default: 120].
+    /// How many seconds exhaustive search may take in the study of growth, about; its steps, then
+    /// its repeats, then its sizes are cut to fit [default: 120].
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     budget: Option<Duration>,
     /// Fixes the order of the runs, which is shuffled, and the bootstrap's resamples.
@@ -77,13 +78,21 @@ impl Arguments {
 
     fn growth_plan(&self) -> growth::Plan {
         let largest = self.max_rings.unwrap_or(if self.quick { 40 } else { 110 });
-        let rings = [10, 20, 30, 40, 60, 80, 110].into_iter().filter(|rings| *rings < largest).chain([largest]);
+        let rings = [10, 20, 30, 40, 60, 80, 110]
+            .into_iter()
+            .filter(|rings| *rings < largest)
+            .chain([largest]);
         growth::Plan {
             sets: rings.map(TestSet::new).collect(),
-            octrees: Row::ALL.into_iter().filter(|row| row.is_divided()).collect(),
+            octrees: Row::ALL
+                .into_iter()
+                .filter(|row| row.is_divided())
+                .collect(),
             steps: self.steps(),
             repeats: self.repeats().min(5),
-            budget: self.budget.unwrap_or(Duration::from_secs(if self.quick { 2 } else { 120 })),
+            budget: self
+                .budget
+                .unwrap_or(Duration::from_secs(if self.quick { 2 } else { 120 })),
             seed: self.seed,
         }
     }
@@ -104,7 +113,9 @@ fn seconds(text: &str) -> Result<Duration, String> {
 
 pub fn run(args: &Arguments) -> Outcome {
     if cfg!(debug_assertions) {
-        eprintln!("warning: a build without optimisation, whose times mean little: use `cargo run --release`");
+        eprintln!(
+            "warning: a build without optimisation, whose times mean little: use `cargo run --release`"
+        );
     }
     let output = Output::new(&args.out)?;
     let mut laboratory = Laboratory::default();
@@ -112,14 +123,22 @@ pub fn run(args: &Arguments) -> Outcome {
     let table = Table::measure(args.table_plan(), &mut laboratory)?;
     println!("{}", table.write(&output)?);
     figures::figures_9_and_10(&table, &output)?;
-    let Answers { best, text, largest } = answer(&table, args.seed);
+    let Answers {
+        best,
+        text,
+        largest,
+    } = answer(&table, args.seed);
     println!("{text}");
 
     let growth = Growth::measure(&args.growth_plan(), &mut laboratory)?;
     growth.write(&output)?;
     figures::growth_figure(&growth, &output)?;
     let set = table.sets[table.sets.len() - 1];
-    let verdict = if largest.is_faster() { "holds" } else { "is not shown" };
+    let verdict = if largest.is_faster() {
+        "holds"
+    } else {
+        "is not shown"
+    };
     let conclusion = format!(
         "{}\n## What should hold\n\n\
          - The octree at {best} beats exhaustive search on {}: **{verdict}** ({} of its time, p after Holm's correction \
@@ -150,7 +169,10 @@ mod tests {
             ("--max-rings", "1001"),
             ("--budget", "-1"),
         ] {
-            let error = Arguments::try_parse_from(["timing", argument, value]).err().unwrap().to_string();
+            let error = Arguments::try_parse_from(["timing", argument, value])
+                .err()
+                .unwrap()
+                .to_string();
             assert!(error.contains(argument) && error.contains(value), "{error}");
         }
     }
@@ -158,13 +180,27 @@ mod tests {
     #[test]
     fn a_folder_that_cannot_be_written_to_is_named() {
         let args = Arguments::parse_from(["timing", "--out", "Cargo.toml/study"]);
-        assert!(run(&args).unwrap_err().to_string().contains("Cargo.toml/study"));
+        assert!(
+            run(&args)
+                .unwrap_err()
+                .to_string()
+                .contains("Cargo.toml/study")
+        );
     }
 
     #[test]
     fn a_small_study_writes_all_its_files() {
         let out = std::env::temp_dir().join(format!("timing_study_{}", std::process::id()));
-        let small = ["--quick", "--steps", "2", "--repeats", "1", "--max-rings", "2", "--out"];
+        let small = [
+            "--quick",
+            "--steps",
+            "2",
+            "--repeats",
+            "1",
+            "--max-rings",
+            "2",
+            "--out",
+        ];
         let args = Arguments::parse_from(["timing"].into_iter().chain(small).chain(out.to_str()));
         run(&args).unwrap();
         for name in

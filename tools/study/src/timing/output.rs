@@ -31,11 +31,16 @@ impl Output {
     /// Writes a file of text.
     pub fn text(&self, name: &str, text: &str) -> Outcome {
         let path = self.path(name);
-        fs::write(&path, text).map_err(|error| format!("cannot write {}: {error}", path.display()).into())
+        fs::write(&path, text)
+            .map_err(|error| format!("cannot write {}: {error}", path.display()).into())
     }
 
     /// Writes a file of comma-separated values.
-    pub fn csv(&self, name: &str, fill: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Result<()>) -> Outcome {
+    pub fn csv(
+        &self,
+        name: &str,
+        fill: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Result<()>,
+    ) -> Outcome {
         let mut writer = csv::Writer::from_writer(Vec::new());
         fill(&mut writer)?;
         self.text(name, &String::from_utf8(writer.into_inner()?)?)
@@ -44,7 +49,15 @@ impl Output {
 
 /// A number to three significant digits.
 pub fn significant(value: f64) -> String {
-    let digits = if value.is_finite() && value != 0.0 { value.abs().log10().floor() as i32 } else { 0 };
+    let digits = if value.is_finite() && value != 0.0 {
+        value.abs().log10().floor() as i32
+    } else {
+        0
+    };
     let unit = 10f64.powi(digits - 2);
-    format!("{:.*}", usize::try_from(2 - digits).unwrap_or(0), (value / unit).round() * unit)
+    format!(
+        "{:.*}",
+        usize::try_from(2 - digits).unwrap_or(0),
+        (value / unit).round() * unit
+    )
 }

@@ -1,7 +1,7 @@
 //! The statistics: medians, a paired test, and a straight line.
 //!
-//! Running times have long tails, since other work of the machine makes some runs slower and none faster. All but the
-//! line is therefore a matter of order and rank, and assumes no distribution.
+//! Running times have long tails, since other work of the machine makes some runs slower and none
+//! faster. All but the line is therefore a matter of order and rank, and assumes no distribution.
 
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, StudentsT};
 
@@ -21,23 +21,31 @@ pub struct Estimate {
 
 impl Estimate {
     pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        Self { low: f(self.low), mid: f(self.mid), high: f(self.high) }
+        Self {
+            low: f(self.low),
+            mid: f(self.mid),
+            high: f(self.high),
+        }
     }
 }
 
-/// The median. Its interval is made of order statistics; of fewer than 6 samples, which cannot give 95 %, it is the
-/// range.
+/// The median. Its interval is made of order statistics; of fewer than 6 samples, which cannot give
+/// 95 %, it is the range.
 pub fn median(samples: &[f64]) -> Estimate {
     let sorted = sorted(samples.to_vec());
     let trials = Binomial::new(0.5, sorted.len() as u64).expect("one half is a probability");
-    let cut = (0..sorted.len()).take_while(|&cut| trials.cdf(cut as u64) <= TAIL).last().unwrap_or(0);
+    let cut = (0..sorted.len())
+        .take_while(|&cut| trials.cdf(cut as u64) <= TAIL)
+        .last()
+        .unwrap_or(0);
     middle(&sorted, cut)
 }
 
 /// The outcome of a [`signed_rank`] test.
 #[derive(Clone, Copy, Debug)]
 pub struct SignedRank {
-    /// How probable so uneven a sum of ranks would be if neither side were favoured: two-sided, exact.
+    /// How probable so uneven a sum of ranks would be if neither side were favoured: two-sided,
+    /// exact.
     pub p: f64,
     /// The Hodges–Lehmann estimate of the typical difference.
     pub shift: Estimate,
@@ -45,7 +53,11 @@ pub struct SignedRank {
 
 /// Wilcoxon's signed-rank test on paired differences, and the estimate that belongs to it.
 pub fn signed_rank(differences: &[f64]) -> SignedRank {
-    let mut by_size: Vec<f64> = differences.iter().copied().filter(|difference| *difference != 0.0).collect();
+    let mut by_size: Vec<f64> = differences
+        .iter()
+        .copied()
+        .filter(|difference| *difference != 0.0)
+        .collect();
     by_size.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
     let mut ranks = Vec::with_capacity(by_size.len());
     for tied in by_size.chunk_by(|a, b| a.abs() == b.abs()) {
@@ -53,7 +65,12 @@ pub fn signed_rank(differences: &[f64]) -> SignedRank {
         let rank = 2 * ranks.len() + tied.len() + 1;
         ranks.extend(tied.iter().map(|_| rank));
     }
-    let positive: usize = ranks.iter().zip(&by_size).filter(|(_, difference)| **difference > 0.0).map(|(r, _)| r).sum();
+    let positive: usize = ranks
+        .iter()
+        .zip(&by_size)
+        .filter(|(_, difference)| **difference > 0.0)
+        .map(|(r, _)| r)
+        .sum();
     let chances = rank_sums(&ranks);
     let below: f64 = chances[..=positive].iter().sum();
     let above: f64 = chances[positive..].iter().sum();
@@ -62,20 +79,31 @@ pub fn signed_rank(differences: &[f64]) -> SignedRank {
     let walsh = walsh.flat_map(|(i, a)| differences[i..].iter().map(move |b| (a + b) / 2.0));
     let walsh = sorted(walsh.collect());
     let untied: Vec<usize> = (1..=differences.len()).map(|rank| 2 * rank).collect();
-    let cut = rank_sums(&untied).into_iter().step_by(2).scan(0.0, |sum, chance| {
-        *sum += chance;
-        (*sum <= TAIL).then_some(())
-    });
-    SignedRank { p: (2.0 * below.min(above)).min(1.0), shift: middle(&walsh, cut.count().saturating_sub(1)) }
+    let cut = rank_sums(&untied)
+        .into_iter()
+        .step_by(2)
+        .scan(0.0, |sum, chance| {
+            *sum += chance;
+            (*sum <= TAIL).then_some(())
+        });
+    SignedRank {
+        p: (2.0 * below.min(above)).min(1.0),
+        shift: middle(&walsh, cut.count().saturating_sub(1)),
+    }
 }
 
-/// The probability of each sum of those ranks that are drawn, when each is drawn or not with equal chance.
+/// The probability of each sum of those ranks that are drawn, when each is drawn or not with equal
+/// chance.
 fn rank_sums(ranks: &[usize]) -> Vec<f64> {
     let mut chances = vec![0.0; ranks.iter().sum::<usize>() + 1];
     chances[0] = 1.0;
     for &rank in ranks {
         for sum in (0..chances.len()).rev() {
-            let drawn = if sum >= rank { chances[sum - rank] } else { 0.0 };
+            let drawn = if sum >= rank {
+                chances[sum - rank]
+            } else {
+                0.0
+            };
             chances[sum] = (chances[sum] + drawn) / 2.0;
         }
     }
@@ -102,11 +130,12 @@ pub struct Line {
     pub intercept: f64,
 }
 
-/// The line of least squares, with the interval that Student's distribution gives its slope. `None` for fewer than
-/// three points.
+/// The line of least squares, with the interval that Student's distribution gives its slope. `None`
+/// for fewer than three points.
 pub fn fit_line(points: &[(f64, f64)]) -> Option<Line> {
     let freedom = points.len().checked_sub(2).filter(|freedom| *freedom > 0)? as f64;
-    let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / points.len() as f64;
+    let mean =
+        |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / points.len() as f64;
     let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
     let variance = mean(&|p| (p.0 - x).powi(2));
     let slope = mean(&|p| (p.0 - x) * (p.1 - y)) / variance;
@@ -114,7 +143,14 @@ pub fn fit_line(points: &[(f64, f64)]) -> Option<Line> {
     let residual = mean(&|p| (p.1 - intercept - slope * p.0).powi(2));
     let student = StudentsT::new(0.0, 1.0, freedom).ok()?;
     let reach = student.inverse_cdf(1.0 - TAIL) * (residual / variance / freedom).sqrt();
-    Some(Line { slope: Estimate { low: slope - reach, mid: slope, high: slope + reach }, intercept })
+    Some(Line {
+        slope: Estimate {
+            low: slope - reach,
+            mid: slope,
+            high: slope + reach,
+        },
+        intercept,
+    })
 }
 
 /// The value below which a share of the samples lies.
@@ -131,7 +167,11 @@ fn sorted(mut values: Vec<f64>) -> Vec<f64> {
 /// The median, and the values `cut` places from either end.
 fn middle(sorted: &[f64], cut: usize) -> Estimate {
     let last = sorted.len() - 1;
-    Estimate { low: sorted[cut], mid: (sorted[last / 2] + sorted[last.div_ceil(2)]) / 2.0, high: sorted[last - cut] }
+    Estimate {
+        low: sorted[cut],
+        mid: (sorted[last / 2] + sorted[last.div_ceil(2)]) / 2.0,
+        high: sorted[last - cut],
+    }
 }
 
 #[cfg(test)]
@@ -145,9 +185,30 @@ mod tests {
     #[test]
     fn medians_have_the_textbooks_intervals() {
         let samples: Vec<f64> = (1..=15).map(f64::from).collect();
-        assert_eq!(median(&samples), Estimate { low: 4.0, mid: 8.0, high: 12.0 });
-        assert_eq!(median(&samples[..6]), Estimate { low: 1.0, mid: 3.5, high: 6.0 });
-        assert_eq!(median(&[7.0]), Estimate { low: 7.0, mid: 7.0, high: 7.0 });
+        assert_eq!(
+            median(&samples),
+            Estimate {
+                low: 4.0,
+                mid: 8.0,
+                high: 12.0
+            }
+        );
+        assert_eq!(
+            median(&samples[..6]),
+            Estimate {
+                low: 1.0,
+                mid: 3.5,
+                high: 6.0
+            }
+        );
+        assert_eq!(
+            median(&[7.0]),
+            Estimate {
+                low: 7.0,
+                mid: 7.0,
+                high: 7.0
+            }
+        );
     }
 
     #[test]
@@ -155,10 +216,25 @@ mod tests {
         // All 6 positive: 2 of the 64 assignments of signs are as uneven.
         let all_slower = signed_rank(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert!(near(all_slower.p, 0.03125));
-        assert_eq!((all_slower.shift.low, all_slower.shift.mid, all_slower.shift.high), (1.0, 3.5, 6.0));
+        assert_eq!(
+            (
+                all_slower.shift.low,
+                all_slower.shift.mid,
+                all_slower.shift.high
+            ),
+            (1.0, 3.5, 6.0)
+        );
         // The critical value of the two-sided test at 5 % for n = 10 is 8.
         let signs = |negative: &[usize]| -> Vec<f64> {
-            (1..=10).map(|rank| if negative.contains(&rank) { -(rank as f64) } else { rank as f64 }).collect()
+            (1..=10)
+                .map(|rank| {
+                    if negative.contains(&rank) {
+                        -(rank as f64)
+                    } else {
+                        rank as f64
+                    }
+                })
+                .collect()
         };
         assert!(signed_rank(&signs(&[8])).p < 0.05);
         assert!(signed_rank(&signs(&[9])).p > 0.05);
@@ -178,9 +254,15 @@ mod tests {
     fn lines_are_fitted() {
         assert!(fit_line(&[(0.0, 1.0), (1.0, 3.0)]).is_none());
         let exact = fit_line(&[(0.0, 1.0), (1.0, 3.0), (4.0, 9.0)]).unwrap();
-        assert!(near(exact.slope.low, 2.0) && near(exact.slope.high, 2.0) && near(exact.intercept, 1.0));
+        assert!(
+            near(exact.slope.low, 2.0) && near(exact.slope.high, 2.0) && near(exact.intercept, 1.0)
+        );
         // Residuals 1/6, −1/3, 1/6: a standard error of √(1/6 / 2), and 12.706 of them either side.
-        let bent = fit_line(&[(0.0, 0.0), (1.0, 0.0), (2.0, 1.0)]).unwrap().slope;
-        assert!(near(bent.mid, 0.5) && near(bent.high - bent.mid, 12.7062 * (1.0f64 / 12.0).sqrt()));
+        let bent = fit_line(&[(0.0, 0.0), (1.0, 0.0), (2.0, 1.0)])
+            .unwrap()
+            .slope;
+        assert!(
+            near(bent.mid, 0.5) && near(bent.high - bent.mid, 12.7062 * (1.0f64 / 12.0).sqrt())
+        );
     }
 }
