@@ -127,7 +127,7 @@ fn play(scene: &Path, max_objects: u32, steps: u32) -> Outcome<[Frame; 3]> {
         };
         match (&before, &split) {
             (Some(before), None) if now.nodes > before.nodes => {
-                split = Some([before.clone(), now.clone()])
+                split = Some([before.clone(), now.clone()]);
             }
             (_, Some([before, after])) if now.nodes < after.nodes => {
                 return Ok([before.clone(), after.clone(), now]);

@@ -287,7 +287,7 @@ pub(crate) fn change_filter(
     change: impl FnOnce(&mut PairFilter),
 ) {
     in_index(&mut world, context.entity, |index, id| {
-        index.change_filter(id, change)
+        index.change_filter(id, change);
     });
 }
 

@@ -125,7 +125,7 @@ pub mod plugins {
 /// in their modules.
 pub mod prelude {
     #[cfg(feature = "debug_draw")]
-    pub use crate::debug_draw::{CollisionDebugPlugin, CollisionGizmos, DebugDraw};
+    pub use crate::debug_draw::{CollisionDebugPlugin, CollisionGizmos, DebugDraw, QueryGizmos};
     #[cfg(feature = "picking")]
     pub use crate::picking::{CollisionPickable, CollisionPickingPlugin};
     #[cfg(feature = "rapier")]

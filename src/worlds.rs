@@ -106,7 +106,7 @@ fn enter(world: DeferredWorld, context: HookContext) {
 
 fn leave(world: DeferredWorld, context: HookContext) {
     change_filter(world, context, |filter| {
-        filter.world = PairFilter::DEFAULT_WORLD
+        filter.world = PairFilter::DEFAULT_WORLD;
     });
 }
 

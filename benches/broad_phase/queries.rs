@@ -45,7 +45,7 @@ fn bench_query(criterion: &mut Criterion, name: &str, query: impl Fn(&SpatialInd
             bencher.iter(|| {
                 arguments
                     .iter()
-                    .for_each(|(place, direction)| query(index, *place, *direction))
+                    .for_each(|(place, direction)| query(index, *place, *direction));
             });
         });
     });

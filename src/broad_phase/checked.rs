@@ -200,12 +200,12 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
             }
             Step::Shift { which, by } => {
                 change(which, &mut |center, _| {
-                    *center += Vec3::from(by.map(f32::from)) * UNIT
+                    *center += Vec3::from(by.map(f32::from)) * UNIT;
                 });
             }
             Step::Teleport { which, to } => change(which, &mut |center, _| *center = place(*to)),
             Step::Resize { which, size } => {
-                change(which, &mut |_, half| *half = f32::from(*size) * UNIT)
+                change(which, &mut |_, half| *half = f32::from(*size) * UNIT);
             }
             Step::Touch { which } => {
                 if let Some(id) = any(which, &objects) {

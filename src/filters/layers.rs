@@ -95,7 +95,7 @@ impl CollisionLayers {
 // entity is not in the index, which then looks at its components.
 fn has_no_layers(world: DeferredWorld, context: HookContext) {
     change_filter(world, context, |filter| {
-        CollisionLayers::default().put_into(filter)
+        CollisionLayers::default().put_into(filter);
     });
 }
 

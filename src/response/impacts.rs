@@ -148,7 +148,7 @@ pub(super) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) 
         resolver.look_ahead(world, met.time);
     }
     world.resource_scope(|world, mut outcomes: Mut<Outcomes>| {
-        outcomes.note(resolver.courses.values(), world)
+        outcomes.note(resolver.courses.values(), world);
     });
     let displaced = resolver
         .courses

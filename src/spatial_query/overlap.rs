@@ -63,7 +63,7 @@ impl SpatialQuery<'_> {
         entities: &mut Vec<Entity>,
     ) {
         fill(entities, |found| {
-            self.for_each_box_intersection(aabb, filter, found)
+            self.for_each_box_intersection(aabb, filter, found);
         });
     }
 
@@ -96,7 +96,7 @@ impl SpatialQuery<'_> {
         entities: &mut Vec<Entity>,
     ) {
         fill(entities, |found| {
-            self.for_each_sphere_intersection(center, radius, filter, found)
+            self.for_each_sphere_intersection(center, radius, filter, found);
         });
     }
 
@@ -120,7 +120,7 @@ impl SpatialQuery<'_> {
         entities: &mut Vec<Entity>,
     ) {
         fill(entities, |found| {
-            self.for_each_point_intersection(point, filter, found)
+            self.for_each_point_intersection(point, filter, found);
         });
     }
 
@@ -162,7 +162,7 @@ impl SpatialQuery<'_> {
         entities: &mut Vec<Entity>,
     ) {
         fill(entities, |found| {
-            self.for_each_shape_intersection(shape, at, filter, found)
+            self.for_each_shape_intersection(shape, at, filter, found);
         });
     }
 
@@ -187,7 +187,7 @@ impl SpatialQuery<'_> {
         entities: &mut Vec<Entity>,
     ) {
         fill(entities, |found| {
-            self.for_each_frustum_intersection(frustum, filter, found)
+            self.for_each_frustum_intersection(frustum, filter, found);
         });
     }
 
@@ -211,7 +211,7 @@ impl SpatialQuery<'_> {
         entities: &mut Vec<Entity>,
     ) {
         fill(entities, |found| {
-            self.for_each_half_space_intersection(planes, filter, found)
+            self.for_each_half_space_intersection(planes, filter, found);
         });
     }
 

@@ -22,10 +22,10 @@ fn listening_app() -> App {
     let mut app = app(BroadPhaseMethod::default());
     app.init_resource::<Heard>()
         .add_observer(|event: On<CollisionStarted>, mut heard: ResMut<Heard>| {
-            heard.started.push(*event)
+            heard.started.push(*event);
         })
         .add_observer(|event: On<CollisionEnded>, mut heard: ResMut<Heard>| {
-            heard.ended.push(*event)
+            heard.ended.push(*event);
         });
     app
 }

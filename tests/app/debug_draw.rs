@@ -421,7 +421,7 @@ fn a_swept_box_is_two_boxes_and_what_is_between() {
     let mut app = drawing(BroadPhaseMethod::default());
     let [start, end] = [Vec3::ZERO, Vec3::X * 9.0].map(|at| Aabb3d::new(at, Vec3::ONE));
     app.add_systems(Update, move |mut gizmos: Gizmos<CollisionGizmos>| {
-        gizmos.swept_box(&start, &end)
+        gizmos.swept_box(&start, &end);
     });
     app.update();
     assert!(paths(&app).is_empty());
@@ -506,10 +506,12 @@ fn every_frame_shows_the_last_tick() {
 #[test]
 fn without_gizmos_the_plugin_does_nothing() {
     let mut app = app(BroadPhaseMethod::default());
-    app.add_plugins(CollisionDebugPlugin)
-        .add_systems(Update, |gizmos: Option<Gizmos<CollisionGizmos>>| {
-            assert!(gizmos.is_none())
-        });
+    app.add_plugins(CollisionDebugPlugin).add_systems(
+        Update,
+        |gizmos: Option<Gizmos<CollisionGizmos>>| {
+            assert!(gizmos.is_none());
+        },
+    );
     spawn(&mut app, 0.0);
     tick(&mut app, 2);
     assert_eq!(counters(&app).objects, 1);

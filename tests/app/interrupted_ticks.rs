@@ -158,7 +158,7 @@ fn updates_between_the_search_and_the_exact_tests_change_nothing() {
             tick(&mut app, 2);
             place(&mut app, b, 19.5);
             Plan::add(&mut app, gap, move |world| {
-                (0..flushes).for_each(|_| update_spatial_index(world))
+                (0..flushes).for_each(|_| update_spatial_index(world));
             });
             tick(&mut app, 1);
             assert_eq!(
@@ -458,7 +458,7 @@ fn history(seed: u64, flush: bool, bounces: bool) -> Vec<Seen> {
                 2 => _ = object.insert((Swept::default(), Transform::from_translation(to))),
                 3 => {
                     object.get_mut::<CollisionShape>().unwrap().0 =
-                        Shape::from_half_size(to.abs() * 0.3 + 0.1)
+                        Shape::from_half_size(to.abs() * 0.3 + 0.1);
                 }
                 4 => _ = object.insert(IgnoreCollisions::from([other])),
                 5 => _ = object.remove::<IgnoreCollisions>(),
@@ -482,7 +482,7 @@ fn history(seed: u64, flush: bool, bounces: bool) -> Vec<Seen> {
             for gap in GAPS {
                 let count = flushes.u8(0..8).saturating_sub(4);
                 Plan::add(&mut app, gap, move |world| {
-                    (0..count).for_each(|_| update_spatial_index(world))
+                    (0..count).for_each(|_| update_spatial_index(world));
                 });
             }
             (0..flushes.u8(0..3)).for_each(|_| update_spatial_index(app.world_mut()));

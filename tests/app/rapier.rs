@@ -552,7 +552,7 @@ fn half_spaces_meet_what_brute_force_says_by_every_method() {
                 10 | 20 => {
                     get_mut::<Transform>(&mut app, slopes[step / 20])
                         .translation
-                        .y += 2.0
+                        .y += 2.0;
                 }
                 30 => {
                     app.world_mut().despawn(slopes[1]);

@@ -310,7 +310,7 @@ fn wall(app: &mut App, x: f32, speed: f32, more: impl Bundle) -> Entity {
 #[test]
 fn a_wall_of_rapiers_counts_with_its_velocity_whether_it_bounces_or_not() {
     let close = |found: f32, expected: f32| {
-        assert!((found - expected).abs() < 1e-3, "{found}, not {expected}")
+        assert!((found - expected).abs() < 1e-3, "{found}, not {expected}");
     };
     let mut app = rapier_app();
     wall(&mut app, 8.0, -10.0, ());

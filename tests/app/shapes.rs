@@ -63,7 +63,7 @@ fn bad_numbers_are_logged_and_never_panic() {
             drop((
                 CollisionShape::sphere(good),
                 CollisionShape::cuboid(good, good, good),
-            ))
+            ));
         };
         assert_eq!(warnings(made), 0, "{good}");
     }
@@ -93,7 +93,7 @@ fn bad_numbers_are_logged_and_never_panic() {
             Vec3::Y,
             Vec3::ZERO,
             Vec3::ONE.with_z(0.0),
-        )))
+        )));
     };
     assert_eq!(warnings(flat), 1);
     let found = boxes(vec![

@@ -240,7 +240,7 @@ fn what_is_in_the_box_but_not_in_the_shape_is_not_met() {
         };
         let at = |point: Vec3| {
             count(&|found| {
-                spatial.for_each_point_intersection(point, &ALL, |entity| found.push(entity))
+                spatial.for_each_point_intersection(point, &ALL, |entity| found.push(entity));
             })
         };
         assert_eq!(
@@ -249,15 +249,16 @@ fn what_is_in_the_box_but_not_in_the_shape_is_not_met() {
         );
         let ball = |radius| {
             count(&|found| {
-                spatial
-                    .for_each_sphere_intersection(corner, radius, &ALL, |entity| found.push(entity))
+                spatial.for_each_sphere_intersection(corner, radius, &ALL, |entity| {
+                    found.push(entity)
+                });
             })
         };
         assert_eq!((ball(0.8), ball(0.9)), (0, 1));
         let cuboid = |half: f32| {
             let aabb = Aabb3d::new(corner, Vec3::splat(half));
             count(&|found| {
-                spatial.for_each_box_intersection(&aabb, &ALL, |entity| found.push(entity))
+                spatial.for_each_box_intersection(&aabb, &ALL, |entity| found.push(entity));
             })
         };
         assert_eq!((cuboid(0.5), cuboid(0.7)), (0, 1));
@@ -265,8 +266,9 @@ fn what_is_in_the_box_but_not_in_the_shape_is_not_met() {
         let beyond = |x: f32| [HalfSpace::new(Vec4::new(-1.0, 0.0, 0.0, x))];
         let planes = |x| {
             count(&|found| {
-                spatial
-                    .for_each_half_space_intersection(&beyond(x), &ALL, |entity| found.push(entity))
+                spatial.for_each_half_space_intersection(&beyond(x), &ALL, |entity| {
+                    found.push(entity)
+                });
             })
         };
         assert_eq!((planes(8.0), planes(9.0)), (0, 1));
@@ -406,7 +408,7 @@ fn vectors_are_filled_with_what_callbacks_are_called_with() {
             compare(&filled, &mut called);
             spatial.half_space_intersections(&frustum.half_spaces, &ALL, &mut filled);
             spatial.for_each_half_space_intersection(&frustum.half_spaces, &ALL, |entity| {
-                called.push(entity)
+                called.push(entity);
             });
             compare(&filled, &mut called);
             assert!(total > 100, "{total}");

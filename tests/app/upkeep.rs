@@ -448,7 +448,7 @@ fn an_update_takes_up_a_new_tolerance() {
         let mut found = Vec::new();
         let at = Vec3::new(4.1, 0.0, 0.0);
         spatial.for_each_point_intersection(at, &SpatialQueryFilter::default(), |entity| {
-            found.push(entity)
+            found.push(entity);
         });
         found
     };

@@ -147,13 +147,13 @@ fn queries_see_one_world() {
     };
     let plain = at(8.0, &|_| {});
     let a = at(2.0, &|mut entity| {
-        _ = entity.insert(InCollisionWorld(first))
+        _ = entity.insert(InCollisionWorld(first));
     });
     let b = at(4.0, &|mut entity| {
-        _ = entity.insert((InCollisionWorld(first), RED))
+        _ = entity.insert((InCollisionWorld(first), RED));
     });
     let c = at(6.0, &|mut entity| {
-        _ = entity.insert(InCollisionWorld(second))
+        _ = entity.insert(InCollisionWorld(second));
     });
     tick(&mut app, 1);
     let found = |app: &mut App, filter: SpatialQueryFilter<'static>| {

@@ -153,14 +153,14 @@ impl ObjectOctreeSettings {
             match error {
                 SettingsError::MaxObjects => settings.max_objects = 1,
                 SettingsError::MaxDepth(depth) => {
-                    settings.max_depth = depth.clamp(1, Self::MAX_DEPTH)
+                    settings.max_depth = depth.clamp(1, Self::MAX_DEPTH);
                 }
                 SettingsError::MergeSlack { .. } => settings.merge_slack = settings.max_objects - 1,
                 SettingsError::RootScale(scale) if scale < 1.0 => {
                     settings.root = RootPolicy::Fit { scale: 1.0 }
                 }
                 SettingsError::RootScale(_) | SettingsError::RootCube { .. } => {
-                    settings.root = RootPolicy::default()
+                    settings.root = RootPolicy::default();
                 }
             }
         }

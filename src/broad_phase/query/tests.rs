@@ -78,7 +78,7 @@ fn worlds(boxes: &[Aabb3d], changes: &[Change]) -> Vec<SpatialIndex> {
             };
             match change {
                 Change::Move(which, by) if !ids.is_empty() => {
-                    shift(&mut index, ids[which % ids.len()], (*by).into())
+                    shift(&mut index, ids[which % ids.len()], (*by).into());
                 }
                 Change::Drift(by) => ids
                     .iter()

@@ -119,7 +119,7 @@ fn every_query_finds_an_unbounded_object_once() {
         index.for_each_hit(&ray(1e4), |hit| hits.push((hit.proxy, hit.distance)));
         assert_eq!(hits, [(ground, 0.0), (cube, 999.5)]);
         index.for_each_hit(&ray(-1.0), |hit| {
-            assert_eq!(hit.distance, f32::NAN, "it goes nowhere")
+            assert_eq!(hit.distance, f32::NAN, "it goes nowhere");
         });
         // What it is at a distance of, the caller says.
         let own = |id, bound| if id == ground { Some(9.0) } else { Some(bound) };

@@ -66,7 +66,7 @@ fn convert(mesh: &PolygonMesh) -> Option<Arc<TriMesh>> {
     let mut triangles = Vec::new();
     for (corners, normal) in mesh.polygons().zip(mesh.normals()) {
         triangulate(mesh.vertices(), corners, *normal, |triangle| {
-            triangles.push(triangle)
+            triangles.push(triangle);
         });
     }
     TriMesh::new(mesh.vertices().to_vec(), triangles)

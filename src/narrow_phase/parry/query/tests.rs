@@ -148,9 +148,9 @@ fn segment_to_box(ends: [DVec3; 2], half: DVec3) -> f64 {
     for _ in 0..200 {
         let (one, two) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
         if at(one) <= at(two) {
-            high = two
+            high = two;
         } else {
-            low = one
+            low = one;
         }
     }
     at(low.midpoint(high)).min(at(0.0)).min(at(1.0))

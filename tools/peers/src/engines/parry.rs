@@ -168,7 +168,7 @@ impl Engine for Rebuilt {
         // Leaves are exact, so that no pair needs a filter.
         self.tree
             .traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |a, b| {
-                pairs.push((a, b))
+                pairs.push((a, b));
             });
     }
 }
