@@ -44,7 +44,7 @@ impl Moments<'_> {
         self.a.turns() || self.b.turns()
     }
 
-    /// Is there a plane between the two wherever they are apart?
+    /// Returns `true` if there is a plane between the two wherever they are apart.
     pub fn are_convex(&self) -> bool {
         [self.a, self.b]
             .iter()
@@ -90,7 +90,7 @@ impl Moments<'_> {
         })
     }
 
-    /// Do the two come nearer to each other where they meet?
+    /// Returns `true` if the two come nearer to each other where they meet.
     pub fn come_nearer(&self, met: &TimedContact) -> bool {
         let velocities =
             [self.a, self.b].map(|moving| moving.velocity_at(met.time, met.contact.point));

@@ -19,13 +19,13 @@ pub struct Smaller {
 }
 
 impl PlacedPair<'_> {
-    /// Are the two shapes themselves so large?
+    /// Returns `true` if the two shapes themselves are so large.
     #[inline]
     pub fn is_large(&self) -> bool {
         self.size > LARGE
     }
 
-    /// Are they so large, or so far from each other?
+    /// Returns `true` if they are so large, or so far from each other.
     pub fn is_wide(&self) -> bool {
         self.extent() > LARGE
     }
