@@ -60,6 +60,7 @@ mod octree;
 mod order;
 mod query;
 mod skin;
+mod still;
 mod upkeep;
 mod validate;
 
@@ -70,3 +71,4 @@ mod tests;
 
 pub(super) use crowd::Crowd;
 pub use octree::LinearOctree;
+pub(crate) use still::StillOctree;

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use bevy::math::bounding::Aabb3d;
-use fearless_simd::{dispatch, f32x8, prelude::*};
+use fearless_simd::{Level, dispatch, f32x8, prelude::*};
 
 use super::octree::LinearOctree;
 use crate::broad_phase::{
@@ -26,6 +26,36 @@ struct Task {
 /// above 2³² boxes.
 const MOST_TASKS: usize = 11 * (WIDTH - 1) + 1;
 
+/// What a query goes down: blocks of boxes, and who is in them.
+pub(super) trait Blocks {
+    /// Blocks by level, the boxes first.
+    fn levels(&self) -> &[Vec<Block>];
+
+    /// Are the boxes in the blocks those that are asked about, and not only around them?
+    fn are_exact(&self) -> bool;
+
+    /// Who is in a slot; `None` beyond the last.
+    fn owner(&self, slot: u32) -> Option<u32>;
+
+    /// The box of who is in a slot of a block.
+    fn box_of(&self, owner: u32, block: &Block, slot: u32) -> Option<Aabb3d>;
+}
+
+/// Calls `visit` with the owner of each box within the limit, and its distance; it tells the limit
+/// from then on.
+pub(super) fn search<M: Measure>(
+    level: Level,
+    blocks: &impl Blocks,
+    measure: &M,
+    limit: f32,
+    visit: impl FnMut(u32, f32) -> ControlFlow<(), f32>,
+) {
+    dispatch!(level, simd => {
+        let (bound, mut tasks) = (measure.bound(limit), [Task::default(); MOST_TASKS]);
+        Descent { blocks, measure, visit, limit, bound, tasks: &mut tasks, waiting: 0 }.run(simd);
+    });
+}
+
 impl LinearOctree {
     /// Calls `visit` with each object within the limit, and its distance; it tells the limit from
     /// then on.
@@ -34,33 +64,57 @@ impl LinearOctree {
         proxies: &Proxies,
         measure: &M,
         limit: f32,
-        visit: impl FnMut(ProxyId, f32) -> ControlFlow<(), f32>,
+        mut visit: impl FnMut(ProxyId, f32) -> ControlFlow<(), f32>,
     ) {
-        dispatch!(self.level, simd => {
-            let (bound, mut tasks) = (measure.bound(limit), [Task::default(); MOST_TASKS]);
-            Descent { octree: self, proxies, measure, visit, limit, bound, tasks: &mut tasks, waiting: 0 }.run(simd);
+        let blocks = Skins {
+            octree: self,
+            proxies,
+        };
+        search(self.level, &blocks, measure, limit, |id, distance| {
+            visit(ProxyId::new(id), distance)
         });
     }
+}
 
-    /// The box of the object in a slot, of which the skin is in the tree.
+/// The skins of the octree, and the boxes in them.
+struct Skins<'a> {
+    octree: &'a LinearOctree,
+    proxies: &'a Proxies,
+}
+
+impl Blocks for Skins<'_> {
     #[inline(always)]
-    fn box_of(&self, proxies: &Proxies, id: ProxyId, block: &Block, slot: u32) -> Option<Aabb3d> {
+    fn levels(&self) -> &[Vec<Block>] {
+        self.octree.tree.as_slice()
+    }
+
+    #[inline(always)]
+    fn are_exact(&self) -> bool {
+        self.octree.exact
+    }
+
+    #[inline(always)]
+    fn owner(&self, slot: u32) -> Option<u32> {
+        self.octree.owners.get(slot as usize).copied()
+    }
+
+    #[inline(always)]
+    fn box_of(&self, owner: u32, block: &Block, slot: u32) -> Option<Aabb3d> {
         // What is in the block is in the cache, and what is in the order of space likely to be.
-        if self.exact {
+        if self.octree.exact {
             Some(block.get(slot as usize % WIDTH))
-        } else if self.boxes_are_gathered {
-            self.boxes.get(slot as usize).copied()
+        } else if self.octree.boxes_are_gathered {
+            self.octree.boxes.get(slot as usize).copied()
         } else {
-            proxies.boxes().get(id.index()).copied()
+            self.proxies.boxes().get(owner as usize).copied()
         }
     }
 }
 
 /// A query on its way down: one block after the other, from the top one on. All in one function
 /// once it is compiled.
-struct Descent<'a, M, V> {
-    octree: &'a LinearOctree,
-    proxies: &'a Proxies,
+struct Descent<'a, B, M, V> {
+    blocks: &'a B,
     measure: &'a M,
     visit: V,
     /// Objects farther away than this are of no interest, nor blocks beyond the bound that goes
@@ -73,10 +127,10 @@ struct Descent<'a, M, V> {
     waiting: usize,
 }
 
-impl<M: Measure, V: FnMut(ProxyId, f32) -> ControlFlow<(), f32>> Descent<'_, M, V> {
+impl<B: Blocks, M: Measure, V: FnMut(u32, f32) -> ControlFlow<(), f32>> Descent<'_, B, M, V> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
-        let levels = self.octree.tree.as_slice();
+        let levels = self.blocks.levels();
         let mut task = Task {
             height: levels.len() as u32 - 1,
             ..Task::default()
@@ -114,22 +168,17 @@ impl<M: Measure, V: FnMut(ProxyId, f32) -> ControlFlow<(), f32>> Descent<'_, M, 
             if M::ORDERED && self.bound.excludes(nearness[lane as usize]) {
                 break;
             }
-            let Some(id) = self
-                .octree
-                .owners
-                .get((first + lane) as usize)
-                .map(|id| ProxyId::new(*id))
-            else {
+            let Some(owner) = self.blocks.owner(first + lane) else {
                 continue;
             };
-            let distance = if self.octree.exact && M::EXACT {
+            let distance = if self.blocks.are_exact() && M::EXACT {
                 Some(nearness[lane as usize] + 0.0)
             } else {
-                let aabb = self.octree.box_of(self.proxies, id, block, first + lane);
+                let aabb = self.blocks.box_of(owner, block, first + lane);
                 aabb.and_then(|aabb| self.measure.test_box(&aabb, self.limit))
             };
             let Some(distance) = distance else { continue };
-            self.limit = (self.visit)(id, distance)?;
+            self.limit = (self.visit)(owner, distance)?;
             self.bound = self.measure.bound(self.limit);
         }
         ControlFlow::Continue(())

@@ -6,6 +6,7 @@ mod hit;
 mod pairs;
 mod point_distance;
 mod region;
+mod scaled_distance;
 mod search;
 #[cfg(test)]
 mod tests;
@@ -14,3 +15,4 @@ pub use cast::Cast;
 pub use flow::Flow;
 pub use hit::Hit;
 pub use region::Region;
+pub(super) use scaled_distance::ScaledDistance;

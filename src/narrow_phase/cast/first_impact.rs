@@ -7,7 +7,7 @@ use crate::narrow_phase::{
     frame::{
         closest, edge_polygon,
         placed::PlacedPair,
-        surface::{PlacedFace, Surface},
+        surface::{PlacedFace, Surface, border, covers},
         workspace::Workspace,
     },
     mesh::polygon_mesh::PolygonMesh,
@@ -65,8 +65,8 @@ impl FirstImpact {
         pair: &PlacedPair,
         workspace: &mut Workspace,
     ) -> Option<LocalImpact> {
-        let (mesh, surface) = edge_polygon::fill_second_all(pair, workspace)?;
-        self.ball_surface(pair.box_a.center, pair.box_a.radius, mesh, surface);
+        let (_, surface) = edge_polygon::fill_second_all(pair, workspace)?;
+        self.ball_surface(pair.box_a.center, pair.box_a.radius, surface);
         self.found
     }
 
@@ -76,8 +76,8 @@ impl FirstImpact {
         pair: &PlacedPair,
         workspace: &mut Workspace,
     ) -> Option<LocalImpact> {
-        let meshes = edge_polygon::fill_all(pair, workspace)?;
-        self.surfaces(meshes, &workspace.surfaces, pair.tolerance);
+        edge_polygon::fill_all(pair, workspace)?;
+        self.surfaces(&workspace.surfaces, pair.tolerance);
         self.found
     }
 
@@ -119,7 +119,7 @@ impl FirstImpact {
     }
 
     /// A moving ball against faces, edges and corners.
-    fn ball_surface(&mut self, center: Vec3A, radius: f32, mesh: &PolygonMesh, surface: &Surface) {
+    fn ball_surface(&mut self, center: Vec3A, radius: f32, surface: &Surface) {
         for face in &surface.faces {
             let height = center.dot(face.normal) - face.plane;
             let outwards = face.normal * 1f32.copysign(height);
@@ -128,7 +128,7 @@ impl FirstImpact {
             if sinks > 0.0 && height.abs() >= radius {
                 let distance = (height.abs() - radius) / sinks;
                 let touched = center + self.direction * distance - outwards * radius;
-                if surface.covers(mesh.polygon(face.polygon as usize), face.normal, touched) {
+                if covers(surface.corners(face), face.normal, touched) {
                     self.consider(distance, || touched, outwards);
                 }
             }
@@ -167,17 +167,11 @@ impl FirstImpact {
 
     /// A moving surface, the first, against a resting one: corners against faces, both ways, and
     /// edges against edges.
-    fn surfaces(
-        &mut self,
-        meshes: [&PolygonMesh; 2],
-        [moving, resting]: &[Surface; 2],
-        tolerance: f32,
-    ) {
+    fn surfaces(&mut self, [moving, resting]: &[Surface; 2], tolerance: f32) {
         let direction = self.direction;
         for corner in moving.edges.iter().flat_map(|edge| edge.ends) {
             for face in &resting.faces {
-                if let Some(distance) =
-                    corner_to_face(corner, direction, meshes[1], resting, face, tolerance)
+                if let Some(distance) = corner_to_face(corner, direction, resting, face, tolerance)
                 {
                     self.consider(distance, || corner + direction * distance, face.normal);
                 }
@@ -185,8 +179,7 @@ impl FirstImpact {
         }
         for corner in resting.edges.iter().flat_map(|edge| edge.ends) {
             for face in &moving.faces {
-                if let Some(distance) =
-                    corner_to_face(corner, -direction, meshes[0], moving, face, tolerance)
+                if let Some(distance) = corner_to_face(corner, -direction, moving, face, tolerance)
                 {
                     self.consider(distance, || corner, face.normal);
                 }
@@ -226,7 +219,6 @@ impl FirstImpact {
 fn corner_to_face(
     corner: Vec3A,
     way: Vec3A,
-    mesh: &PolygonMesh,
     surface: &Surface,
     face: &PlacedFace,
     tolerance: f32,
@@ -235,10 +227,9 @@ fn corner_to_face(
     if !(distance >= 0.0 && distance.is_finite()) {
         return None;
     }
-    let (corners, point) = (mesh.polygon(face.polygon as usize), corner + way * distance);
+    let (corners, point) = (surface.corners(face), corner + way * distance);
     let is_on = |[a, b]: [Vec3A; 2]| {
         closest::point_segment(point, a, b).distance_squared(point) <= tolerance * tolerance
     };
-    (surface.covers(corners, face.normal, point) || surface.border(corners).any(is_on))
-        .then_some(distance)
+    (covers(corners, face.normal, point) || border(corners).any(is_on)).then_some(distance)
 }

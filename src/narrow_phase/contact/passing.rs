@@ -172,12 +172,12 @@ impl Planes {
     /// touches.
     fn of_sphere(mut self, pair: &PlacedPair, workspace: &mut Workspace) -> Vec3A {
         let (center, radius) = (pair.box_a.center, pair.box_a.radius);
-        let Some((mesh, surface)) = edge_polygon::fill_second_near(pair, workspace) else {
+        let Some((_, surface)) = edge_polygon::fill_second_near(pair, workspace) else {
             return self.normals[0];
         };
         let touched = || {
             surface.faces.iter().filter(|face| {
-                let closest = surface.closest_point_of(mesh, face, center);
+                let closest = surface.closest_point_of(face, center);
                 closest.is_some_and(|closest| closest.distance(center) <= radius + pair.tolerance)
             })
         };
@@ -189,7 +189,7 @@ impl Planes {
             for (reach, normal) in self.reach.iter_mut().zip(&self.normals) {
                 *reach = center.dot(*normal) + radius;
             }
-            touched().for_each(|face| self.begins(surface.corners(mesh, face)));
+            touched().for_each(|face| self.begins(surface.corners(face).iter().copied()));
         }
         self.best()
     }
@@ -201,7 +201,7 @@ impl Planes {
         };
         let workspace = &*workspace;
         let each = |visit: &mut dyn FnMut(Touch)| {
-            let _ = edge_polygon::for_each_touch(meshes, workspace, pair.tolerance, |hit| {
+            let _ = edge_polygon::for_each_touch(workspace, pair.tolerance, |hit| {
                 visit(hit);
                 ControlFlow::Continue(())
             });
@@ -211,13 +211,12 @@ impl Planes {
             return self.normals[0];
         }
         each(&mut |hit| {
-            let [a, b]: [&PolygonMesh; 2] = meshes;
             let [on_a, on_b] = &workspace.surfaces;
             if hit.of_first {
                 self.reaches(hit.edge.into_iter());
-                self.begins(on_b.corners(b, &hit.face));
+                self.begins(on_b.corners(&hit.face).iter().copied());
             } else {
-                self.reaches(on_a.corners(a, &hit.face));
+                self.reaches(on_a.corners(&hit.face).iter().copied());
                 self.begins(hit.edge.into_iter());
             }
         });

@@ -29,7 +29,7 @@ pub fn intersects(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
         return false;
     };
     let stop = |_| ControlFlow::Break(());
-    for_each_touch(meshes, workspace, pair.tolerance, stop).is_break()
+    for_each_touch(workspace, pair.tolerance, stop).is_break()
         || nested(pair, meshes, workspace).is_some()
 }
 
@@ -40,7 +40,7 @@ pub fn touches(pair: &PlacedPair, workspace: &mut Workspace, mut visit: impl FnM
             visit(hit);
             ControlFlow::<()>::Continue(())
         };
-        let _ = for_each_touch(meshes, workspace, pair.tolerance, go_on);
+        let _ = for_each_touch(workspace, pair.tolerance, go_on);
     }
 }
 
@@ -49,7 +49,7 @@ pub fn sphere_intersects(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
     let sphere = &pair.box_a;
     let limit = sphere.radius + pair.tolerance;
     fill_second_near(pair, workspace).is_some_and(|(mesh, surface)| {
-        let closest = surface.closest_point(mesh, sphere.center);
+        let closest = surface.closest_point(sphere.center);
         closest.is_some_and(|closest| closest.distance <= limit)
             || surface.encloses(mesh, sphere.center)
     })
@@ -63,7 +63,7 @@ pub fn sphere_closest(
 ) -> Option<(ClosestPoint, bool)> {
     let (mesh, surface) = fill_second(pair, &LocalAabb::EVERYWHERE, workspace)?;
     let center = pair.box_a.center;
-    let closest = surface.closest_point(mesh, center)?;
+    let closest = surface.closest_point(center)?;
     Some((closest, surface.encloses(mesh, center)))
 }
 
@@ -144,19 +144,17 @@ fn fill_region<'a>(
 }
 
 pub fn for_each_touch(
-    meshes: [&PolygonMesh; 2],
     workspace: &Workspace,
     tolerance: f32,
     mut visit: impl FnMut(Touch) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let [a, b] = &workspace.surfaces;
-    one_way(a, meshes[1], b, tolerance, -1.0, &mut visit)?;
-    one_way(b, meshes[0], a, tolerance, 1.0, &mut visit)
+    one_way(a, b, tolerance, -1.0, &mut visit)?;
+    one_way(b, a, tolerance, 1.0, &mut visit)
 }
 
 fn one_way(
     edges: &Surface,
-    mesh: &PolygonMesh,
     faces: &Surface,
     tolerance: f32,
     towards_second: f32,
@@ -164,7 +162,7 @@ fn one_way(
 ) -> ControlFlow<()> {
     for edge in &edges.edges {
         for face in &faces.faces {
-            if let Some(point) = faces.touch(mesh, face, edge, tolerance) {
+            if let Some(point) = faces.touch(face, edge, tolerance) {
                 let normal = face.normal * towards_second;
                 visit(Touch {
                     point,
@@ -192,7 +190,7 @@ pub fn nested(
             let vertices = part
                 .shells()
                 .iter()
-                .map(|&vertex| placed.vertices()[vertex as usize]);
+                .map(|&vertex| placed.vertex(part, vertex));
             let mut close = vertices.filter(|&vertex| {
                 let offset = (vertex - bounds.center).abs();
                 offset.cmple(bounds.reach()).all()

@@ -1,6 +1,6 @@
 //! A polygon mesh put in place: what the last stage computes with.
 
-use bevy::math::{Vec3, Vec3A};
+use bevy::math::{DVec3, Mat3A, Vec3, Vec3A, bounding::Aabb3d};
 
 use super::closest;
 use super::oriented_box::OrientedBox;
@@ -23,6 +23,11 @@ impl LocalAabb {
         min: Vec3A::INFINITY,
         max: Vec3A::NEG_INFINITY,
     };
+
+    /// Returns `true` if nothing is outside.
+    pub fn is_everywhere(&self) -> bool {
+        self.min == Self::EVERYWHERE.min && self.max == Self::EVERYWHERE.max
+    }
 
     /// What two boxes share, given by centre and half extents, grown by `margin`. May be empty.
     pub fn shared(a: (Vec3A, Vec3A), b: (Vec3A, Vec3A), margin: f32) -> Self {
@@ -69,6 +74,8 @@ pub struct PlacedEdge {
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedFace {
     pub polygon: u32,
+    /// Where its corners begin and end among those of the surface.
+    corners: [u32; 2],
     /// A unit vector; zero for a polygon that a scale of zero flattened to a segment or point,
     /// which its border is enough to describe.
     pub normal: Vec3A,
@@ -87,18 +94,76 @@ pub struct ClosestPoint {
     pub normal: Vec3A,
 }
 
-/// A mesh in place: all of its vertices, and the edges and polygons within a region.
+/// A mesh in place: the edges and polygons within a region.
 ///
 /// Filled anew for each pair; the buffers stay.
 #[derive(Clone, Debug, Default)]
 pub struct Surface {
-    vertices: Vec<Vec3A>,
+    placing: Placing,
+    /// The corners of the faces, one face after the other, those that were dropped included.
+    corners: Vec<Vec3A>,
     pub edges: Vec<PlacedEdge>,
     pub faces: Vec<PlacedFace>,
+    /// All vertices in place, where all polygons are looked at.
+    vertices: Vec<Vec3A>,
+    /// What of the mesh is in the region, by index.
+    polygons: Vec<u32>,
+    sides: Vec<u32>,
+}
+
+/// How a mesh gets from its own space to the frame of a pair.
+#[derive(Clone, Copy, Debug, Default)]
+struct Placing {
+    axes: Mat3A,
+    center: Vec3A,
+    scale: Vec3A,
+    /// The centre of the mesh, in its own space.
+    middle: Vec3A,
+}
+
+impl Placing {
+    #[inline]
+    fn place(&self, vertex: Vec3) -> Vec3A {
+        self.center + self.axes * ((Vec3A::from(vertex) - self.middle) * self.scale)
+    }
+
+    /// A box in the space of the mesh, around all that is in a region of the frame: a little larger
+    /// than it has to be.
+    fn back(&self, region: &LocalAabb) -> Aabb3d {
+        let (center, half) = (
+            (region.min + region.max) * 0.5,
+            (region.max - region.min) * 0.5,
+        );
+        let inverse = self.axes.transpose();
+        let from_center = inverse * (center - self.center);
+        let reach = self.axes.abs().transpose() * half;
+        let rounding = 8.0 * f32::EPSILON * (center.abs() + self.center.abs() + half).element_sum();
+        // Along an axis of no scale, everything is in the region, or nothing.
+        let scale = self.scale.abs();
+        let grow = (reach + rounding) / scale;
+        let at = from_center / self.scale;
+        let (low, high) = (self.middle + at - grow, self.middle + at + grow);
+        let wide = 8.0 * f32::EPSILON * (self.middle.abs() + low.abs() + high.abs());
+        let known = low.is_finite_mask() & high.is_finite_mask();
+        Aabb3d {
+            min: Vec3A::select(known, low - wide, Vec3A::MIN),
+            max: Vec3A::select(known, high + wide, Vec3A::MAX),
+        }
+    }
+
+    /// A point of the frame in the space of the mesh; `None` where a scale of zero has no way back.
+    fn point_back(&self, point: Vec3A) -> Option<DVec3> {
+        let inverse = self.axes.transpose();
+        let from_center = inverse.as_dmat3() * (point.as_dvec3() - self.center.as_dvec3());
+        let local = from_center / self.scale.as_dvec3() + self.middle.as_dvec3();
+        local.is_finite().then_some(local)
+    }
 }
 
 impl Surface {
     /// Puts the polygons of a shape where its box is, and selects what is in `region`.
+    ///
+    /// A mesh with a tree is looked at where the region is, and nowhere else.
     pub fn fill(
         &mut self,
         (mesh, size): (&PolygonMesh, Vec3A),
@@ -109,20 +174,54 @@ impl Surface {
     ) {
         let scale = placed.shape.effective_scale(placed.transform.scale) * size;
         let axes = bounds.axes;
-        let (center, ..) = mesh.local_bounds();
-        let to_frame =
-            |vertex: &Vec3| bounds.center + axes * ((Vec3A::from(*vertex) - center) * scale);
+        let (middle, ..) = mesh.local_bounds();
+        self.placing = Placing {
+            axes,
+            center: bounds.center,
+            scale,
+            middle,
+        };
+        let placing = self.placing;
+
+        self.polygons.clear();
+        self.sides.clear();
         self.vertices.clear();
-        self.vertices.extend(mesh.vertices().iter().map(to_frame));
-        debug_assert_eq!(
-            self.vertices.len(),
-            mesh.vertices().len(),
-            "indices of the mesh are those of the surface"
-        );
+        let tree = mesh.tree().filter(|_| !region.is_everywhere());
+        if let Some(tree) = tree {
+            // An edge in the region is grown by the tolerance.
+            let grown = LocalAabb {
+                min: region.min - tolerance,
+                max: region.max + tolerance,
+            };
+            if grown.min.cmple(grown.max).all() {
+                tree.for_each_overlapping(&placing.back(&grown), |polygon| {
+                    self.polygons.push(polygon)
+                });
+            }
+            // In the order of the mesh, whatever that of the tree.
+            self.polygons.sort_unstable();
+            let sides = self
+                .polygons
+                .iter()
+                .flat_map(|polygon| mesh.sides(*polygon as usize));
+            self.sides.extend(sides);
+            self.sides.sort_unstable();
+            self.sides.dedup();
+        } else {
+            self.polygons.extend(0..mesh.polygon_count() as u32);
+            self.sides.extend(0..mesh.edges().len() as u32);
+            self.vertices
+                .extend(mesh.vertices().iter().map(|vertex| placing.place(*vertex)));
+        }
+        let vertices = &self.vertices;
+        let at = |vertex: u32| match vertices.get(vertex as usize) {
+            Some(placed) => *placed,
+            None => placing.place(mesh.vertices()[vertex as usize]),
+        };
 
         self.edges.clear();
-        for edge in mesh.edges() {
-            let ends = edge.map(|vertex| self.vertices[vertex as usize]);
+        for side in &self.sides {
+            let ends = mesh.edges()[*side as usize].map(at);
             let edge = PlacedEdge {
                 ends,
                 bounds: LocalAabb::around(ends.into_iter(), tolerance),
@@ -147,24 +246,34 @@ impl Surface {
         );
         let mirror = 1f32.copysign(scale.x * scale.y * scale.z);
         self.faces.clear();
-        for (polygon, (corners, normal)) in mesh.polygons().zip(mesh.normals()).enumerate() {
-            let at = |vertex: &u32| self.vertices[*vertex as usize];
-            let bounds = LocalAabb::around(corners.iter().map(at), 0.0);
-            if bounds.overlaps(region) {
-                let normal = axes * unit_or_zero(Vec3A::from(*normal) * cofactors * mirror);
-                let heights = corners.iter().map(|corner| at(corner).dot(normal));
-                let (low, high) = heights
-                    .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| {
-                        (low.min(h), high.max(h))
-                    });
-                self.faces.push(PlacedFace {
-                    polygon: polygon as u32,
-                    normal,
-                    plane: (low + high) * 0.5,
-                    thickness: (high - low) * 0.5,
-                    bounds,
-                });
+        self.corners.clear();
+        for &polygon in &self.polygons {
+            let start = self.corners.len();
+            self.corners.extend(
+                mesh.polygon(polygon as usize)
+                    .iter()
+                    .map(|vertex| at(*vertex)),
+            );
+            let corners = &self.corners[start..];
+            let bounds = LocalAabb::around(corners.iter().copied(), 0.0);
+            if !bounds.overlaps(region) {
+                self.corners.truncate(start);
+                continue;
             }
+            let normal = Vec3A::from(mesh.normals()[polygon as usize]);
+            let normal = axes * unit_or_zero(normal * cofactors * mirror);
+            let heights = corners.iter().map(|corner| corner.dot(normal));
+            let (low, high) = heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| {
+                (low.min(h), high.max(h))
+            });
+            self.faces.push(PlacedFace {
+                polygon,
+                corners: [start as u32, self.corners.len() as u32],
+                normal,
+                plane: (low + high) * 0.5,
+                thickness: (high - low) * 0.5,
+                bounds,
+            });
         }
     }
 
@@ -174,25 +283,26 @@ impl Surface {
         self.faces.retain(|face| face.bounds.overlaps(region));
     }
 
-    /// All vertices, by the indices of the mesh.
-    pub fn vertices(&self) -> &[Vec3A] {
-        &self.vertices
+    /// A vertex of the mesh, in place.
+    pub fn vertex(&self, mesh: &PolygonMesh, vertex: u32) -> Vec3A {
+        self.placing.place(mesh.vertices()[vertex as usize])
+    }
+
+    /// The corners of a face, in place.
+    #[inline]
+    pub fn corners(&self, face: &PlacedFace) -> &[Vec3A] {
+        let [start, end] = face.corners;
+        &self.corners[start as usize..end as usize]
     }
 
     /// A point at which an edge comes as close to a face as the tolerance, if it does: where it
     /// crosses the polygon, where it ends on it, or where it meets the border.
     #[inline]
-    pub fn touch(
-        &self,
-        mesh: &PolygonMesh,
-        face: &PlacedFace,
-        edge: &PlacedEdge,
-        tolerance: f32,
-    ) -> Option<Vec3A> {
+    pub fn touch(&self, face: &PlacedFace, edge: &PlacedEdge, tolerance: f32) -> Option<Vec3A> {
         if !edge.bounds.overlaps(&face.bounds) {
             return None;
         }
-        let corners = mesh.polygon(face.polygon as usize);
+        let corners = self.corners(face);
         let [start, end] = edge.ends;
         if face.normal != Vec3A::ZERO {
             let reach = tolerance + face.thickness;
@@ -203,19 +313,19 @@ impl Surface {
             }
             if low < 0.0 && high > 0.0 {
                 let crossing = start.lerp(end, heights[0] / (heights[0] - heights[1]));
-                if self.covers(corners, face.normal, crossing) {
+                if covers(corners, face.normal, crossing) {
                     return Some(crossing);
                 }
             }
             for (point, height) in [(start, heights[0]), (end, heights[1])] {
-                if height.abs() <= reach && self.covers(corners, face.normal, point) {
+                if height.abs() <= reach && covers(corners, face.normal, point) {
                     return Some(point);
                 }
             }
         }
         // Rounding may put a point beside a polygon that it is on, but then the border is this
         // close.
-        self.border(corners).find_map(|border| {
+        border(corners).find_map(|border| {
             let (on_edge, on_border) = closest::segments(edge.ends, border);
             let close = on_edge.distance_squared(on_border) <= tolerance * tolerance;
             close.then(|| on_edge.midpoint(on_border))
@@ -233,9 +343,9 @@ impl Surface {
     }
 
     /// The point closest to `point` on the faces selected; `None` if there are none.
-    pub fn closest_point(&self, mesh: &PolygonMesh, point: Vec3A) -> Option<ClosestPoint> {
+    pub fn closest_point(&self, point: Vec3A) -> Option<ClosestPoint> {
         let candidates = self.faces.iter().flat_map(|face| {
-            self.closest_points_of(mesh, face, point)
+            self.closest_points_of(face, point)
                 .map(move |closest| ClosestPoint {
                     point: closest,
                     distance: closest.distance(point),
@@ -246,14 +356,9 @@ impl Surface {
     }
 
     /// The point closest to `point` on a face.
-    pub fn closest_point_of(
-        &self,
-        mesh: &PolygonMesh,
-        face: &PlacedFace,
-        point: Vec3A,
-    ) -> Option<Vec3A> {
+    pub fn closest_point_of(&self, face: &PlacedFace, point: Vec3A) -> Option<Vec3A> {
         let squared = |closest: &Vec3A| closest.distance_squared(point);
-        self.closest_points_of(mesh, face, point)
+        self.closest_points_of(face, point)
             .min_by(|a, b| squared(a).total_cmp(&squared(b)))
     }
 
@@ -261,58 +366,51 @@ impl Surface {
     /// one below.
     fn closest_points_of<'a>(
         &'a self,
-        mesh: &'a PolygonMesh,
         face: &PlacedFace,
         point: Vec3A,
     ) -> impl Iterator<Item = Vec3A> + use<'a> {
-        let corners = mesh.polygon(face.polygon as usize);
+        let corners = self.corners(face);
         let projected = point - face.normal * (point.dot(face.normal) - face.plane);
-        let within = face.normal != Vec3A::ZERO && self.covers(corners, face.normal, projected);
-        let border = self.border(corners);
+        let within = face.normal != Vec3A::ZERO && covers(corners, face.normal, projected);
+        let border = border(corners);
         let on_border = border.map(move |[a, b]| closest::point_segment(point, a, b));
         on_border.chain(within.then_some(projected))
     }
 
-    /// The corners of a face.
-    pub fn corners<'a>(
-        &'a self,
-        mesh: &'a PolygonMesh,
-        face: &PlacedFace,
-    ) -> impl Iterator<Item = Vec3A> + Clone + use<'a> {
-        mesh.polygon(face.polygon as usize)
-            .iter()
-            .map(|&vertex| self.vertices[vertex as usize])
-    }
-
     /// Whether the mesh winds around a point that is not on its surface (closer than rounding).
     pub fn encloses(&self, mesh: &PolygonMesh, point: Vec3A) -> bool {
-        winds_around(mesh, |vertex| self.vertices[vertex as usize] - point)
-    }
-
-    pub fn border(&self, corners: &[u32]) -> impl Iterator<Item = [Vec3A; 2]> {
-        let next = corners.iter().cycle().skip(1);
-        let at = |vertex: &u32| self.vertices[*vertex as usize];
-        corners.iter().zip(next).map(move |(a, b)| [at(a), at(b)])
-    }
-
-    /// Whether a point in the plane of a polygon is inside its border, by the even-odd rule.
-    #[inline]
-    pub fn covers(&self, corners: &[u32], normal: Vec3A, point: Vec3A) -> bool {
-        // Seen along the axis that shows most of it.
-        let (x, y) = match normal.abs().max_position() {
-            0 => (1, 2),
-            1 => (2, 0),
-            _ => (0, 1),
-        };
-        let mut inside = false;
-        for [a, b] in self.border(corners) {
-            if (a[y] > point[y]) != (b[y] > point[y]) {
-                let crossing = a[x] + (b[x] - a[x]) * ((point[y] - a[y]) / (b[y] - a[y]));
-                inside ^= crossing > point[x];
-            }
+        if mesh.tree().is_some() {
+            let local = self.placing.point_back(point);
+            return local.is_some_and(|local| mesh.winds_around(local));
         }
-        inside
+        winds_around(mesh, |vertex| self.vertex(mesh, vertex) - point)
     }
+}
+
+/// The sides of a polygon, given by its corners.
+#[inline]
+pub fn border(corners: &[Vec3A]) -> impl Iterator<Item = [Vec3A; 2]> {
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().zip(next).map(|(a, b)| [*a, *b])
+}
+
+/// Whether a point in the plane of a polygon is inside its border, by the even-odd rule.
+#[inline]
+pub fn covers(corners: &[Vec3A], normal: Vec3A, point: Vec3A) -> bool {
+    // Seen along the axis that shows most of it.
+    let (x, y) = match normal.abs().max_position() {
+        0 => (1, 2),
+        1 => (2, 0),
+        _ => (0, 1),
+    };
+    let mut inside = false;
+    for [a, b] in border(corners) {
+        if (a[y] > point[y]) != (b[y] > point[y]) {
+            let crossing = a[x] + (b[x] - a[x]) * ((point[y] - a[y]) / (b[y] - a[y]));
+            inside ^= crossing > point[x];
+        }
+    }
+    inside
 }
 
 /// Whether a mesh winds around a point that is not on its surface (closer than rounding), by the

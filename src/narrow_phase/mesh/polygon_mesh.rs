@@ -1,15 +1,23 @@
 //! Meshes of planar polygons, checked when they are built.
 
-use bevy::math::{Vec3, Vec3A};
+use std::ops::Range;
+
+use bevy::math::{DVec3, Vec3, Vec3A, bounding::Aabb3d};
 
 use super::cache::Cache;
 use super::topology::Topology;
-use crate::narrow_phase::{error::ShapeError, length::length};
+use crate::{
+    broad_phase::linear_octree::StillOctree,
+    narrow_phase::{error::ShapeError, length::length},
+};
 
 /// How far off its plane a corner may be, as a share of the polygon's size.
 const PLANARITY: f32 = 1e-4;
 /// The smallest area of a polygon, as a share of the square of its size.
 const SMALLEST_AREA: f32 = 1e-6;
+
+/// A mesh of so many polygons, or fewer, has no tree: they are looked at as quickly one by one.
+const FEW: usize = 32;
 
 /// A surface of planar polygons: what the report's system tests edge by edge against polygon.
 ///
@@ -42,6 +50,10 @@ pub struct PolygonMesh {
     /// A unit normal per polygon, by the right-hand rule.
     normals: Vec<Vec3>,
     edges: Vec<[u32; 2]>,
+    /// The edges of all polygons, one polygon after the other, as `corners`.
+    sides: Vec<u32>,
+    /// Where polygons are; none in a mesh of few.
+    tree: Option<StillOctree>,
     /// A vertex of each connected part of the surface.
     shells: Vec<u32>,
     open_edge: Option<[u32; 2]>,
@@ -94,6 +106,8 @@ impl PolygonMesh {
             ends,
             normals,
             edges: Vec::new(),
+            sides: Vec::new(),
+            tree: None,
             shells: Vec::new(),
             open_edge: None,
             center: Vec3A::ZERO,
@@ -150,6 +164,77 @@ impl PolygonMesh {
         self.open_edge
     }
 
+    /// The edges of a polygon, in no particular order.
+    pub(in crate::narrow_phase) fn sides(&self, polygon: usize) -> &[u32] {
+        &self.sides[self.corners_of(polygon)]
+    }
+
+    /// The tree of the polygons' boxes, in the mesh's own space, if there are enough of them.
+    pub(in crate::narrow_phase) const fn tree(&self) -> Option<&StillOctree> {
+        self.tree.as_ref()
+    }
+
+    /// Returns `true` if the mesh, which is closed, winds around a point that is not on its surface.
+    ///
+    /// Counts how often a ray along x comes out of it more often than in. A side that two polygons
+    /// share is seen alike from both, so that none can slip through between them.
+    pub(in crate::narrow_phase) fn winds_around(&self, point: DVec3) -> bool {
+        if !self.is_closed() {
+            return false;
+        }
+        let mut winding = 0;
+        self.for_each_along_x(point, |polygon| winding += self.crossing(polygon, point));
+        winding != 0
+    }
+
+    /// Calls `found` with each polygon whose box a ray along x may meet.
+    fn for_each_along_x(&self, point: DVec3, mut found: impl FnMut(usize)) {
+        let Some(tree) = &self.tree else {
+            return (0..self.polygon_count()).for_each(found);
+        };
+        // As 32-bit floats, it may be a little off.
+        let near = point.as_vec3a();
+        let ray = Aabb3d {
+            min: near.map(f32::next_down),
+            max: near.map(f32::next_up).with_x(f32::MAX),
+        };
+        tree.for_each_overlapping(&ray, |polygon| found(polygon as usize));
+    }
+
+    /// Which way a ray along x, from a point on, crosses a polygon: 1 or -1; 0 if it does not.
+    fn crossing(&self, polygon: usize, point: DVec3) -> i32 {
+        let at = |vertex: &u32| self.vertices[*vertex as usize].as_dvec3();
+        let corners = self.polygon(polygon);
+        let mut winding = 0;
+        for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+            let (a, b) = (at(a), at(b));
+            if (a.y > point.y) != (b.y > point.y) {
+                // From the lower end up, whichever polygon asks.
+                let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
+                let share = (point.y - low.y) / (high.y - low.y);
+                if low.z + (high.z - low.z) * share > point.z {
+                    winding += if b.y > a.y { 1 } else { -1 };
+                }
+            }
+        }
+        if winding == 0 {
+            return 0;
+        }
+        let origin = at(&corners[0]);
+        let normal: DVec3 = corners[1..]
+            .windows(2)
+            .map(|pair| (at(&pair[0]) - origin).cross(at(&pair[1]) - origin))
+            .sum();
+        let (first, last) = corners.iter().map(at).fold(
+            (f64::INFINITY, f64::NEG_INFINITY),
+            |(first, last), corner| (first.min(corner.x), last.max(corner.x)),
+        );
+        let aside = (point - origin).with_x(0.0);
+        // Where it is along x cannot be told of one that is seen from its side.
+        let x = (origin.x - normal.dot(aside) / normal.x).clamp(first, last);
+        if x > point.x { winding } else { 0 }
+    }
+
     /// Whether a triangle would be accepted as a polygon.
     #[cfg(feature = "mesh")]
     pub(in crate::narrow_phase) fn has_area(vertices: &[Vec3], triangle: [u32; 3]) -> bool {
@@ -164,8 +249,12 @@ impl PolygonMesh {
             "polygon {polygon} of {}",
             self.ends.len()
         );
+        &self.corners[self.corners_of(polygon)]
+    }
+
+    fn corners_of(&self, polygon: usize) -> Range<usize> {
         let start = polygon.checked_sub(1).map_or(0, |last| self.ends[last]);
-        &self.corners[start as usize..self.ends[polygon] as usize]
+        start as usize..self.ends[polygon] as usize
     }
 
     /// A vertex of each connected part of the surface.
@@ -202,8 +291,8 @@ impl PolygonMesh {
     }
 
     fn flip_polygon(&mut self, polygon: usize) {
-        let start = polygon.checked_sub(1).map_or(0, |last| self.ends[last]);
-        self.corners[start as usize..self.ends[polygon] as usize].reverse();
+        let corners = self.corners_of(polygon);
+        self.corners[corners].reverse();
         self.normals[polygon] = -self.normals[polygon];
     }
 
@@ -214,6 +303,7 @@ impl PolygonMesh {
             self.flip_polygon(polygon);
         }
         self.edges = topology.edges;
+        self.sides = topology.sides;
         self.open_edge = topology.open_edge;
         self.shells = topology
             .shells
@@ -236,6 +326,25 @@ impl PolygonMesh {
         // Not (max - min) / 2, so that both ends are inside whatever the rounding.
         self.half_size = (max - center).max(center - min).into();
         self.radius = radius;
+        self.tree = (self.ends.len() > FEW).then(|| {
+            let boxes: Vec<_> = self
+                .polygons()
+                .map(|corners| self.bounds_of(corners))
+                .collect();
+            StillOctree::new(&boxes)
+        });
+    }
+
+    fn bounds_of(&self, corners: &[u32]) -> Aabb3d {
+        let at = |vertex: &u32| Vec3A::from(self.vertices[*vertex as usize]);
+        let first = at(&corners[0]);
+        let (min, max) = corners[1..]
+            .iter()
+            .map(at)
+            .fold((first, first), |(min, max), corner| {
+                (min.min(corner), max.max(corner))
+            });
+        Aabb3d { min, max }
     }
 }
 

@@ -8,6 +8,8 @@ use smallvec::SmallVec;
 pub struct Topology {
     /// Each edge once, in the order of first use.
     pub edges: Vec<[u32; 2]>,
+    /// The edges of the polygons, one polygon after the other.
+    pub sides: Vec<u32>,
     /// A polygon of each connected part of the surface.
     pub shells: Vec<usize>,
     /// The polygons to turn around so that neighbours agree.
@@ -80,6 +82,7 @@ impl Topology {
         Self {
             open_edge: open.map(|edge| edges[edge]),
             edges,
+            sides: edges_of.iter().flatten().map(|edge| *edge as u32).collect(),
             shells,
             flipped: (0..count)
                 .filter(|&polygon| flip[polygon] == Some(true))

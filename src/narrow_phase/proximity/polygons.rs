@@ -2,14 +2,11 @@
 
 use bevy::math::Vec3A;
 
-use crate::narrow_phase::{
-    frame::{
-        closest, edge_polygon,
-        placed::PlacedPair,
-        surface::{LocalAabb, Surface},
-        workspace::Workspace,
-    },
-    mesh::polygon_mesh::PolygonMesh,
+use crate::narrow_phase::frame::{
+    closest, edge_polygon,
+    placed::PlacedPair,
+    surface::{LocalAabb, Surface, covers},
+    workspace::Workspace,
 };
 
 /// The closest pair of points so far.
@@ -52,9 +49,9 @@ pub fn closest_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[V
     let [a, b] = &mut workspace.surfaces;
     let mut nearest = Nearest::default();
     // Back and forth. What is further away than that need not be looked at.
-    let on_b = b.closest_point(meshes[1], pair.box_a.center)?.point;
-    let on_a = a.closest_point(meshes[0], on_b)?.point;
-    nearest.consider([on_a, b.closest_point(meshes[1], on_a)?.point]);
+    let on_b = b.closest_point(pair.box_a.center)?.point;
+    let on_a = a.closest_point(on_b)?.point;
+    nearest.consider([on_a, b.closest_point(on_a)?.point]);
     let [reach_a, reach_b] =
         [&pair.box_a, &pair.box_b].map(|bounds| (bounds.center, bounds.reach()));
     let region = LocalAabb::shared(
@@ -65,12 +62,8 @@ pub fn closest_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[V
     a.keep(&region);
     b.keep(&region);
 
-    edges_to_faces(a, meshes[1], b, &mut nearest, |on_edge, on_face| {
-        [on_edge, on_face]
-    });
-    edges_to_faces(b, meshes[0], a, &mut nearest, |on_edge, on_face| {
-        [on_face, on_edge]
-    });
+    edges_to_faces(a, b, &mut nearest, |on_edge, on_face| [on_edge, on_face]);
+    edges_to_faces(b, a, &mut nearest, |on_edge, on_face| [on_face, on_edge]);
     for edge in &a.edges {
         for other in &b.edges {
             if edge.bounds.gap_squared(&other.bounds) < nearest.squared {
@@ -84,7 +77,6 @@ pub fn closest_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[V
 /// Where edges cross polygons, and the distances of their ends from these.
 fn edges_to_faces(
     edges: &Surface,
-    mesh: &PolygonMesh,
     faces: &Surface,
     nearest: &mut Nearest,
     in_order: impl Fn(Vec3A, Vec3A) -> [Vec3A; 2],
@@ -95,18 +87,18 @@ fn edges_to_faces(
             if edge.bounds.gap_squared(&face.bounds) >= nearest.squared {
                 continue;
             }
-            let corners = mesh.polygon(face.polygon as usize);
+            let corners = faces.corners(face);
             let heights = edge.ends.map(|end| end.dot(face.normal) - face.plane);
             if heights[0] * heights[1] < 0.0 {
                 let crossing =
                     edge.ends[0].lerp(edge.ends[1], heights[0] / (heights[0] - heights[1]));
-                if faces.covers(corners, face.normal, crossing) {
+                if covers(corners, face.normal, crossing) {
                     nearest.consider([crossing; 2]);
                 }
             }
             for (end, height) in edge.ends.into_iter().zip(heights) {
                 let below = end - face.normal * height;
-                if height * height < nearest.squared && faces.covers(corners, face.normal, below) {
+                if height * height < nearest.squared && covers(corners, face.normal, below) {
                     nearest.consider(in_order(end, below));
                 }
             }

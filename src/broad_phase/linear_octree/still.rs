@@ -1,0 +1,130 @@
+//! The same tree over boxes that never change: what meshes are searched by.
+
+use std::ops::ControlFlow;
+
+use bevy::math::{Vec3A, bounding::Aabb3d};
+use fearless_simd::Level;
+
+use super::{
+    levels::Levels,
+    order::order,
+    query::{self, Blocks},
+};
+use crate::broad_phase::{
+    block::{Block, WIDTH},
+    measure::Measure,
+    query::{Cast, Region, ScaledDistance},
+};
+
+/// A pointerless octree of boxes that stay as they are, each known by its index.
+///
+/// Built in O(n) passes over the boxes; a search visits O(log n) blocks for each box that it finds.
+/// Nothing is allocated per search.
+#[derive(Clone, Debug)]
+pub(crate) struct StillOctree {
+    level: Level,
+    levels: Levels,
+    /// The index of the box in each slot.
+    owners: Vec<u32>,
+}
+
+impl StillOctree {
+    /// Puts boxes in the order of space, and blocks around them. None may be inverted or infinite.
+    pub(crate) fn new(boxes: &[Aabb3d]) -> Self {
+        let level = Level::new();
+        let (mut items, mut scratch) = (Vec::new(), Vec::new());
+        order(
+            level,
+            boxes,
+            0..boxes.len() as u32,
+            &mut items,
+            &mut scratch,
+        );
+        // The index is the lower half of an item.
+        let owners: Vec<u32> = items.iter().map(|item| *item as u32).collect();
+        let mut levels = Levels::default();
+        levels.resize(owners.len());
+        for (slot, owner) in owners.iter().enumerate() {
+            levels.set(slot, &boxes[*owner as usize]);
+        }
+        levels.refit();
+        Self {
+            level,
+            levels,
+            owners,
+        }
+    }
+
+    /// Calls `found` with the index of each box that overlaps a region, in no particular order.
+    #[inline]
+    pub(crate) fn for_each_overlapping(&self, region: &impl Region, mut found: impl FnMut(u32)) {
+        let (measure, limit) = region.measure();
+        self.search(&measure, limit, |index, _| {
+            found(index);
+            ControlFlow::Continue(limit)
+        });
+    }
+
+    /// Calls `found` with the index of each box that a cast meets, the first ones first, and how far
+    /// it is; it tells how far the cast goes from then on.
+    #[inline]
+    pub(crate) fn cast(&self, cast: &impl Cast, mut found: impl FnMut(u32, f32) -> f32) {
+        let (measure, limit) = cast.sweep();
+        self.search(&measure, limit, |index, distance| {
+            ControlFlow::Continue(found(index, distance))
+        });
+    }
+
+    /// Calls `found` with the index of each box that is as near to a point as `limit`, near ones
+    /// first, and how far it is; it tells the limit from then on. Lengths along the axes are
+    /// stretched by `scale`.
+    #[inline]
+    pub(crate) fn near(
+        &self,
+        point: Vec3A,
+        scale: Vec3A,
+        limit: f32,
+        mut found: impl FnMut(u32, f32) -> f32,
+    ) {
+        let (measure, limit) = ScaledDistance::new(point, scale, limit);
+        self.search(&measure, limit, |index, distance| {
+            ControlFlow::Continue(found(index, distance))
+        });
+    }
+
+    #[inline]
+    fn search<M: Measure>(
+        &self,
+        measure: &M,
+        limit: f32,
+        visit: impl FnMut(u32, f32) -> ControlFlow<(), f32>,
+    ) {
+        query::search(self.level, self, measure, limit, visit);
+    }
+
+    pub(crate) fn memory_bytes(&self) -> usize {
+        self.levels.memory_bytes() + self.owners.capacity() * size_of::<u32>()
+    }
+}
+
+impl Blocks for StillOctree {
+    #[inline(always)]
+    fn levels(&self) -> &[Vec<Block>] {
+        self.levels.as_slice()
+    }
+
+    #[inline(always)]
+    fn are_exact(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn owner(&self, slot: u32) -> Option<u32> {
+        self.owners.get(slot as usize).copied()
+    }
+
+    #[inline(always)]
+    fn box_of(&self, _: u32, block: &Block, slot: u32) -> Option<Aabb3d> {
+        Some(block.get(slot as usize % WIDTH))
+    }
+}

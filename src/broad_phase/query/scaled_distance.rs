@@ -1,0 +1,83 @@
+//! Distances from a point where lengths along the axes are stretched.
+
+use bevy::math::{Vec3A, bounding::Aabb3d};
+use fearless_simd::{f32x8, prelude::*};
+
+use crate::broad_phase::{
+    block::Block,
+    measure::{Bound, Measure},
+};
+
+/// How far boxes are from a point, each axis stretched by a factor: what a shape with a scale is
+/// asked, in its own space.
+#[derive(Clone, Copy)]
+pub struct ScaledDistance {
+    point: Vec3A,
+    scale: Vec3A,
+}
+
+impl ScaledDistance {
+    /// Returns the measure, and the limit if it makes sense; NaN otherwise.
+    pub fn new(point: Vec3A, scale: Vec3A, limit: f32) -> (Self, f32) {
+        let scale = scale.abs();
+        let is_fine = point.is_finite() && scale.is_finite() && limit >= 0.0;
+        (
+            Self { point, scale },
+            if is_fine { limit } else { f32::NAN },
+        )
+    }
+
+    #[inline(always)]
+    fn gap_squared(&self, aabb: &Aabb3d) -> f32 {
+        let gap = (aabb.min - self.point)
+            .max(self.point - aabb.max)
+            .max(Vec3A::ZERO);
+        (gap * self.scale).length_squared()
+    }
+}
+
+impl Measure for ScaledDistance {
+    const ORDERED: bool = true;
+    const EXACT: bool = false;
+
+    /// Squared, and so much larger that rounding leaves no box out.
+    #[inline(always)]
+    fn bound(&self, limit: f32) -> Bound {
+        Bound(if limit >= 0.0 {
+            limit * limit * (1.0 + 16.0 * f32::EPSILON) + f32::MIN_POSITIVE
+        } else {
+            f32::NAN
+        })
+    }
+
+    #[inline(always)]
+    fn test_block<S: Simd>(&self, simd: S, block: &Block, bound: Bound) -> (u32, f32x8<S>) {
+        let (point, scale) = (self.point.to_array(), self.scale.to_array());
+        let square = |axis: usize| {
+            let at = f32x8::splat(simd, point[axis]);
+            let below = block.side(simd, false, axis) - at;
+            let above = at - block.side(simd, true, axis);
+            let gap =
+                below.max(above).max(f32x8::splat(simd, 0.0)) * f32x8::splat(simd, scale[axis]);
+            gap * gap
+        };
+        let squared = square(0) + square(1) + square(2);
+        let within = squared.simd_le(bound.splat(simd));
+        // Lanes without a box are infinitely far away, or NaN where the scale is zero.
+        let is_box = block
+            .side(simd, false, 0)
+            .simd_le(block.side(simd, true, 0));
+        ((within & is_box).to_bitmask() as u32, squared)
+    }
+
+    #[inline(always)]
+    fn test_box(&self, aabb: &Aabb3d, limit: f32) -> Option<f32> {
+        let distance = self.gap_squared(aabb).sqrt();
+        let within = self.gap_squared(aabb) <= self.bound(limit).0;
+        within.then_some(distance)
+    }
+
+    fn anchor(&self, aabb: &Aabb3d, _: f32) -> Vec3A {
+        self.point.clamp(aabb.min, aabb.max)
+    }
+}
