@@ -13,7 +13,7 @@ use super::{
 use crate::broad_phase::{
     block::{Block, WIDTH},
     measure::Measure,
-    query::{Cast, Region, ScaledDistance},
+    query::{Region, ScaledDistance, Sweep},
 };
 
 /// A pointerless octree of boxes that stay as they are, each known by its index.
@@ -65,11 +65,19 @@ impl StillOctree {
         });
     }
 
-    /// Calls `found` with the index of each box that a cast meets, the first ones first, and how far
-    /// it is; it tells how far the cast goes from then on.
+    /// Calls `found` with the index of each box that a moving box meets, the first ones first, and
+    /// after how long; it tells how long the way goes on from then on.
+    ///
+    /// The moving box is `reach` around `origin`, and moves by `direction` in each unit of time.
     #[inline]
-    pub(crate) fn cast(&self, cast: &impl Cast, mut found: impl FnMut(u32, f32) -> f32) {
-        let (measure, limit) = cast.sweep();
+    pub(crate) fn on_the_way(
+        &self,
+        (origin, direction): (Vec3A, Vec3A),
+        reach: Vec3A,
+        limit: f32,
+        mut found: impl FnMut(u32, f32) -> f32,
+    ) {
+        let (measure, limit) = Sweep::along(origin, direction, -reach, reach, limit);
         self.search(&measure, limit, |index, distance| {
             ControlFlow::Continue(found(index, distance))
         });

@@ -58,13 +58,23 @@ pub struct Sweep {
 
 impl Sweep {
     fn new(ray: &RayCast3d, min: Vec3A, max: Vec3A) -> (Self, f32) {
-        let direction = Vec3A::from(ray.direction);
+        Self::along(ray.origin, ray.direction.into(), min, max, ray.max)
+    }
+
+    /// A box around a point that moves by `direction` in each unit of distance.
+    pub(in crate::broad_phase) fn along(
+        origin: Vec3A,
+        direction: Vec3A,
+        min: Vec3A,
+        max: Vec3A,
+        limit: f32,
+    ) -> (Self, f32) {
         let reciprocal = direction.recip();
         let still = reciprocal.to_array().map(|r| !r.is_finite());
         let is_backward = reciprocal.cmplt(Vec3A::ZERO);
-        let (min, max) = (ray.origin + min, ray.origin + max);
+        let (min, max) = (origin + min, origin + max);
         let sweep = Self {
-            origin: ray.origin,
+            origin,
             direction,
             reciprocal: reciprocal.to_array(),
             ahead: Vec3A::select(is_backward, min, max).to_array(),
@@ -75,7 +85,7 @@ impl Sweep {
         };
         let is_fine =
             direction.is_finite() && min.is_finite() && max.is_finite() && min.cmple(max).all();
-        (sweep, if is_fine { ray.max } else { f32::NAN })
+        (sweep, if is_fine { limit } else { f32::NAN })
     }
 }
 

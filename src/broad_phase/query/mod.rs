@@ -12,6 +12,7 @@ mod search;
 mod tests;
 
 pub use cast::Cast;
+pub(super) use cast::Sweep;
 pub use flow::Flow;
 pub use hit::Hit;
 pub use region::Region;

@@ -65,8 +65,26 @@ impl FirstImpact {
         pair: &PlacedPair,
         workspace: &mut Workspace,
     ) -> Option<LocalImpact> {
-        let (_, surface) = edge_polygon::fill_second_all(pair, workspace)?;
-        self.ball_surface(pair.box_a.center, pair.box_a.radius, surface);
+        let (mesh, surface) = edge_polygon::fill_second_to_search(pair, workspace)?;
+        let (center, radius) = (pair.box_a.center, pair.box_a.radius);
+        if mesh.tree().is_none() {
+            self.ball_surface(center, radius, surface);
+            return self.found;
+        }
+        let reach = Vec3A::splat(radius + pair.tolerance);
+        surface.on_the_way(
+            mesh,
+            (center, self.direction),
+            reach,
+            self.limit,
+            |surface, face| {
+                self.ball_face(center, radius, surface, face);
+                for ends in border(surface.corners(face)) {
+                    self.ball_edge(center, radius, ends);
+                }
+                self.limit
+            },
+        );
         self.found
     }
 
@@ -121,17 +139,7 @@ impl FirstImpact {
     /// A moving ball against faces, edges and corners.
     fn ball_surface(&mut self, center: Vec3A, radius: f32, surface: &Surface) {
         for face in &surface.faces {
-            let height = center.dot(face.normal) - face.plane;
-            let outwards = face.normal * 1f32.copysign(height);
-            let sinks = -outwards.dot(self.direction);
-            // If it is over the plane of the face, and comes nearer.
-            if sinks > 0.0 && height.abs() >= radius {
-                let distance = (height.abs() - radius) / sinks;
-                let touched = center + self.direction * distance - outwards * radius;
-                if covers(surface.corners(face), face.normal, touched) {
-                    self.consider(distance, || touched, outwards);
-                }
-            }
+            self.ball_face(center, radius, surface, face);
         }
         for edge in &surface.edges {
             self.ball_edge(center, radius, edge.ends);
@@ -162,6 +170,21 @@ impl FirstImpact {
             let point = start + axis * height;
             let normal = (center - point).try_normalize().unwrap_or(-self.direction);
             self.consider(distance, || point, normal);
+        }
+    }
+
+    /// A moving ball against the inside of a face.
+    fn ball_face(&mut self, center: Vec3A, radius: f32, surface: &Surface, face: &PlacedFace) {
+        let height = center.dot(face.normal) - face.plane;
+        let outwards = face.normal * 1f32.copysign(height);
+        let sinks = -outwards.dot(self.direction);
+        // If it is over the plane of the face, and comes nearer.
+        if sinks > 0.0 && height.abs() >= radius {
+            let distance = (height.abs() - radius) / sinks;
+            let touched = center + self.direction * distance - outwards * radius;
+            if covers(surface.corners(face), face.normal, touched) {
+                self.consider(distance, || touched, outwards);
+            }
         }
     }
 

@@ -1,6 +1,8 @@
 //! Rays against placed shapes.
 
-use bevy::math::{DVec3, Dir3, Vec3};
+use std::ops::ControlFlow;
+
+use bevy::math::{DVec3, Dir3, Vec3, Vec3A};
 
 use crate::narrow_phase::{
     answer::{Impact, against, slack},
@@ -222,56 +224,134 @@ impl LocalRay {
         // A rounded box may leave out what is on its side.
         let slack = BORDER * (f64::from(radius) + from_center.length());
         let within = from_center.abs().cmple(half.as_dvec3() + slack).all();
-        let way_to = |corner| {
-            (vertex(mesh, corner) - self.origin)
-                .normalize_or_zero()
-                .as_vec3a()
-        };
-        if within && winds_around(mesh, way_to) {
+        if within && self.is_inside(mesh) {
             return Some(Met::INSIDE);
         }
         let on = slack.max(self.slack / self.scale.abs().max_element());
-        let mut best: Option<Met> = None;
-        for (corners, normal) in mesh.polygons().zip(mesh.normals()) {
-            let normal = normal.as_dvec3();
-            let steep = normal.dot(self.direction);
-            let height = normal.dot(self.origin - vertex(mesh, corners[0]));
-            let distance = -height / steep;
-            let limit = best.as_ref().map_or(max_distance, |best| best.distance);
-            if self.height(height, normal).abs() <= self.slack {
-                if is_on_polygon(mesh, corners, normal, self.origin, on) {
+        let mut first = First {
+            met: None,
+            polygon: 0,
+            limit: max_distance,
+        };
+        let Some(tree) = mesh.tree() else {
+            for polygon in 0..mesh.polygon_count() {
+                if self
+                    .polygon(mesh, polygon, slack, on, &mut first)
+                    .is_break()
+                {
                     return Some(Met::INSIDE);
                 }
-                // Along the plane.
-                if steep.abs() <= ALONG * self.direction.length()
-                    && let Some(distance) = self.border(mesh, corners, normal, slack)
-                    && distance <= limit
-                {
-                    best = Some(Met {
+            }
+            return first.met;
+        };
+        // The tree's numbers are of 32 bits: from near the mesh, they are exact enough.
+        let speed = self.direction.length();
+        let skipped = ((from_center.length() - f64::from(radius)) / speed
+            - f64::from(radius) / speed)
+            .max(0.0);
+        let origin = self.origin + self.direction * skipped;
+        let reach = on.max(
+            8.0 * f64::from(f32::EPSILON) * (center.as_dvec3().length() + 4.0 * f64::from(radius)),
+        );
+        let left = |limit: f64| ((limit - skipped) as f32).next_up();
+        if left(max_distance) < 0.0 {
+            return None;
+        }
+        let (mut inside, way) = (false, (origin.as_vec3a(), self.direction.as_vec3a()));
+        tree.on_the_way(
+            way,
+            Vec3A::splat(reach as f32),
+            left(max_distance),
+            |polygon, _| {
+                inside |= self
+                    .polygon(mesh, polygon as usize, slack, on, &mut first)
+                    .is_break();
+                // It is a little off.
+                if inside {
+                    -1.0
+                } else {
+                    left(first.limit) * (1.0 + 4.0 * f32::EPSILON)
+                }
+            },
+        );
+        if inside { Some(Met::INSIDE) } else { first.met }
+    }
+
+    fn is_inside(&self, mesh: &PolygonMesh) -> bool {
+        if mesh.tree().is_some() {
+            return mesh.winds_around(self.origin);
+        }
+        winds_around(mesh, |corner| {
+            (vertex(mesh, corner) - self.origin)
+                .normalize_or_zero()
+                .as_vec3a()
+        })
+    }
+
+    /// Meets a polygon, if it is the first so far; breaks if the ray starts on it.
+    fn polygon(
+        &self,
+        mesh: &PolygonMesh,
+        polygon: usize,
+        slack: f64,
+        on: f64,
+        first: &mut First,
+    ) -> ControlFlow<()> {
+        let (corners, normal) = (mesh.polygon(polygon), mesh.normals()[polygon].as_dvec3());
+        let steep = normal.dot(self.direction);
+        let height = normal.dot(self.origin - vertex(mesh, corners[0]));
+        let distance = -height / steep;
+        if self.height(height, normal).abs() <= self.slack {
+            if is_on_polygon(mesh, corners, normal, self.origin, on) {
+                return ControlFlow::Break(());
+            }
+            // Along the plane.
+            if steep.abs() <= ALONG * self.direction.length()
+                && let Some(distance) = self.border(mesh, corners, normal, slack)
+                && distance <= first.limit
+            {
+                first.meet(
+                    polygon,
+                    Met {
                         distance,
                         normal: None,
-                    });
-                    continue;
-                }
-            }
-            // Not for a ray within the plane, for which this is not a number, or infinite.
-            if distance >= 0.0
-                && distance <= limit
-                && is_on_polygon(
-                    mesh,
-                    corners,
-                    normal,
-                    self.origin + self.direction * distance,
-                    slack,
-                )
-            {
-                best = Some(Met {
-                    distance,
-                    normal: Some(normal),
-                });
+                    },
+                );
+                return ControlFlow::Continue(());
             }
         }
-        best
+        // Not for a ray within the plane, for which this is not a number, or infinite.
+        if distance >= 0.0 && distance <= first.limit {
+            let point = self.origin + self.direction * distance;
+            if is_on_polygon(mesh, corners, normal, point, slack) {
+                first.meet(
+                    polygon,
+                    Met {
+                        distance,
+                        normal: Some(normal),
+                    },
+                );
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// What a ray meets first, of what it was asked about so far.
+struct First {
+    met: Option<Met>,
+    polygon: usize,
+    limit: f64,
+}
+
+impl First {
+    /// Of several at the same distance, the last in the order of the mesh counts, in whatever order
+    /// they come.
+    fn meet(&mut self, polygon: usize, met: Met) {
+        if met.distance < self.limit || self.met.is_none() || polygon > self.polygon {
+            (self.limit, self.polygon) = (met.distance, polygon);
+            self.met = Some(met);
+        }
     }
 }
 

@@ -61,9 +61,9 @@ pub fn sphere_closest(
     pair: &PlacedPair,
     workspace: &mut Workspace,
 ) -> Option<(ClosestPoint, bool)> {
-    let (mesh, surface) = fill_second(pair, &LocalAabb::EVERYWHERE, workspace)?;
+    let (mesh, surface) = fill_second_to_search(pair, workspace)?;
     let center = pair.box_a.center;
-    let closest = surface.closest_point(center)?;
+    let closest = surface.closest_of_all(mesh, center, f32::INFINITY)?;
     Some((closest, surface.encloses(mesh, center)))
 }
 
@@ -80,6 +80,24 @@ pub fn encloses(pair: &PlacedPair, point: Vec3A, workspace: &mut Workspace) -> b
         .is_some_and(|(mesh, _)| mesh.is_closed())
         && fill_second(pair, &LocalAabb::NOWHERE, workspace)
             .is_some_and(|(mesh, surface)| surface.encloses(mesh, point))
+}
+
+/// Puts the second mesh in place, to be searched for its closest point: with no faces if it has a
+/// tree, with all of them if not.
+pub fn fill_second_to_search<'a>(
+    pair: &PlacedPair<'a>,
+    workspace: &'a mut Workspace,
+) -> Option<(&'a PolygonMesh, &'a mut Surface)> {
+    let polygons = pair.b.shape.polygons()?;
+    let has_tree = polygons.0.tree().is_some();
+    let region = if has_tree {
+        LocalAabb::NOWHERE
+    } else {
+        LocalAabb::EVERYWHERE
+    };
+    let surface = &mut workspace.surfaces[1];
+    surface.fill(polygons, pair.b, &pair.box_b, &region, pair.tolerance);
+    Some((polygons.0, surface))
 }
 
 /// Puts the second mesh in place, with the edges and faces in a region.

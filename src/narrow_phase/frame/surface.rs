@@ -127,6 +127,24 @@ impl Placing {
         self.center + self.axes * ((Vec3A::from(vertex) - self.middle) * self.scale)
     }
 
+    /// Normals scale with the cofactors, that is inversely, but without dividing by zero. A mirror
+    /// would turn them inside out.
+    fn normal(&self, normal: Vec3) -> Vec3A {
+        let largest = self.scale.abs().max_element();
+        let relative = if largest > 0.0 {
+            self.scale / largest
+        } else {
+            self.scale
+        };
+        let cofactors = Vec3A::new(
+            relative.y * relative.z,
+            relative.z * relative.x,
+            relative.x * relative.y,
+        );
+        let mirror = 1f32.copysign(self.scale.x * self.scale.y * self.scale.z);
+        self.axes * unit_or_zero(Vec3A::from(normal) * cofactors * mirror)
+    }
+
     /// A box in the space of the mesh, around all that is in a region of the frame: a little larger
     /// than it has to be.
     fn back(&self, region: &LocalAabb) -> Aabb3d {
@@ -149,6 +167,27 @@ impl Placing {
             min: Vec3A::select(known, low - wide, Vec3A::MIN),
             max: Vec3A::select(known, high + wide, Vec3A::MAX),
         }
+    }
+
+    /// The way of a box through the space of the mesh: where it begins, how it moves, and how far it
+    /// reaches, a little more than it does.
+    fn way_back(&self, origin: Vec3A, direction: Vec3A, reach: Vec3A) -> (Vec3A, Vec3A, Vec3A) {
+        // A scale of zero makes all of its axis one point, which is met there, or never.
+        let least = f32::MIN_POSITIVE.max(1e-7 * self.scale.abs().max_element());
+        let scale = Vec3A::select(
+            self.scale.abs().cmplt(Vec3A::splat(least)),
+            Vec3A::splat(least),
+            self.scale,
+        );
+        let inverse = self.axes.transpose();
+        let start = inverse * (origin - self.center) / scale + self.middle;
+        let around = self.axes.abs().transpose() * reach;
+        let rounding = 16.0
+            * f32::EPSILON
+            * ((origin - self.center).abs().max_element() + around.max_element());
+        let grown = (around + rounding) / scale.abs()
+            + 8.0 * f32::EPSILON * (self.middle.abs() + start.abs());
+        (start, inverse * direction / scale, grown)
     }
 
     /// A point of the frame in the space of the mesh; `None` where a scale of zero has no way back.
@@ -231,50 +270,119 @@ impl Surface {
             }
         }
 
-        // Normals scale with the cofactors, that is inversely, but without dividing by zero. A
-        // mirror would turn them inside out.
-        let largest = scale.abs().max_element();
-        let relative = if largest > 0.0 {
-            scale / largest
-        } else {
-            scale
-        };
-        let cofactors = Vec3A::new(
-            relative.y * relative.z,
-            relative.z * relative.x,
-            relative.x * relative.y,
-        );
-        let mirror = 1f32.copysign(scale.x * scale.y * scale.z);
         self.faces.clear();
         self.corners.clear();
-        for &polygon in &self.polygons {
+        for index in 0..self.polygons.len() {
+            let polygon = self.polygons[index];
             let start = self.corners.len();
-            self.corners.extend(
-                mesh.polygon(polygon as usize)
-                    .iter()
-                    .map(|vertex| at(*vertex)),
-            );
-            let corners = &self.corners[start..];
-            let bounds = LocalAabb::around(corners.iter().copied(), 0.0);
-            if !bounds.overlaps(region) {
+            let corners = mesh.polygon(polygon as usize).iter();
+            let vertices = &self.vertices;
+            self.corners
+                .extend(corners.map(|&vertex| match vertices.get(vertex as usize) {
+                    Some(placed) => *placed,
+                    None => placing.place(mesh.vertices()[vertex as usize]),
+                }));
+            let bounds = LocalAabb::around(self.corners[start..].iter().copied(), 0.0);
+            if bounds.overlaps(region) {
+                let face = self.face(mesh, polygon, start, bounds);
+                self.faces.push(face);
+            } else {
                 self.corners.truncate(start);
-                continue;
             }
-            let normal = Vec3A::from(mesh.normals()[polygon as usize]);
-            let normal = axes * unit_or_zero(normal * cofactors * mirror);
-            let heights = corners.iter().map(|corner| corner.dot(normal));
-            let (low, high) = heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| {
-                (low.min(h), high.max(h))
-            });
-            self.faces.push(PlacedFace {
-                polygon,
-                corners: [start as u32, self.corners.len() as u32],
-                normal,
-                plane: (low + high) * 0.5,
-                thickness: (high - low) * 0.5,
-                bounds,
-            });
         }
+    }
+
+    /// A polygon in place, of which the corners have been from `start` on.
+    fn face(
+        &self,
+        mesh: &PolygonMesh,
+        polygon: u32,
+        start: usize,
+        bounds: LocalAabb,
+    ) -> PlacedFace {
+        let corners = &self.corners[start..];
+        let normal = self.placing.normal(mesh.normals()[polygon as usize]);
+        let heights = corners.iter().map(|corner| corner.dot(normal));
+        let (low, high) = heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| {
+            (low.min(h), high.max(h))
+        });
+        PlacedFace {
+            polygon,
+            corners: [start as u32, self.corners.len() as u32],
+            normal,
+            plane: (low + high) * 0.5,
+            thickness: (high - low) * 0.5,
+            bounds,
+        }
+    }
+
+    /// Calls `found` with each face that a box on its way may meet, the first ones first; it tells
+    /// how far the way goes from then on. For meshes with a tree.
+    ///
+    /// The box is `reach` around `origin`, and moves by `direction` in each unit of distance.
+    pub fn on_the_way(
+        &mut self,
+        mesh: &PolygonMesh,
+        (origin, direction): (Vec3A, Vec3A),
+        reach: Vec3A,
+        limit: f32,
+        mut found: impl FnMut(&Self, &PlacedFace) -> f32,
+    ) {
+        let Some(tree) = mesh.tree() else {
+            debug_assert!(false, "it is looked at polygon by polygon");
+            return;
+        };
+        let (origin, direction, reach) = self.placing.way_back(origin, direction, reach);
+        tree.on_the_way((origin, direction), reach, limit, |polygon, _| {
+            let face = self.only(mesh, polygon);
+            found(self, &face)
+        });
+    }
+
+    /// Puts a polygon in place, and nothing else.
+    fn only(&mut self, mesh: &PolygonMesh, polygon: u32) -> PlacedFace {
+        let placing = self.placing;
+        let corners = mesh.polygon(polygon as usize).iter();
+        self.corners.clear();
+        self.corners
+            .extend(corners.map(|vertex| placing.place(mesh.vertices()[*vertex as usize])));
+        let bounds = LocalAabb::around(self.corners.iter().copied(), 0.0);
+        self.face(mesh, polygon, 0, bounds)
+    }
+
+    /// The point of the mesh, all of it, that is closest to a point of the frame, of those within
+    /// `limit`. The faces are those that were looked at last.
+    pub fn closest_of_all(
+        &mut self,
+        mesh: &PolygonMesh,
+        point: Vec3A,
+        limit: f32,
+    ) -> Option<ClosestPoint> {
+        let Some((tree, local)) = mesh.tree().zip(self.placing.point_back(point)) else {
+            return self
+                .closest_point(point)
+                .filter(|found| found.distance <= limit);
+        };
+        let mut best: Option<(ClosestPoint, u32)> = None;
+        tree.near(local.as_vec3a(), self.placing.scale, limit, |polygon, _| {
+            let face = self.only(mesh, polygon);
+            if let Some(closest) = self.closest_point_of(&face, point) {
+                let distance = closest.distance(point);
+                // Of several that are as close, the first in the order of the mesh.
+                let is_closer =
+                    best.is_none_or(|(best, of)| (distance, polygon) < (best.distance, of));
+                if is_closer && distance <= limit {
+                    let found = ClosestPoint {
+                        point: closest,
+                        distance,
+                        normal: face.normal,
+                    };
+                    best = Some((found, polygon));
+                }
+            }
+            best.map_or(limit, |(best, _)| best.distance)
+        });
+        best.map(|(found, _)| found)
     }
 
     /// Drops the edges and polygons that are not in `region`.
