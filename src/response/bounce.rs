@@ -2,7 +2,7 @@
 
 use bevy::{math::DVec3, prelude::*};
 
-/// How an entity's [`Velocity`](crate::motion::Velocity) answers to contacts.
+/// Says how an entity's [`Velocity`](crate::motion::Velocity) answers to contacts.
 ///
 /// This happens in the world: velocities of entities with a parent are taken there and back,
 /// through the whole hierarchy. One whose ancestors are scaled to nothing has no answer. Entities
