@@ -10,9 +10,9 @@ use super::error::BoundsError;
 use super::length::length;
 use super::mesh::{convex_mesh::ConvexMesh, cube::CUBE, polygon_mesh::PolygonMesh};
 
-/// Half extents beyond this stand for infinity: parry gives endless shapes boxes of this order.
+/// Half extents beyond this stand for infinity: parry gives unbounded shapes boxes of this order.
 #[cfg(feature = "rapier")]
-const ENDLESS: f32 = f32::MAX / 8.0;
+const UNBOUNDED: f32 = f32::MAX / 8.0;
 
 /// The form of an object, in its own coordinates. Cheap to clone: meshes are shared.
 ///
@@ -178,7 +178,7 @@ fn foreign_bounds(shape: &SharedShape) -> Result<(Vec3A, Vec3A, f32), BoundsErro
         return Err(BoundsError::NonFinite);
     }
     let half = (max * 0.5 - min * 0.5).max(Vec3A::ZERO);
-    if half.max_element() > ENDLESS {
+    if half.max_element() > UNBOUNDED {
         return Err(BoundsError::Unbounded);
     }
     Ok((min * 0.5 + max * 0.5, half, length(half)))
