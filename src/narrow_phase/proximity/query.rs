@@ -10,8 +10,8 @@ use crate::narrow_phase::{
     frame::{
         case::Case,
         edge_polygon,
-        large::Smaller,
         placed::{Placed, PlacedPair, in_order},
+        smaller::Smaller,
         workspace::Workspace,
     },
     length::length,
