@@ -134,5 +134,9 @@ fn reflection(
     (speed > 0.0).then(|| normal * change)
 }
 
+pub(super) fn register(app: &mut App) {
+    app.register_type::<Bounce>();
+}
+
 #[cfg(test)]
 mod tests;
