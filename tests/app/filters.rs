@@ -94,7 +94,7 @@ mod strangers {
             #[cfg(not(any()))]
             /// Has several.
             Second,
-            #[allow(non_camel_case_types)]
+            #[expect(non_camel_case_types, reason = "an attribute that is no `cfg`")]
             last = 31,
         }
     }
