@@ -13,8 +13,10 @@ use crate::{
     way::SweptWay,
 };
 
-/// The shape of an entity. An entity that has one takes part in collision detection; one that loses
-/// it, or is despawned, no longer does, from that moment on. A shape that is overwritten is
+/// The shape of an entity.
+///
+/// An entity that has one takes part in collision detection; one that loses it, or is despawned, no
+/// longer does, from that moment on. A shape that is overwritten is
 /// changed; one that is removed and inserted again, even within a frame, starts anew: its contacts
 /// end and start.
 ///

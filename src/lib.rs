@@ -3,21 +3,23 @@
 //!
 //! ```
 //! use bevy::prelude::*;
-//! use bevy_octree::{motion::{MotionSettings, Step}, prelude::*, scene::Cube};
+//! use bevy_octree::{motion::{MotionSettings, Step}, prelude::*};
 //!
 //! let mut app = App::new();
 //! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
 //!     .insert_resource(MotionSettings { step: Step::Seconds(0.25) });
-//! // Two cubes of side 1 on their way to each other.
-//! for x in [-2.0, 2.0] {
-//!     app.world_mut().spawn((Cube, Velocity(Vec3::X * -x), Transform::from_xyz(x, 0.0, 0.0)));
-//! }
-//! for _ in 0..3 {
+//! // A ball on its way to a wall.
+//! let ball = (CollisionShape::sphere(0.5), Velocity(Vec3::X * 2.0), Bounce::Reflect { restitution: 1.0 });
+//! let ball = app.world_mut().spawn((ball, Transform::from_xyz(-2.0, 0.0, 0.0))).id();
+//! app.world_mut().spawn((CollisionShape::cuboid(0.5, 4.0, 4.0), Transform::from_xyz(0.5, 0.0, 0.0)));
+//! for _ in 0..4 {
 //!     app.update();
 //! }
-//! let counters = app.world().resource::<CollisionCounters>();
-//! assert_eq!((counters.total.contacts, counters.total.bounces), (1, 2));
+//! assert_eq!(app.world().get::<Velocity>(ball).unwrap().0, Vec3::X * -2.0);
 //! ```
+//!
+//! Ticks run in [`FixedPostUpdate`](bevy::app::FixedPostUpdate), at the fixed timestep, unless
+//! [`OctreePlugins::new`] is given another schedule; the first frames of an app may have none.
 //!
 //! # What an entity needs
 //!
@@ -37,9 +39,6 @@
 //! | [`CollidingEntities`](contacts::CollidingEntities) | lists the entities that it touches |
 //! | [`Cube`](scene::Cube) | shape, velocity and bounce in one: a moving cube |
 //!
-//! With the feature `rapier`, the plugin and the components of the module `rapier` work side by
-//! side with `bevy_rapier3d`.
-//!
 //! # What comes out
 //!
 //! | resource or message | what it tells |
@@ -50,11 +49,34 @@
 //! | [`CollisionIndex`](collision_index::CollisionIndex) | the boxes, the broad phase, queries |
 //! | [`CollisionCounters`](counters::CollisionCounters) | what happened, in numbers; through Bevy's diagnostics by the [`CollisionDiagnosticsPlugin`](diagnostics::CollisionDiagnosticsPlugin) |
 //!
-//! With the feature `debug_draw`, the module `debug_draw` shows all of it by Bevy's gizmos; with
-//! `picking`, the module `picking` has pointers pick shapes.
-//!
 //! [`SpatialQuery`](spatial_query::SpatialQuery) is the way to ask: rays, moving shapes, overlaps,
 //! what is near.
+//!
+//! # Settings
+//!
+//! | resource | what it says |
+//! |---|---|
+//! | [`MotionSettings`](motion::MotionSettings) | how long a tick is |
+//! | [`BroadPhaseSettings`](settings::BroadPhaseSettings) | how pairs are searched for, and which kinds |
+//! | [`NarrowPhase`](narrow_phase::NarrowPhase) | how near counts as contact |
+//! | [`CollisionEventSettings`](contacts::CollisionEventSettings) | who is told about contacts, and how much |
+//!
+//! # Features
+//!
+//! None is on by default.
+//!
+//! | feature | what it adds |
+//! |---|---|
+//! | `rapier` | the module `rapier`: side by side with `bevy_rapier3d`, whose colliders are shapes too |
+//! | `mesh` | `PolygonMesh::from_mesh`: shapes from Bevy's `Mesh` |
+//! | `scene_files` | scenes read from RON files, and written to them: [`scene`] |
+//! | `asset` | the same through Bevy's asset system |
+//! | `reports` | the report over a clip, as CSV and JSON lines: [`CollisionReport`](scene::CollisionReport) |
+//! | `debug_draw` | the module `debug_draw`: leaves, boxes, contacts and queries by Bevy's gizmos |
+//! | `picking` | the module `picking`: a backend for `bevy_picking` |
+//! | `multi_threaded` | systems and the broad phase on several threads |
+//!
+//! # Parts
 //!
 //! [`OctreePlugins`] brings all of it, one of the [`plugins`] for each stage; [`CollisionSystems`]
 //! are the sets to order systems of one's own by. The parts also work without Bevy's ECS:

@@ -16,7 +16,7 @@ use crate::{
     motion::{self, CollisionClock, MotionPlugin},
     response::{self, BouncePlugin},
     scene::ScenePlugin,
-    schedule::{CollisionSchedulePlugin, CollisionSystems, add_to_tick},
+    schedule::{CollisionSchedulePlugin, CollisionSystems, add_to_tick, expect_ticks},
     settings,
     swept::{self, SweptPlugin},
 };
@@ -48,9 +48,13 @@ use crate::{
 /// | [`BouncePlugin`] | `Response` |
 /// | [`ReportPlugin`] | `Report` |
 ///
-/// One that is disabled leaves its resources in the app, for others to read. A stage of your own
-/// has its systems in the set of the one that it is in place of, in the schedule that
-/// [`CollisionSchedule`](crate::schedule::CollisionSchedule) names:
+/// One that is disabled leaves its resources in the app, for others to read; with [`ReportPlugin`],
+/// the messages about contacts go. What all share stays: [`CollisionCorePlugin`], and the plugin for
+/// the schedule, without which there are no ticks.
+///
+/// A stage of your own has its systems in the set of the one that it is in place of, in the schedule
+/// that [`CollisionSchedule`](crate::schedule::CollisionSchedule) names. That resource is there once
+/// the group is: a plugin that reads it comes after, or is part of the group.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -128,7 +132,7 @@ impl PluginGroup for OctreePlugins {
 }
 
 /// The plugin for what the others share: resources, types known to reflection, counters and the
-/// clock. It is in the app whichever of the others are not.
+/// clock. It is to stay whichever of the others are disabled: without it, ticks panic.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CollisionCorePlugin;
 
@@ -148,5 +152,9 @@ impl Plugin for CollisionCorePlugin {
                 CollisionClock::advance.after(CollisionSystems::Last),
             );
         });
+    }
+
+    fn finish(&self, app: &mut App) {
+        expect_ticks(app, "CollisionCorePlugin");
     }
 }

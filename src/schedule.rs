@@ -143,6 +143,8 @@ pub(crate) fn add_to_tick(
 /// never came.
 pub(crate) fn expect_ticks(app: &App, plugin: &str) {
     if !app.world().contains_resource::<CollisionSchedule>() {
-        tracing::warn!("there are no `OctreePlugins`, so the `{plugin}` does nothing");
+        tracing::warn!(
+            "there is no `CollisionSchedulePlugin`, as `OctreePlugins` have one: the `{plugin}` does nothing"
+        );
     }
 }

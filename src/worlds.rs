@@ -25,6 +25,9 @@
 //! assert_eq!(app.world().resource::<Contacts>().len(), 1);
 //! ```
 //!
+//! Each entity says for itself which world it is in, children too: a hitbox that hangs on a ship is
+//! in the default world unless it has an [`InCollisionWorld`] of its own.
+//!
 //! Queries see one world at a time: the default one, or that of
 //! [`SpatialQueryFilter::in_world`](crate::spatial_query::SpatialQueryFilter::in_world); or all of
 //! them, by [`in_any_world`](crate::spatial_query::SpatialQueryFilter::in_any_world).
@@ -53,8 +56,10 @@ use bevy::{
 
 use crate::{broad_phase::PairFilter, components::change_filter};
 
-/// The world that an entity is in. Insert another to move it; remove it, and the entity is in the
-/// default world. Contacts follow at the next tick.
+/// Names the world that an entity is in.
+///
+/// Insert another to move it; remove it, and the entity is in the default world. Contacts follow at
+/// the next tick.
 ///
 /// It is about this entity alone: its children say for themselves which world they are in.
 #[derive(Component, FromTemplate, Clone, Copy, Debug, PartialEq, Eq, Reflect)]

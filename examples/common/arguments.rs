@@ -27,18 +27,18 @@ impl Arguments {
     /// Takes `name value` or `name=value`, wherever it is.
     pub fn option<T: FromStr<Err: Display>>(&mut self, name: &str) -> Outcome<Option<T>> {
         let is_named = |argument: &String| argument.split('=').next() == Some(name);
-        let Some(place) = self.0.iter().position(is_named) else {
+        let Some(index) = self.0.iter().position(is_named) else {
             return Ok(None);
         };
-        let argument = self.0.remove(place);
+        let argument = self.0.remove(index);
         let value = match argument.split_once('=') {
             Some((_, value)) => value.to_owned(),
             None if self
                 .0
-                .get(place)
+                .get(index)
                 .is_some_and(|next| !next.starts_with("--")) =>
             {
-                self.0.remove(place)
+                self.0.remove(index)
             }
             None => return Err(format!("{name} needs a value; see --help").into()),
         };
@@ -51,7 +51,7 @@ impl Arguments {
     /// Takes what is left when all options are taken: a value for each of `names`, and no more.
     pub fn rest<const COUNT: usize>(self, names: [&str; COUNT]) -> Outcome<[String; COUNT]> {
         let is_unexpected =
-            |&(place, argument): &(usize, &String)| argument.starts_with('-') || place >= COUNT;
+            |&(index, argument): &(usize, &String)| argument.starts_with('-') || index >= COUNT;
         if let Some((_, argument)) = self.0.iter().enumerate().find(is_unexpected) {
             return Err(format!("unexpected argument `{argument}`; see --help").into());
         }

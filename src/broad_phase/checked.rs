@@ -57,8 +57,8 @@ impl Checked {
 fn brute_force(proxies: &Proxies) -> Vec<Pair> {
     let all: Vec<_> = proxies.iter().collect();
     let mut pairs = Vec::new();
-    for (place, (a, box_a)) in all.iter().enumerate() {
-        for (b, box_b) in &all[place + 1..] {
+    for (index, (a, box_a)) in all.iter().enumerate() {
+        for (b, box_b) in &all[index + 1..] {
             if overlap(box_a, box_b) && make_a_pair(proxies, *a, *b) {
                 pairs.push(Pair::new(*a, *b));
             }

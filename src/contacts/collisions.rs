@@ -12,7 +12,8 @@ use crate::{
 };
 
 /// Reads contacts by entity: after [`NarrowPhase`](crate::CollisionSystems::NarrowPhase) those of
-/// this tick, before it those of the last. Entities that are gone since then have none.
+/// this tick, before it those of the last. Entities that are gone since then have none, though they
+/// are among those of others until the next tick.
 ///
 /// Everything comes in the order of the [`Contacts`].
 ///

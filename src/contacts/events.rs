@@ -49,9 +49,11 @@ pub struct CollisionStarted {
     pub time: f32,
 }
 
-/// Two entities are no longer in contact, or one of them is gone: either may no longer exist. A
-/// message, and an event for observers, as [`CollisionStarted`], but in the order of the
-/// [`Contacts`](super::Contacts). Events of what ends come before those of what starts.
+/// Tells that two entities are no longer in contact, or one of them is gone.
+///
+/// Either may no longer exist. A message, and an event for observers, as [`CollisionStarted`], but
+/// in the order of the [`Contacts`](super::Contacts). Events of what ends come before those of what
+/// starts.
 ///
 /// Every contact that started ends exactly once, and whoever was told of the start is told of the
 /// end.

@@ -360,3 +360,7 @@ fn time_of_impact(impacts: &[SweptContact], pair: Pair) -> Option<f32> {
         .ok()?;
     Some(impacts[index].met.time)
 }
+
+pub(super) fn register(app: &mut App) {
+    app.init_resource::<Contacts>().register_type::<Contacts>();
+}

@@ -34,10 +34,9 @@ pub(crate) use verdicts::Verdicts;
 
 /// What others read though nothing is tested or told.
 pub(crate) fn register(app: &mut App) {
-    app.init_resource::<Contacts>()
-        .init_resource::<Verdicts>()
-        .register_type::<Contacts>();
     for register in [
+        list::register,
+        verdicts::register,
         settings::register,
         events::register,
         colliding_entities::register,

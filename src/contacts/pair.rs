@@ -76,8 +76,9 @@ pub struct Collision {
     pub a: Entity,
     /// The other one.
     pub b: Entity,
-    /// Where they meet, with the normal from `a` to `b`; `None` if nobody
-    /// [asked](super::CollisionEventSettings::geometry).
+    /// Where they meet, with the normal from `a` to `b`; `None` if nobody asked, by
+    /// [`CollisionEventsEnabled`](super::CollisionEventsEnabled) on one of them, or for all by
+    /// [`CollisionEventSettings::geometry`](super::CollisionEventSettings::geometry).
     pub contact: Option<Contact>,
     /// The layers of `a`, and those of `b`, as the broad phase saw them last.
     pub layers: [CollisionLayers; 2],

@@ -30,8 +30,10 @@ pub enum EventScope {
     Enabled,
 }
 
-/// Who is told about contacts, and how much. May be changed at any time: contacts that come into a
-/// scope start for it, and contacts that leave it end, at the next tick.
+/// The settings of reports, as a resource: who is told about contacts, and how much.
+///
+/// May be changed at any time: contacts that come into a scope start for it, and contacts that
+/// leave it end, at the next tick.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]

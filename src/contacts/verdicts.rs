@@ -162,3 +162,7 @@ fn is_one_of(displaced: &[ProxyId], pair: Pair) -> bool {
         .iter()
         .any(|id| displaced.binary_search(id).is_ok())
 }
+
+pub(super) fn register(app: &mut App) {
+    app.init_resource::<Verdicts>();
+}

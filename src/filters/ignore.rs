@@ -11,8 +11,22 @@ use crate::{
     schedule::{PairFilterSystems, add_to_tick},
 };
 
-/// Entities that this one does not meet: its owner, its parts. Entities in the list that are gone,
-/// or have no shape, do no harm. It is immutable: insert a new list to change it.
+/// Lists entities that this one does not meet: its owner, its parts.
+///
+/// One of the two having the other in its list is enough. Entities in the list that are gone, or
+/// have no shape, do no harm. It is immutable: insert a new list to change it.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_octree::prelude::*;
+///
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)));
+/// let ship = app.world_mut().spawn(CollisionShape::sphere(1.0)).id();
+/// app.world_mut().spawn((CollisionShape::sphere(0.1), IgnoreCollisions::from(ship)));
+/// app.update();
+/// assert!(app.world().resource::<Contacts>().is_empty());
+/// ```
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq, Deref, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -21,6 +35,18 @@ pub struct IgnoreCollisions(#[entities] pub EntityHashSet);
 
 impl<const N: usize> From<[Entity; N]> for IgnoreCollisions {
     fn from(entities: [Entity; N]) -> Self {
+        Self(entities.into_iter().collect())
+    }
+}
+
+impl From<Entity> for IgnoreCollisions {
+    fn from(entity: Entity) -> Self {
+        Self::from([entity])
+    }
+}
+
+impl FromIterator<Entity> for IgnoreCollisions {
+    fn from_iter<I: IntoIterator<Item = Entity>>(entities: I) -> Self {
         Self(entities.into_iter().collect())
     }
 }

@@ -7,8 +7,9 @@ use bevy::{
 
 use crate::components::change_filter;
 
-/// An entity that does not meet others of its kind: walls, floors, scenery. Two static entities
-/// make no pair, however they overlap, and however they are moved; unless the
+/// Marks an entity that does not meet others of its kind: walls, floors, scenery.
+///
+/// Two static entities make no pair, however they overlap, and however they are moved; unless the
 /// [`PairKinds`](crate::settings::BroadPhaseSettings::pair_kinds) say otherwise.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
@@ -17,7 +18,8 @@ use crate::components::change_filter;
 #[doc(alias("static collider", "static body", "fixed", "scenery"))]
 pub struct StaticShape;
 
-/// An entity whose contacts are reported, and that nothing bounces off.
+/// Marks an entity whose contacts are reported, and that nothing bounces off; nor does it bounce
+/// off anything.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]

@@ -168,7 +168,9 @@ impl Not for LayerMask {
 /// variants, numbered from 0, or as you say; more, or larger numbers, do not compile. The enum is
 /// `Copy`, `Debug`, `Eq` and `Hash`, and implements
 /// [`CollisionLayer`](crate::filters::CollisionLayer); layers joined by `|` are a
-/// [`LayerMask`](crate::filters::LayerMask), and so is `mask()` of one, which is `const`.
+/// [`LayerMask`](crate::filters::LayerMask), and so is `mask()` of one, which is `const`. It may
+/// have attributes and derives of your own, and so may its variants, `cfg` among them; its `repr`
+/// is the macro's.
 ///
 /// ```
 /// use bevy_octree::prelude::*;
@@ -202,19 +204,24 @@ macro_rules! collision_layers {
     (
         $(#[$attribute:meta])*
         $visibility:vis enum $name:ident {
-            $($(#[$layer_attribute:meta])* $layer:ident $(= $index:expr)?),+ $(,)?
+            $($(#[$($layer_attribute:tt)*])* $layer:ident $(= $index:expr)?),+ $(,)?
         }
     ) => {
         $(#[$attribute])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[derive(
+            ::core::clone::Clone,
+            ::core::marker::Copy,
+            ::core::fmt::Debug,
+            ::core::cmp::PartialEq,
+            ::core::cmp::Eq,
+            ::core::hash::Hash,
+        )]
         #[repr(u32)]
         $visibility enum $name {
-            $($(#[$layer_attribute])* $layer $(= $index)?),+
+            $($(#[$($layer_attribute)*])* $layer $(= $index)?),+
         }
 
-        const _: () = {
-            $(assert!(($name::$layer as u32) < 32, "a collision layer has a number from 0 to 31");)+
-        };
+        $($crate::__check_layer! { $(#[$($layer_attribute)*])* $name $layer })+
 
         impl $name {
             /// Returns the set of this layer alone.
@@ -231,13 +238,36 @@ macro_rules! collision_layers {
             }
         }
 
-        impl<L: Into<$crate::filters::LayerMask>> ::core::ops::BitOr<L> for $name {
+        impl<__Layers> ::core::ops::BitOr<__Layers> for $name
+        where
+            __Layers: ::core::convert::Into<$crate::filters::LayerMask>,
+        {
             type Output = $crate::filters::LayerMask;
 
-            fn bitor(self, other: L) -> $crate::filters::LayerMask {
+            fn bitor(self, other: __Layers) -> $crate::filters::LayerMask {
                 self.mask() | other
             }
         }
+    };
+}
+
+/// Asserts that a variant has the number of a layer, where it is compiled at all: of its
+/// attributes, `cfg` counts here too.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __check_layer {
+    (#[cfg($($condition:tt)*)] $($rest:tt)+) => {
+        #[cfg($($condition)*)]
+        $crate::__check_layer! { $($rest)+ }
+    };
+    (#[$($attribute:tt)*] $($rest:tt)+) => {
+        $crate::__check_layer! { $($rest)+ }
+    };
+    ($name:ident $layer:ident) => {
+        const _: () = ::core::assert!(
+            ($name::$layer as u32) < 32,
+            "a collision layer has a number from 0 to 31"
+        );
     };
 }
 

@@ -46,7 +46,7 @@ pub(crate) use pair_filter::{FilterParts, filter, may_meet};
 pub use crate::collision_layers;
 use crate::worlds;
 
-/// Looks at layers, static entities, lists of entities to ignore, and worlds.
+/// The plugin for layers, static entities, lists of entities to ignore, and worlds.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FilterPlugin;
 

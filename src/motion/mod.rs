@@ -15,7 +15,13 @@ pub use velocity::{MovedElsewhere, Velocity};
 
 use crate::schedule::{CollisionSystems, add_to_tick};
 
-/// Moves entities, each tick.
+/// The plugin that moves entities by their [`Velocity`] or [`PositionTrack`], in the set
+/// [`Motion`](CollisionSystems::Motion).
+///
+/// Where a system of your own moves them, it belongs into that set, or before it. Bounces of
+/// [swept](crate::swept::Swept) entities go on for the rest of a tick by `Velocity`, and by the
+/// step of the [`MotionSettings`]: let it take its step from these, or mark what it moves with
+/// [`MovedElsewhere`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MotionPlugin;
 

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-/// The settings of motion.
+/// The settings of motion, as a resource: how long a tick is.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Resource, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]

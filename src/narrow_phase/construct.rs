@@ -1,6 +1,9 @@
 //! Shapes from numbers, lists of polygons, and the primitives of `bevy_math`.
 
-use std::sync::Arc;
+use std::{
+    fmt::{self, Display},
+    sync::Arc,
+};
 
 use bevy::math::{Vec2, Vec3, primitives};
 
@@ -11,16 +14,17 @@ use super::shape::Shape;
 /// # Constructors
 ///
 /// Those that take sizes, and the conversions from Bevy's primitives, never fail. One rule is for
-/// all numbers that no shape can have, each of which is logged as a warning:
+/// all numbers that no shape can have. A shape that is made of such is logged as a warning, once:
 ///
 /// * a negative size counts as its absolute value;
 /// * a size that is NaN or infinite, a polygon without an area, or a polyhedron without a volume
 ///   makes a shape without [bounds](super::BoundsError::NonFinite), which is in contact with
 ///   nothing. An entity that has it is left out of collision detection.
 ///
-/// A size of zero is allowed: the shape is then a rectangle, segment or point. Those that begin
-/// with `try_` refuse what is wrong instead, with an error that names it, and so do those that take
-/// lists.
+/// Cuboids, extruded rectangles and spheres may have a size of zero: the shape is then a rectangle,
+/// segment or point. All others may not, for they would have no area or no volume. Constructors
+/// that begin with `try_` refuse what is wrong instead, with an error that names it, and so do
+/// those that take lists.
 impl Shape {
     /// Makes a box around the origin, by the lengths of its sides along its own axes.
     ///
@@ -38,7 +42,8 @@ impl Shape {
     #[doc(alias = "box")]
     #[must_use]
     pub fn cuboid(x_length: f32, y_length: f32, z_length: f32) -> Self {
-        Self::from_half_size(Vec3::new(x_length, y_length, z_length) * 0.5)
+        let half_size = Vec3::new(x_length, y_length, z_length) * 0.5;
+        Self::or_absolute(Self::try_cuboid(x_length, y_length, z_length), half_size)
     }
 
     /// Makes a box as [`cuboid`](Self::cuboid) does, and refuses bad numbers.
@@ -56,12 +61,7 @@ impl Shape {
     /// For bad numbers see [above](#constructors).
     #[must_use]
     pub fn from_half_size(half_size: Vec3) -> Self {
-        if let Err(error) = Self::try_from_half_size(half_size) {
-            tell(&error, half_size.is_finite());
-        }
-        Self::Cuboid {
-            half_size: half_size.abs(),
-        }
+        Self::or_absolute(Self::try_from_half_size(half_size), half_size)
     }
 
     /// Makes a box as [`from_half_size`](Self::from_half_size) does, and refuses bad numbers.
@@ -128,6 +128,16 @@ impl Shape {
         Ok(PolygonMesh::new(vertices, polygons)?.into())
     }
 
+    /// A box that may have been refused: then, that of the absolute values.
+    fn or_absolute(made: Result<Self, ShapeError>, half_size: Vec3) -> Self {
+        made.unwrap_or_else(|error| {
+            tell(&error, half_size.is_finite());
+            Self::Cuboid {
+                half_size: half_size.abs(),
+            }
+        })
+    }
+
     /// A solid between two congruent convex polygons, half a depth in front of the origin and
     /// behind it.
     fn prism(polygon: impl IntoIterator<Item = Vec2>, half_depth: f32) -> Result<Self, ShapeError> {
@@ -146,20 +156,50 @@ impl Shape {
         )
     }
 
+    /// The same of half a depth that may be a bad number.
+    fn extruded(polygon: impl IntoIterator<Item = Vec2>, half_depth: f32) -> Self {
+        let what = "half the depth of an extrusion";
+        Self::by_sizes(what, [half_depth], |[half_depth]| {
+            Self::prism(polygon, half_depth)
+        })
+    }
+
     /// What is made of polygons that may have been refused: then, something without bounds.
     fn or_nothing(made: Result<Self, ShapeError>) -> Self {
-        made.unwrap_or_else(|error| {
-            tell(&error, false);
-            Self::Sphere { radius: f32::NAN }
-        })
+        made.unwrap_or_else(|error| Self::nothing(&error))
+    }
+
+    /// What is made of polygons by sizes, or rather by their absolute values; `what` they are is
+    /// for the log.
+    fn by_sizes<const N: usize>(
+        what: &str,
+        sizes: [f32; N],
+        make: impl FnOnce([f32; N]) -> Result<Self, ShapeError>,
+    ) -> Self {
+        let error =
+            fmt::from_fn(|f| write!(f, "{what} must be finite and not negative, got {sizes:?}"));
+        if !sizes.iter().all(|size| size.is_finite()) {
+            return Self::nothing(&error);
+        }
+        let made = make(sizes.map(f32::abs));
+        if made.is_ok() && sizes.iter().any(|size| *size < 0.0) {
+            tell(&error, true);
+        }
+        Self::or_nothing(made)
+    }
+
+    /// Something without bounds, for want of a shape.
+    fn nothing(error: &dyn Display) -> Self {
+        tell(error, false);
+        Self::Sphere { radius: f32::NAN }
     }
 }
 
 /// Tells the log what no shape can be made of, and what becomes of it.
 #[cold]
-fn tell(error: &ShapeError, is_mended: bool) {
+fn tell(error: &dyn Display, is_mended: bool) {
     if is_mended {
-        tracing::warn!("{error}: its absolute value is used");
+        tracing::warn!("{error}: the absolute value is used");
     } else {
         tracing::warn!("{error}: the shape is in contact with nothing");
     }
@@ -202,10 +242,12 @@ impl From<primitives::Plane3d> for Shape {
     /// area is in contact with nothing.
     fn from(plane: primitives::Plane3d) -> Self {
         let turn = bevy::math::Quat::from_rotation_arc(Vec3::Y, *plane.normal);
-        let Vec2 { x, y } = plane.half_size;
-        let corners =
-            [[-x, -y], [-x, y], [x, y], [x, -y]].map(|[x, z]| turn * Vec3::new(x, 0.0, z));
-        Self::or_nothing(Self::mesh(corners, [[0, 1, 2, 3]]))
+        let half_size = plane.half_size.to_array();
+        Self::by_sizes("half extents of a plane", half_size, |[x, y]| {
+            let corners =
+                [[-x, -y], [-x, y], [x, y], [x, -y]].map(|[x, z]| turn * Vec3::new(x, 0.0, z));
+            Self::mesh(corners, [[0, 1, 2, 3]])
+        })
     }
 }
 
@@ -218,10 +260,7 @@ impl From<primitives::Extrusion<primitives::Rectangle>> for Shape {
 impl From<primitives::Extrusion<primitives::Triangle2d>> for Shape {
     /// A convex solid. One without a volume is in contact with nothing.
     fn from(extrusion: primitives::Extrusion<primitives::Triangle2d>) -> Self {
-        Self::or_nothing(Self::prism(
-            extrusion.base_shape.vertices,
-            extrusion.half_depth,
-        ))
+        Self::extruded(extrusion.base_shape.vertices, extrusion.half_depth)
     }
 }
 
@@ -229,18 +268,32 @@ impl From<primitives::Extrusion<primitives::Rhombus>> for Shape {
     /// A convex solid. One without a volume is in contact with nothing.
     fn from(extrusion: primitives::Extrusion<primitives::Rhombus>) -> Self {
         let Vec2 { x, y } = extrusion.base_shape.half_diagonals;
-        let corners = [Vec2::X * x, Vec2::Y * y, Vec2::NEG_X * x, Vec2::NEG_Y * y];
-        Self::or_nothing(Self::prism(corners, extrusion.half_depth))
+        let sizes = [x, y, extrusion.half_depth];
+        let what = "half the diagonals and half the depth of a rhombus";
+        Self::by_sizes(what, sizes, |[x, y, half_depth]| {
+            let corners = [Vec2::X * x, Vec2::Y * y, Vec2::NEG_X * x, Vec2::NEG_Y * y];
+            Self::prism(corners, half_depth)
+        })
     }
 }
 
 impl From<primitives::Extrusion<primitives::RegularPolygon>> for Shape {
     /// A convex solid. One without a volume is in contact with nothing.
     fn from(extrusion: primitives::Extrusion<primitives::RegularPolygon>) -> Self {
-        Self::or_nothing(Self::prism(
-            extrusion.base_shape.vertices(0.0),
-            extrusion.half_depth,
-        ))
+        let primitives::RegularPolygon {
+            circumcircle: primitives::Circle { radius },
+            sides,
+        } = extrusion.base_shape;
+        let sizes = [radius, extrusion.half_depth];
+        let what = "the radius and half the depth of a regular polygon";
+        Self::by_sizes(what, sizes, |[radius, half_depth]| {
+            let circumcircle = primitives::Circle { radius };
+            let polygon = primitives::RegularPolygon {
+                circumcircle,
+                sides,
+            };
+            Self::prism(polygon.vertices(0.0), half_depth)
+        })
     }
 }
 
@@ -248,7 +301,7 @@ impl From<primitives::Extrusion<primitives::ConvexPolygon>> for Shape {
     /// A convex solid. One without a volume is in contact with nothing.
     fn from(extrusion: primitives::Extrusion<primitives::ConvexPolygon>) -> Self {
         let corners = extrusion.base_shape.vertices().iter().copied();
-        Self::or_nothing(Self::prism(corners, extrusion.half_depth))
+        Self::extruded(corners, extrusion.half_depth)
     }
 }
 

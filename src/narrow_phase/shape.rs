@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use bevy::math::{Vec3, Vec3A};
 #[cfg(feature = "rapier")]
-use bevy_rapier3d::parry::shape::SharedShape;
+use bevy_rapier3d::parry::shape::{ShapeType, SharedShape};
 
 use super::error::BoundsError;
 use super::length::length;
 use super::mesh::{convex_mesh::ConvexMesh, cube::CUBE, polygon_mesh::PolygonMesh};
 
-/// Half extents beyond this stand for infinity: parry gives endless shapes boxes of this order.
+/// Half extents beyond this stand for infinity: parry gives unbounded shapes boxes of this order.
 #[cfg(feature = "rapier")]
-const ENDLESS: f32 = f32::MAX / 8.0;
+const UNBOUNDED: f32 = f32::MAX / 8.0;
 
 /// The form of an object, in its own coordinates. Cheap to clone: meshes are shared.
 ///
@@ -22,8 +22,8 @@ const ENDLESS: f32 = f32::MAX / 8.0;
 /// * The scale of a cuboid or mesh works along its own axes; a negative one mirrors.
 /// * A sphere stays a sphere: of a scale that differs by axis, the largest absolute component
 ///   counts.
-/// * A half extent, radius or scale of zero is allowed: the shape is then a rectangle, segment or
-///   point.
+/// * The half extents of a cuboid, the radius of a sphere and the scale of any shape may be zero:
+///   the shape is then flat, or a segment or point.
 /// * `Shape::Rapier` ignores the scale, since `bevy_rapier3d` bakes it into the collider itself.
 ///
 /// The [constructors](#constructors) tell the log of bad numbers, or refuse them. Variants built by
@@ -84,6 +84,18 @@ impl Shape {
             Self::Convex(mesh) => Some((mesh, Vec3A::ONE)),
             Self::Mesh(mesh) => Some((mesh, Vec3A::ONE)),
             _ => None,
+        }
+    }
+
+    /// Are its sizes finite? Those of meshes of ours always are.
+    #[inline]
+    pub(super) fn is_finite(&self) -> bool {
+        match self {
+            Self::Cuboid { half_size } => half_size.is_finite(),
+            Self::Sphere { radius } => radius.is_finite(),
+            Self::Convex(_) | Self::Mesh(_) => true,
+            #[cfg(feature = "rapier")]
+            Self::Rapier(shape) => foreign_bounds(shape) != Err(BoundsError::NonFinite),
         }
     }
 
@@ -174,11 +186,14 @@ impl Kind {
 fn foreign_bounds(shape: &SharedShape) -> Result<(Vec3A, Vec3A, f32), BoundsError> {
     let aabb = shape.compute_local_aabb();
     let (min, max) = (Vec3A::from(aabb.mins), Vec3A::from(aabb.maxs));
-    if min.is_nan() || max.is_nan() {
+    let is_finite = min.is_finite() && max.is_finite();
+    // Only shapes of somebody else's making say by infinity that they are unbounded.
+    let may_be_infinite = shape.shape_type() == ShapeType::Custom;
+    if min.is_nan() || max.is_nan() || !(is_finite || may_be_infinite) {
         return Err(BoundsError::NonFinite);
     }
     let half = (max * 0.5 - min * 0.5).max(Vec3A::ZERO);
-    if half.max_element() > ENDLESS {
+    if half.max_element() > UNBOUNDED {
         return Err(BoundsError::Unbounded);
     }
     Ok((min * 0.5 + max * 0.5, half, length(half)))

@@ -1,6 +1,6 @@
 //! The stages against each other, and on the cases that are hard.
 
-use bevy::math::{Quat, Vec3};
+use bevy::math::{Dir3, Quat, Vec3};
 use bevy::transform::components::Transform;
 use proptest::prelude::*;
 use std::f32::consts::FRAC_PI_4;
@@ -304,6 +304,81 @@ fn what_is_not_finite_meets_nothing() {
     for tolerance in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         assert!(NarrowPhase::new(tolerance).is_err());
     }
+}
+
+/// Those that nobody checks, and those that somebody was warned of.
+fn shapes_that_are_not_finite() -> Vec<Shape> {
+    let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
+    let own = bad.map(|bad| {
+        let half_sizes = [Vec3::splat(bad), Vec3::new(1.0, bad, 1.0)];
+        let cuboids = half_sizes.map(|half_size| Shape::Cuboid { half_size });
+        let [sphere, made] = [Shape::Sphere { radius: bad }, Shape::cuboid(1.0, bad, 1.0)];
+        cuboids.into_iter().chain([sphere, made])
+    });
+    let own = own.into_iter().flatten();
+    #[cfg(feature = "rapier")]
+    let own = own.chain(bad.into_iter().flat_map(|bad| {
+        use bevy_rapier3d::parry::shape::SharedShape;
+        [
+            SharedShape::ball(bad),
+            SharedShape::cuboid(1.0, bad, 1.0),
+            SharedShape::capsule_y(bad, 1.0),
+            SharedShape::capsule_y(1.0, bad),
+            SharedShape::cylinder(bad.abs(), 1.0),
+            SharedShape::cone(1.0, bad.abs()),
+        ]
+        .map(Shape::from)
+    }));
+    own.collect()
+}
+
+#[test]
+fn nothing_is_known_of_shapes_that_are_not_finite() {
+    let (tests, mut workspace) = (NarrowPhase::default(), Workspace::default());
+    let (here, there) = (Transform::IDENTITY, Transform::from_xyz(5.0, 0.0, 0.0));
+    let mut found = Vec::new();
+    for shape in shapes_that_are_not_finite() {
+        let bad = Placed::new(&shape, &here);
+        for origin in [Vec3::ZERO, Vec3::X * 5.0] {
+            let ray = tests.cast_ray(bad, origin, Dir3::NEG_X, f32::INFINITY);
+            let closest = tests.closest_point(bad, origin, &mut workspace);
+            found.push((shape.clone(), "ray", ray.is_some()));
+            found.push((shape.clone(), "closest point", closest.is_some()));
+        }
+        for other in [
+            box_of(1.0, 1.0, 1.0),
+            Shape::sphere(1.0),
+            mesh_of(Vec3::ONE),
+        ] {
+            for at in [&here, &there] {
+                let good = Placed::new(&other, at);
+                for (a, b) in [(bad, good), (good, bad)] {
+                    let met = tests.sweep(a, Dir3::X, 100.0, b, &mut workspace);
+                    let near = tests.closest_points(a, b, &mut workspace);
+                    let contact = tests.contact(a, b, &mut workspace);
+                    let [one, two] = [a, b].map(|a| Moving::new(a.shape, a.transform, &there));
+                    let timed = tests.time_of_impact(&one, &two, &mut workspace);
+                    let touch = tests.intersects(a, b, &mut workspace);
+                    found.extend(
+                        [
+                            ("sweep", met.is_some()),
+                            ("closest points", near.is_some()),
+                            ("contact", contact.is_some()),
+                            ("time of impact", timed.is_some()),
+                            ("intersects", touch),
+                        ]
+                        .map(|(asked, is_known)| (shape.clone(), asked, is_known)),
+                    );
+                }
+            }
+        }
+    }
+    let known: std::collections::BTreeSet<_> = found
+        .into_iter()
+        .filter(|(.., is_known)| *is_known)
+        .map(|(shape, asked, _)| format!("{asked}: {shape:?}"))
+        .collect();
+    assert!(known.is_empty(), "{known:#?}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use bevy::{math::DVec3, prelude::*};
 
-/// How an entity's [`Velocity`](crate::motion::Velocity) answers to contacts.
+/// Says how an entity's [`Velocity`](crate::motion::Velocity) answers to contacts.
 ///
 /// This happens in the world: velocities of entities with a parent are taken there and back,
 /// through the whole hierarchy. One whose ancestors are scaled to nothing has no answer. Entities
@@ -132,6 +132,10 @@ fn reflection(
     let sharers = restitutions.iter().flatten().count() as f64;
     let change = speed * (1.0 + f64::from(restitution)) / (sharers * normal.length_squared());
     (speed > 0.0).then(|| normal * change)
+}
+
+pub(super) fn register(app: &mut App) {
+    app.register_type::<Bounce>();
 }
 
 #[cfg(test)]

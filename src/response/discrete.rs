@@ -1,6 +1,9 @@
 //! Bounces of what is looked at where it is at the end of a tick.
 
-use bevy::{ecs::entity_disabling::Disabled, prelude::*};
+use bevy::{
+    ecs::{entity_disabling::Disabled, system::SystemParam},
+    prelude::*,
+};
 
 use super::{
     bounce::{Bounce, Party, respond},
@@ -53,24 +56,82 @@ pub(super) fn reverse(
     }
 }
 
+/// What moves, and what it hangs on.
+#[derive(SystemParam)]
+pub(super) struct Movers<'w, 's> {
+    moving: Query<'w, 's, (&'static mut Velocity, Option<&'static Bounce>)>,
+    // A disabled parent is still where it is.
+    places: Query<'w, 's, (&'static Transform, Option<&'static ChildOf>), Allow<Disabled>>,
+}
+
+impl Movers<'_, '_> {
+    fn bounce(&self, entity: Entity) -> Option<Bounce> {
+        self.moving.get(entity).ok()?.1.copied()
+    }
+
+    /// In the space of its parent.
+    fn velocity(&self, entity: Entity) -> Vec3 {
+        let moving = self.moving.get(entity);
+        moving.map_or(Vec3::ZERO, |(velocity, _)| velocity.0)
+    }
+
+    /// Leads from the space of an entity's parent to the world; `None` if it has none.
+    fn frame(&self, entity: Entity) -> Option<Frame> {
+        let (_, parent) = self.places.get(entity).ok()?;
+        let look = |entity| {
+            let (transform, parent) = self.places.get(entity).ok()?;
+            Some(Ancestor {
+                transform: *transform,
+                velocity: self.velocity(entity),
+                parent: parent.map(ChildOf::parent),
+            })
+        };
+        Some(Frame::of(parent?.parent(), look))
+    }
+
+    /// An entity as the rule of bounces sees it: in the world.
+    fn party(&self, entity: Entity, bounce: Option<Bounce>, frame: Option<&Frame>) -> Party {
+        let own = self.velocity(entity);
+        // Who is reversed, has been.
+        let party = Party {
+            velocity: own,
+            bounce,
+            reversed: true,
+            ..default()
+        };
+        frame.map_or(party, |frame| Party {
+            velocity: frame.velocity_in_world(own),
+            drift: frame.drift(),
+            bounce: bounce.filter(|_| frame.leads_back()),
+            ..party
+        })
+    }
+
+    /// Gives an entity a velocity in the world, if its own leads there. Returns `true` if it has it.
+    fn set(&mut self, entity: Entity, velocity: Vec3, frame: Option<&Frame>) -> bool {
+        let own = match frame {
+            Some(frame) => frame.own_velocity(velocity),
+            None => Some(velocity),
+        };
+        if let (Some(own), Ok((mut velocity, _))) = (own, self.moving.get_mut(entity)) {
+            velocity.0 = own;
+            return true;
+        }
+        false
+    }
+}
+
 pub(super) fn reflect(
     contacts: Res<Contacts>,
     sensors: Query<(), With<Sensor>>,
     (index, tests): (Res<CollisionIndex>, Res<NarrowPhase>),
-    mut moving: Query<(&mut Velocity, Option<&Bounce>)>,
-    // A disabled parent is still where it is.
-    places: Query<(&Transform, Option<&ChildOf>), Allow<Disabled>>,
+    mut movers: Movers,
     mut counters: ResMut<CollisionCounters>,
     mut workspace: Local<Workspace>,
 ) {
     for contact in solid(&contacts, &sensors) {
-        let bounce = |entity| {
-            moving
-                .get(entity)
-                .ok()
-                .and_then(|(_, bounce)| bounce.copied())
-        };
-        let bounces = [contact.a, contact.b].map(bounce);
+        let entities = [contact.a, contact.b];
+        let bounces = entities.map(|entity| movers.bounce(entity));
         if bounces
             .iter()
             .all(|bounce| bounce.and_then(Bounce::restitution).is_none())
@@ -80,61 +141,18 @@ pub(super) fn reflect(
         let [Some(a), Some(b)] = [contact.pair.a, contact.pair.b].map(|id| index.body(id)) else {
             continue;
         };
-        let frames = [contact.a, contact.b].map(|entity| {
-            let parent = places
-                .get(entity)
-                .ok()
-                .and_then(|(_, parent)| parent)?
-                .parent();
-            let velocity = |entity| {
-                moving
-                    .get(entity)
-                    .map_or(Vec3::ZERO, |(velocity, _)| velocity.0)
-            };
-            let look = |entity| {
-                let (transform, parent) = places.get(entity).ok()?;
-                let parent = parent.map(ChildOf::parent);
-                Some(Ancestor {
-                    transform: *transform,
-                    velocity: velocity(entity),
-                    parent,
-                })
-            };
-            Some(Frame::of(parent, look))
-        });
-        let party = |which: usize, entity| {
-            let own = moving
-                .get(entity)
-                .map_or(Vec3::ZERO, |(velocity, _)| velocity.0);
-            // Who is reversed, has been.
-            let party = Party {
-                velocity: own,
-                bounce: bounces[which],
-                reversed: true,
-                ..default()
-            };
-            frames[which].map_or(party, |frame| Party {
-                velocity: frame.velocity_in_world(own),
-                drift: frame.drift(),
-                bounce: party.bounce.filter(|_| frame.leads_back()),
-                ..party
-            })
-        };
-        let parties = [party(0, contact.a), party(1, contact.b)];
-        let placed = [a.placed(), b.placed()];
+        let frames = entities.map(|entity| movers.frame(entity));
+        let parties = [0, 1]
+            .map(|which| movers.party(entities[which], bounces[which], frames[which].as_ref()));
+        // Which of several normals counts is up to the way that the two go, of which the geometry
+        // that the contacts may have knows nothing.
         let way = parties[0].velocity - parties[1].velocity;
-        let geometry = tests.contact_in_passing(placed[0], placed[1], |_| way, &mut workspace);
+        let geometry = tests.contact_in_passing(a.placed(), b.placed(), |_| way, &mut workspace);
         let Some(geometry) = geometry else { continue };
-        for ((entity, frame), velocity) in [contact.a, contact.b]
-            .into_iter()
-            .zip(frames)
-            .zip(respond(parties, geometry.normal))
-        {
-            let own = velocity.and_then(|velocity| {
-                frame.map_or(Some(velocity), |frame| frame.own_velocity(velocity))
-            });
-            if let (Some(own), Ok((mut velocity, _))) = (own, moving.get_mut(entity)) {
-                velocity.0 = own;
+        for (which, answer) in respond(parties, geometry.normal).into_iter().enumerate() {
+            if let Some(velocity) = answer
+                && movers.set(entities[which], velocity, frames[which].as_ref())
+            {
                 counters.tick.bounces += 1;
             }
         }

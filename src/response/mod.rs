@@ -24,7 +24,7 @@ pub struct BouncePlugin;
 
 impl Plugin for BouncePlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Outcomes>();
+        outcomes::register(app);
         add_to_tick(app, |app, schedule| {
             // Where nothing bounces, contacts are not looked at.
             let something_bounces = any_with_component::<Bounce>;
@@ -51,5 +51,5 @@ impl Plugin for BouncePlugin {
 }
 
 pub(crate) fn register(app: &mut App) {
-    app.register_type::<Bounce>();
+    bounce::register(app);
 }

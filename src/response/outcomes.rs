@@ -153,3 +153,7 @@ pub(super) fn apply_outcomes(
 pub(super) fn clear_outcomes(mut outcomes: ResMut<Outcomes>) {
     outcomes.bodies.clear();
 }
+
+pub(super) fn register(app: &mut App) {
+    app.init_resource::<Outcomes>();
+}

@@ -43,10 +43,10 @@ use thiserror::Error;
 ///
 /// | | a row for each | columns or fields |
 /// |---|---|---|
-/// | [`write_csv`](Self::write_csv) | pair | `a`, `b`, `first_contact`, `last_contact` (ticks), `ticks` (how many with contact), `contacts` (how many intervals without a break) |
-/// | [`write_jsonl`](Self::write_jsonl) | pair | `a`, `b`, `first_contact`, `last_contact`, `ticks`, `intervals` (of `[first, last]` tick) |
-/// | [`write_ticks_csv`](Self::write_ticks_csv) | tick and pair | `tick`, `a`, `b` |
-/// | [`write_ticks_jsonl`](Self::write_ticks_jsonl) | tick with a contact | `tick`, `contacts` (of `[a, b]`) |
+/// | `write_csv` | pair | `a`, `b`, `first_contact`, `last_contact` (ticks), `ticks` (how many with contact), `contacts` (how many intervals without a break) |
+/// | `write_jsonl` | pair | `a`, `b`, `first_contact`, `last_contact`, `ticks`, `intervals` (of `[first, last]` tick) |
+/// | `write_ticks_csv` | tick and pair | `tick`, `a`, `b` |
+/// | `write_ticks_jsonl` | tick with a contact | `tick`, `contacts` (of `[a, b]`) |
 ///
 /// CSV starts with a row of column names; both formats end each row with a line feed.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -9,7 +9,7 @@ use super::{
 use crate::{components::CollisionShape, motion::Velocity, response::Bounce};
 
 /// What every object has.
-type Body = (Name, Transform, CollisionShape);
+type Common = (Name, Transform, CollisionShape);
 
 impl SceneDescription {
     /// Spawns an entity for each object, and returns them in the order of the objects.
@@ -37,7 +37,7 @@ impl SceneDescription {
         Ok(entities.collect())
     }
 
-    fn build(&self) -> Result<Vec<(Body, Motion)>, SceneProblem> {
+    fn build(&self) -> Result<Vec<(Common, Motion)>, SceneProblem> {
         self.validate()?;
         let objects = self.objects().enumerate();
         objects
@@ -47,7 +47,7 @@ impl SceneDescription {
 }
 
 impl ObjectDescription {
-    fn build(self, index: usize) -> Result<(Body, Motion), SceneProblem> {
+    fn build(self, index: usize) -> Result<(Common, Motion), SceneProblem> {
         let name = self.name_at(index).into_owned();
         match self.shape.build() {
             Ok(shape) => {

@@ -5,10 +5,11 @@ use bevy::prelude::*;
 use crate::{bounds, filters, maintenance, swept};
 
 /// Computes the boxes of all entities that changed, and takes them up in the
-/// [`CollisionIndex`](crate::collision_index::CollisionIndex), now: entities spawned, moved,
-/// reshaped, reparented or put on other layers since the last tick are where they are from then on.
-/// No time passes, nothing moves, and no contact starts or ends: that is left to the next tick,
-/// whose results are the same with and without.
+/// [`CollisionIndex`](crate::collision_index::CollisionIndex), now.
+///
+/// Entities spawned, moved, reshaped, reparented or put on other layers since the last tick are
+/// where they are from then on. No time passes, nothing moves, and no contact starts or ends: that
+/// is left to the next tick, whose results are the same with and without.
 ///
 /// That holds at any moment, in the middle of a tick too, and however often. Only what is moved
 /// between the sets [`Maintenance`](crate::CollisionSystems::Maintenance) and

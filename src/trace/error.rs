@@ -4,7 +4,7 @@ use std::{io, path::PathBuf};
 
 use thiserror::Error;
 
-use super::file_bytes;
+use super::header::{MOST_EMPTY_FRAMES, file_bytes};
 use crate::broad_phase::BoxError;
 
 /// Why a trace cannot be read or written: in which file, where in it, and what was expected.
@@ -78,7 +78,7 @@ pub enum TraceProblem {
         value: u64,
     },
     /// More frames than are taken from a trace without objects, in which they take no space.
-    #[error("expected at most {max} frames of no objects, found {0}", max = super::MOST_EMPTY_FRAMES)]
+    #[error("expected at most {max} frames of no objects, found {0}", max = MOST_EMPTY_FRAMES)]
     TooManyEmptyFrames(u32),
     /// A box cannot be used.
     #[error("expected a box for object {object} in frame {frame}: {error}")]

@@ -9,8 +9,11 @@ use std::{
 use bevy::math::{Vec3A, bounding::Aabb3d};
 
 use super::{
-    BOX_BYTES, BOXES_AT_ONCE, COUNTS_OFFSET, HEADER_BYTES, MOST_EMPTY_FRAMES, TEXT_BYTES,
-    TraceError, TraceHeader, TraceProblem, WORLD_OFFSET,
+    error::{TraceError, TraceProblem},
+    header::{
+        BOX_BYTES, BOXES_AT_ONCE, COUNTS_OFFSET, HEADER_BYTES, MOST_EMPTY_FRAMES, TEXT_BYTES,
+        TraceHeader, WORLD_OFFSET,
+    },
 };
 use crate::broad_phase::check_box;
 

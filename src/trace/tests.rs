@@ -1,8 +1,9 @@
 use std::io::Cursor;
 
+use super::header::{BOXES_AT_ONCE, MOST_EMPTY_FRAMES};
 use super::*;
 use crate::broad_phase::BoxError;
-use bevy::math::Vec3A;
+use bevy::math::{Vec3A, bounding::Aabb3d};
 
 const NAME: &str = "some.aabbs";
 

@@ -64,6 +64,44 @@ collision_layers! {
     }
 }
 
+/// Where nothing but the names of crates is known, and some names mean something else.
+mod strangers {
+    #![no_implicit_prelude]
+
+    use ::core::primitive::u32;
+
+    #[expect(dead_code, reason = "the macro must not take these names for its own")]
+    mod names {
+        pub struct Into;
+        pub struct Clone;
+        pub struct Copy;
+        pub struct Debug;
+        pub struct Hash;
+        pub struct LayerMask;
+    }
+    #[expect(unused_imports, reason = "as above")]
+    use self::names::*;
+
+    ::bevy_octree::collision_layers! {
+        #[derive(::core::default::Default)]
+        pub enum L {
+            /// Has attributes.
+            #[default]
+            First,
+            #[cfg(any())]
+            Never = 99,
+            #[cfg(all())]
+            #[cfg(not(any()))]
+            /// Has several.
+            Second,
+            #[expect(non_camel_case_types, reason = "an attribute that is no `cfg`")]
+            last = 31,
+        }
+    }
+
+    pub const NUMBERS: [u32; 3] = [L::First.mask().0, L::Second.mask().0, L::last.mask().0];
+}
+
 /// Masks are made where constants are.
 const RED: CollisionLayers = CollisionLayers {
     memberships: Team::Red.mask(),
@@ -91,6 +129,13 @@ fn an_enum_of_layers_needs_no_code_of_its_own() {
         CollisionLayers::new(Team::Blue, Team::Red | Team::Neutral),
     );
     assert_eq!(contacts(&mut app), 6);
+}
+
+#[test]
+fn an_enum_of_layers_may_have_any_name_and_attributes() {
+    use strangers::{L, NUMBERS};
+    assert_eq!(NUMBERS, [1, 2, 1 << 31]);
+    assert_eq!(L::default() | L::Second | Team::Red, LayerMask(0b1_0011));
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! The house rules about imports, read from the sources themselves: no circle among files, none
 //! among the rooms of `src/` or of a folder in it, nothing of the inner ring imports the outer, and
-//! nobody imports the roof.
+//! nobody imports the roof; the floors are those of the map in `ARCHITECTURE.md`.
+
+mod house;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -8,26 +10,41 @@ use std::{
     path::Path,
 };
 
-/// The rooms of `src/` that know nothing of the ECS.
+use house::{House, Imports, room};
+
+/// The rooms of `src/` that are no part of an `App`: no systems, no components, no plugins of ours.
 const INNER_RING: [&str; 5] = ["octree", "broad_phase", "narrow_phase", "parallel", "trace"];
+/// What has no place in them. Resources may be derived there, for outer rooms to insert.
+const OF_SYSTEMS: [&str; 6] = [
+    "Component",
+    "SystemParam",
+    "Query<",
+    "Plugin",
+    "Commands",
+    "ResMut",
+];
 /// The files that everything else is below of.
 const ROOF: [&str; 2] = ["lib", "plugin"];
 
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn crate_house() -> House {
+    House::read(&|file| fs::read_to_string(root().join("src").join(file)).ok())
+}
+
 #[test]
 fn no_file_is_part_of_a_circle() {
-    let house = House::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("src").as_path());
-    assert!(house.files.len() > 100, "the sources are read");
+    let house = crate_house();
+    assert!(house.files().len() > 100, "the sources are read");
     assert_eq!(circles(&house.imports()), Vec::<Vec<String>>::new());
 }
 
 #[test]
 fn no_room_is_part_of_a_circle() {
-    let house = House::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("src").as_path());
-    let folders: BTreeSet<_> = house
-        .files
-        .keys()
-        .flat_map(|module| ancestors(module))
-        .collect();
+    let house = crate_house();
+    let folders: BTreeSet<_> = house.files().into_iter().flat_map(ancestors).collect();
     for folder in folders {
         let rooms = house.imports_among_rooms(&folder);
         assert_eq!(
@@ -40,49 +57,70 @@ fn no_room_is_part_of_a_circle() {
 
 #[test]
 fn the_inner_ring_imports_nothing_of_the_outer() {
-    let house = House::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("src").as_path());
-    assert_eq!(violations_of_rings(&house), Vec::<String>::new());
+    assert_eq!(violations_of_rings(&crate_house()), [""; 0]);
+}
+
+#[test]
+fn the_inner_ring_has_no_part_of_an_app() {
+    assert_eq!(parts_of_an_app(&crate_house()), [""; 0]);
 }
 
 #[test]
 fn nobody_imports_the_roof() {
-    let house = House::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("src").as_path());
-    assert_eq!(imports_of_the_roof(&house), Vec::<String>::new());
+    assert_eq!(imports_of_the_roof(&crate_house()), [""; 0]);
+}
+
+#[test]
+fn nobody_imports_all_of_a_module() {
+    assert_eq!(crate_house().globs(), [""; 0]);
+}
+
+/// An import that is not understood would be one that no rule sees.
+#[test]
+fn all_paths_lead_somewhere() {
+    assert_eq!(crate_house().paths_to_nowhere(), [""; 0]);
+}
+
+#[test]
+fn floors_are_as_in_the_map() {
+    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    assert_eq!(violations_of_floors(&crate_house(), &text), [""; 0]);
 }
 
 /// The rules are no use if they cannot be broken.
 #[test]
 fn planted_violations_are_found() {
-    let house = House::of(&[
+    let house = planted(&[
         (
-            "lib",
+            "lib.rs",
             "mod plugin; mod octree; mod swept; pub mod filters; pub use filters::Layers;",
         ),
-        ("plugin", "use crate::swept::Swept; pub struct Plugins;"),
-        ("octree", "mod tree; mod node; pub use tree::Tree;"),
+        ("plugin.rs", "use crate::swept::Swept; pub struct Plugins;"),
+        ("octree/mod.rs", "mod tree; mod node; pub use tree::Tree;"),
         (
-            "octree::tree",
+            "octree/tree.rs",
             "use super::node::{self, Node}; use crate::swept; pub struct Tree;",
         ),
         (
-            "octree::node",
+            "octree/node.rs",
             "// use crate::plugin::Plugins;\npub struct Node { tree: Option<Box<super::Tree>> }",
         ),
         (
-            "swept",
+            "swept.rs",
             "use crate::{filters::{Layers as L, mask}, plugin}; pub struct Swept;",
         ),
         (
-            "filters",
+            "filters/mod.rs",
             "mod layers; pub use layers::*; pub struct Filter(crate::swept::Swept);",
         ),
         (
-            "filters::layers",
+            "filters/layers.rs",
             "pub struct Layers; pub const fn mask() {} #[cfg(test)] mod tests { use crate::plugin; }",
         ),
     ]);
     let imports = house.imports();
     let of = |file: &str| imports[file].iter().map(String::as_str).collect::<Vec<_>>();
+    assert_eq!(of("lib"), [""; 0], "the roof hands on what is below it");
     assert_eq!(of("plugin"), ["swept"]);
     assert_eq!(of("octree::tree"), ["octree::node", "swept"]);
     assert_eq!(
@@ -117,14 +155,249 @@ fn planted_violations_are_found() {
     );
     assert_eq!(violations_of_rings(&house), ["octree::tree imports swept"]);
     assert_eq!(imports_of_the_roof(&house), ["swept imports plugin"]);
+    assert_eq!(house.globs(), [""; 0], "of a module's own");
+    assert_eq!(house.paths_to_nowhere(), [""; 0]);
+}
+
+/// The ways to hide an import, one at a time in a house that keeps the rules: a file, what it says,
+/// and what is found, among other things that it breaks.
+#[test]
+fn hidden_violations_are_found() {
+    assert_eq!(all_violations("", ""), [""; 0]);
+    let roof = ["roof: swept imports lib"];
+    let ring = ["ring: octree::tree imports swept"];
+    let plants: &[(&str, &str, &[&str])] = &[
+        // Modules within the roof, and paths that lead nowhere.
+        (
+            "swept.rs",
+            "use crate::plugins::Core; pub struct Swept;",
+            &roof,
+        ),
+        (
+            "swept.rs",
+            "use crate::prelude::*; pub struct Swept;",
+            &[
+                "roof: swept imports lib",
+                "glob: swept has crate::prelude::*",
+            ],
+        ),
+        (
+            "swept.rs",
+            "pub struct Swept(crate::prelude::Layers);",
+            &roof,
+        ),
+        ("swept.rs", "use crate::Plugins; pub struct Swept;", &roof),
+        (
+            "swept.rs",
+            "use crate as house; pub struct Swept(house::layers::Layers);",
+            &roof,
+        ),
+        (
+            "swept.rs",
+            "use crate::layers::Nothing; pub struct Swept;",
+            &["nowhere: swept has crate::layers::Nothing"],
+        ),
+        (
+            "swept.rs",
+            "pub struct Swept(super::nothing::Nothing);",
+            &["nowhere: swept has super::nothing::Nothing"],
+        ),
+        // What is handed on, but is not below.
+        (
+            "octree/mod.rs",
+            "mod tree; pub use tree::Tree; pub use crate::swept::Swept;",
+            &["ring: octree imports swept"],
+        ),
+        (
+            "layers.rs",
+            "pub(crate) use crate::plugin::Plugins; pub struct Layers;",
+            &["roof: layers imports plugin"],
+        ),
+        // What stands behind something for tests, or looks like an import.
+        (
+            "octree/tree.rs",
+            "pub struct Tree { #[cfg(test)] x: u8, y: crate::swept::Swept }",
+            &ring,
+        ),
+        (
+            "octree/tree.rs",
+            "pub struct Tree { #[cfg(test)] x: u8 } use crate::swept::Swept;",
+            &ring,
+        ),
+        (
+            "octree/tree.rs",
+            "pub struct Tree; enum A { #[cfg(test)] B, C(crate::swept::Swept) }",
+            &ring,
+        ),
+        (
+            "octree/tree.rs",
+            "pub struct Tree; #[cfg(test)] fn f<A, B>() { crate::plugin::f() } fn g() { crate::swept::Swept; }",
+            &ring,
+        ),
+        (
+            "octree/tree.rs",
+            "pub struct Tree; fn f<'a>() -> impl Sized + use<'a> { crate::swept::Swept }",
+            &ring,
+        ),
+        (
+            "octree/tree.rs",
+            "pub struct Tree; fn f<'a>() -> impl Sized + use<'a> { crate::swept::Swept; 1 }",
+            &ring,
+        ),
+        // Files with names like those of tests.
+        (
+            "octree/mod.rs",
+            "mod tree; mod checked; pub use tree::Tree;",
+            &["ring: octree::checked imports swept"],
+        ),
+        (
+            "octree/mod.rs",
+            "mod tree; mod tree_tests; pub use tree::Tree;",
+            &["ring: octree::tree_tests imports swept"],
+        ),
+        (
+            "octree/mod.rs",
+            "mod tree; mod tests; pub use tree::Tree;",
+            &["ring: octree::tests imports swept"],
+        ),
+        (
+            "octree/mod.rs",
+            "mod tree; #[cfg(test)] mod tests; pub use tree::Tree;",
+            &[],
+        ),
+        // Floors.
+        (
+            "layers.rs",
+            "use crate::swept::Swept; pub struct Layers;",
+            &[
+                "floor: layers on 1 imports swept on 2",
+                "floor: layers is on 3",
+            ],
+        ),
+        ("swept.rs", "pub struct Swept;", &["floor: swept is on 1"]),
+        (
+            "lib.rs",
+            "mod plugin; mod octree; mod swept; mod layers; mod attic;",
+            &["floor: attic has no floor"],
+        ),
+        // Parts of an `App` in the inner ring.
+        (
+            "octree/tree.rs",
+            "use bevy::prelude::*; #[derive(Component)] pub struct Tree;",
+            &["app: octree::tree has Component"],
+        ),
+        (
+            "octree/tree.rs",
+            "pub struct Tree; fn f(all: Query<&Tree>) {}",
+            &["app: octree::tree has Query<"],
+        ),
+        ("octree/tree.rs", "pub struct Tree; struct Query;", &[]),
+        (
+            "octree/tree.rs",
+            "pub struct Tree; impl bevy::app::Plugin for Tree {}",
+            &["app: octree::tree has Plugin"],
+        ),
+        (
+            "octree/tree.rs",
+            "#[derive(SystemParam)] pub struct Tree;",
+            &["app: octree::tree has SystemParam"],
+        ),
+        // Names that come by a module, or by the root.
+        (
+            "octree/tree.rs",
+            "pub struct Tree; fn f() { crate::sweep!() }",
+            &ring,
+        ),
+        (
+            "octree/tree.rs",
+            "use super::*; pub struct Tree;",
+            &["glob: octree::tree has super::*"],
+        ),
+        (
+            "octree/mod.rs",
+            "mod tree; mod node; pub use tree::Tree; fn f() { node::Node::new() }",
+            &["circle: octree, octree::node"],
+        ),
+        (
+            "octree/tree.rs",
+            "use super::node::Node; pub struct Tree(Node);",
+            &["circle: octree::node, octree::tree"],
+        ),
+    ];
+    for (file, text, expected) in plants {
+        let found = all_violations(file, text);
+        assert_eq!(found.is_empty(), expected.is_empty(), "{text}: {found:?}");
+        for violation in *expected {
+            assert!(found.iter().any(|of| of == violation), "{text}: {found:?}");
+        }
+    }
+}
+
+/// What is found in a small house, of which one file says something else.
+fn all_violations(file: &str, text: &str) -> Vec<String> {
+    const MAP: &str = "```text\nsrc/  floor  what\n  lib.rs, plugin.rs  3  all\n  swept.rs  2\n    part\n  layers.rs  1\ninner ring\n  octree/  1\n```";
+    let house = House::read(&|asked| {
+        let said = match asked {
+            _ if asked == file => text,
+            "lib.rs" => {
+                "mod plugin; mod octree; mod swept; mod layers; pub use plugin::Plugins; \
+                pub mod plugins { pub use crate::plugin::Core; } \
+                pub mod prelude { pub use crate::{layers::Layers, octree::Tree}; }"
+            }
+            "plugin.rs" => {
+                "use crate::{octree, swept::Swept}; pub struct Plugins; pub struct Core;"
+            }
+            "octree/mod.rs" => "mod tree; mod node; pub use tree::Tree;",
+            "octree/tree.rs" => "pub struct Tree;",
+            "octree/node.rs" => "use crate::octree; pub struct Node(octree::Tree);",
+            "octree/checked.rs" | "octree/tree_tests.rs" | "octree/tests.rs" => {
+                "use crate::swept::Swept;"
+            }
+            "swept.rs" => {
+                "use crate::layers::Layers; pub struct Swept; #[macro_export] macro_rules! sweep { () => {} }"
+            }
+            "layers.rs" => "pub struct Layers;",
+            "attic.rs" => "",
+            _ => return None,
+        };
+        Some(said.to_owned())
+    });
+    let circles = circles(&house.imports());
+    let found = [
+        ("circle", circles.iter().map(|of| of.join(", ")).collect()),
+        ("ring", violations_of_rings(&house)),
+        ("roof", imports_of_the_roof(&house)),
+        ("glob", house.globs()),
+        ("nowhere", house.paths_to_nowhere()),
+        ("app", parts_of_an_app(&house)),
+        ("floor", violations_of_floors(&house, MAP)),
+    ];
+    found
+        .into_iter()
+        .flat_map(|(rule, of)| of.into_iter().map(move |what| format!("{rule}: {what}")))
+        .collect()
+}
+
+fn planted(files: &[(&str, &str)]) -> House {
+    House::read(&|asked| {
+        let (_, text) = files.iter().find(|(file, _)| *file == asked)?;
+        Some((*text).to_owned())
+    })
 }
 
 fn violations_of_rings(house: &House) -> Vec<String> {
-    let is_inner = |module: &str| INNER_RING.contains(&room(module, ""));
     pairs(&house.imports())
         .filter(|(from, to)| is_inner(from) && !is_inner(to))
         .map(|(from, to)| format!("{from} imports {to}"))
         .collect()
+}
+
+fn parts_of_an_app(house: &House) -> Vec<String> {
+    house.words(&OF_SYSTEMS, &is_inner)
+}
+
+fn is_inner(module: &str) -> bool {
+    INNER_RING.contains(&room(module, ""))
 }
 
 fn imports_of_the_roof(house: &House) -> Vec<String> {
@@ -134,8 +407,56 @@ fn imports_of_the_roof(house: &House) -> Vec<String> {
         .collect()
 }
 
-/// What each file imports of the others.
-type Imports = BTreeMap<String, BTreeSet<String>>;
+fn violations_of_floors(house: &House, text: &str) -> Vec<String> {
+    let (floors, mut violations) = (floors(text), Vec::new());
+    let mut rooms = house.imports_among_rooms("");
+    for room in floors.keys().filter(|room| !rooms.contains_key(*room)) {
+        violations.push(format!("{room} is in the map alone"));
+    }
+    for room in rooms.keys().filter(|room| !floors.contains_key(*room)) {
+        violations.push(format!("{room} has no floor"));
+    }
+    // The files of the roof are one room.
+    let [lib, plugin] = ROOF.map(|room| rooms.remove(room).unwrap_or_default());
+    let roof = lib.union(&plugin).filter(|to| !ROOF.contains(&to.as_str()));
+    rooms.insert(ROOF[1].to_owned(), roof.cloned().collect());
+    for (from, to) in pairs(&rooms) {
+        if let (Some(here), Some(there)) = (floors.get(from), floors.get(to))
+            && there >= here
+        {
+            violations.push(format!("{from} on {here} imports {to} on {there}"));
+        }
+    }
+    for (room, imports) in &rooms {
+        let highest = imports.iter().filter_map(|to| floors.get(to)).max();
+        let floor = highest.map_or(1, |highest| highest + 1);
+        if floors.get(room).is_some_and(|told| *told != floor) {
+            violations.push(format!("{room} is on {floor}"));
+        }
+    }
+    violations
+}
+
+/// The rooms in the map, each with its floor: lines of names with commas, a number, and words.
+fn floors(text: &str) -> BTreeMap<String, u32> {
+    let map = text.split("```").find(|block| block.contains("floor  "));
+    let lines = map.expect("there is a map").lines();
+    // What is further in is a part of a room.
+    let lines = lines.filter_map(|line| line.strip_prefix("  ").filter(|of| !of.starts_with(' ')));
+    lines
+        .flat_map(|line| {
+            let words: Vec<_> = line.split_whitespace().collect();
+            let number = words.iter().position(|word| word.parse::<u32>().is_ok());
+            let number = number.unwrap_or_else(|| panic!("no floor in: {line}"));
+            let floor: u32 = words[number].parse().unwrap();
+            words[..number]
+                .iter()
+                .map(|name| name.trim_end_matches(',').trim_end_matches('/'))
+                .map(|name| (name.trim_end_matches(".rs").to_owned(), floor))
+                .collect::<Vec<_>>()
+        })
+        .collect()
+}
 
 fn pairs(imports: &Imports) -> impl Iterator<Item = (&str, &str)> {
     imports
@@ -149,15 +470,6 @@ fn ancestors(module: &str) -> Vec<String> {
     (0..parts.len())
         .map(|length| parts[..length].join("::"))
         .collect()
-}
-
-/// The part of a folder that a module is in.
-fn room<'a>(module: &'a str, folder: &str) -> &'a str {
-    let inside = module
-        .strip_prefix(folder)
-        .unwrap_or(module)
-        .trim_start_matches("::");
-    inside.split("::").next().unwrap_or_default()
 }
 
 /// The sets of at least two that import each other, directly or not: each sorted, in the order of
@@ -190,375 +502,4 @@ fn circles(imports: &Imports) -> Vec<Vec<String>> {
         .filter(|circle| circle.len() > 1)
         .collect();
     circles.into_iter().collect()
-}
-
-/// All modules of the crate that have a file.
-struct House {
-    files: BTreeMap<String, File>,
-}
-
-/// What a file says that matters here.
-#[derive(Default)]
-struct File {
-    /// The names of what it defines.
-    defines: BTreeSet<String>,
-    /// By the name that they have here: what it imports, as a path from the root. Globs are under
-    /// `*` and a number.
-    uses: BTreeMap<String, Vec<String>>,
-    /// Of these, the names that it only hands on.
-    handed_on: BTreeSet<String>,
-    /// Other paths that it mentions.
-    mentions: Vec<Vec<String>>,
-}
-
-impl House {
-    fn read(src: &Path) -> Self {
-        let mut texts = Vec::new();
-        read_folder(src, "", &mut texts);
-        Self::of(
-            &texts
-                .iter()
-                .map(|(module, text)| (module.as_str(), text.as_str()))
-                .collect::<Vec<_>>(),
-        )
-    }
-
-    fn of(texts: &[(&str, &str)]) -> Self {
-        Self {
-            files: texts
-                .iter()
-                .map(|(module, text)| ((*module).to_owned(), File::parse(module, text)))
-                .collect(),
-        }
-    }
-
-    fn imports(&self) -> Imports {
-        let of = |module: &String, file: &File| {
-            let used = file
-                .uses
-                .iter()
-                .filter(|(name, _)| !file.handed_on.contains(*name))
-                .map(|(_, path)| path);
-            let paths = used.chain(&file.mentions);
-            let mut to: BTreeSet<_> = paths.filter_map(|path| self.defining(path, 0)).collect();
-            to.remove(module);
-            to
-        };
-        self.files
-            .iter()
-            .map(|(module, file)| (module.clone(), of(module, file)))
-            .collect()
-    }
-
-    /// The imports from one part of a folder to another.
-    fn imports_among_rooms(&self, folder: &str) -> Imports {
-        let inside = |module: &str| folder.is_empty() || module.starts_with(&format!("{folder}::"));
-        let mut rooms = Imports::new();
-        for (from, to) in pairs(&self.imports()).filter(|(from, to)| inside(from) && inside(to)) {
-            let [from, to] = [from, to].map(|module| room(module, folder).to_owned());
-            let others = rooms.entry(from.clone()).or_default();
-            if from != to {
-                others.insert(to);
-            }
-        }
-        rooms
-    }
-
-    /// The module that defines what a path leads to; a module itself, if the path names one.
-    fn defining(&self, path: &[String], depth: usize) -> Option<String> {
-        // Re-exports that lead nowhere, or in a circle, belong to other crates, or do not compile.
-        if depth > 8 {
-            return None;
-        }
-        let mut length = path.len();
-        while length > 0 && !self.files.contains_key(&path[..length].join("::")) {
-            length -= 1;
-        }
-        let module = if length == 0 {
-            "lib".to_owned()
-        } else {
-            path[..length].join("::")
-        };
-        let file = self.files.get(&module)?;
-        let Some(name) = path.get(length) else {
-            // A module by itself: a folder's list of modules stands for nothing that it defines.
-            return Some(module);
-        };
-        if file.defines.contains(name) {
-            return Some(module);
-        }
-        if let Some(target) = file.uses.get(name) {
-            let rest = &path[length + 1..];
-            return self.defining(&[target, rest].concat(), depth + 1);
-        }
-        let globs = file.uses.iter().filter(|(name, _)| name.starts_with('*'));
-        globs
-            .map(|(_, target)| [target, &path[length..]].concat())
-            .find_map(|path| self.defining(&path, depth + 1))
-    }
-}
-
-fn read_folder(folder: &Path, module: &str, texts: &mut Vec<(String, String)>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        let name = path.file_stem().unwrap().to_str().unwrap();
-        let inside = if module.is_empty() {
-            name.to_owned()
-        } else {
-            format!("{module}::{name}")
-        };
-        if path.is_dir() {
-            read_folder(&path, &inside, texts);
-        } else if name == "tests" || name.ends_with("_tests") || name == "checked" {
-            // Tests may import what they like.
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            texts.push((
-                if name == "mod" {
-                    module.to_owned()
-                } else {
-                    inside
-                },
-                fs::read_to_string(&path).unwrap(),
-            ));
-        }
-    }
-}
-
-impl File {
-    fn parse(module: &str, text: &str) -> Self {
-        let tokens = without_tests(&tokens(text));
-        let mut file = Self::default();
-        let mut mentioned = BTreeSet::new();
-        let mut place = 0;
-        while place < tokens.len() {
-            let token = tokens[place].as_str();
-            match token {
-                "use" => {
-                    let end = place
-                        + tokens[place..]
-                            .iter()
-                            .position(|token| token == ";")
-                            .unwrap();
-                    let known: BTreeSet<_> = file.uses.keys().cloned().collect();
-                    file.add_uses(&origin(module), &tokens[place + 1..end], true);
-                    if place > 0 && [")", "pub"].contains(&tokens[place - 1].as_str()) {
-                        file.handed_on.extend(
-                            file.uses
-                                .keys()
-                                .filter(|name| !known.contains(*name))
-                                .cloned(),
-                        );
-                    }
-                    place = end;
-                }
-                "struct" | "enum" | "trait" | "fn" | "const" | "static" | "type" | "union" => {
-                    file.defines
-                        .extend(tokens.get(place + 1).filter(|name| is_name(name)).cloned());
-                }
-                "!" if place > 0 && tokens[place - 1] == "macro_rules" => {
-                    file.defines.extend(tokens.get(place + 1).cloned());
-                }
-                "crate" | "super" if tokens.get(place + 1).is_some_and(|token| token == "::") => {
-                    let mut end = place + 1;
-                    while tokens.get(end).is_some_and(|token| token == "::")
-                        && is_name(&tokens[end + 1])
-                    {
-                        end += 2;
-                    }
-                    file.add_uses(&origin(module), &tokens[place..end], false);
-                    place = end - 1;
-                }
-                name => drop(mentioned.insert(name)),
-            }
-            place += 1;
-        }
-        file.handed_on
-            .retain(|name| !mentioned.contains(name.as_str()));
-        file
-    }
-
-    /// Takes apart a tree of imports: those that give a name, or a path in the midst of the code.
-    fn add_uses(&mut self, origin: &[String], tree: &[String], named: bool) {
-        let mut path: Vec<String> = Vec::new();
-        let mut place = 0;
-        while place < tree.len() {
-            match tree[place].as_str() {
-                "::" => {}
-                "{" => {
-                    for branch in branches(&tree[place..]) {
-                        let whole: Vec<_> = path
-                            .iter()
-                            .flat_map(|part| [part.clone(), "::".to_owned()])
-                            .collect();
-                        self.add_uses(origin, &[&whole, branch].concat(), named);
-                    }
-                    return;
-                }
-                "as" => {
-                    let name = tree[place + 1].clone();
-                    self.add_use(origin, &path, Some(name), named);
-                    return;
-                }
-                part => path.push(part.to_owned()),
-            }
-            place += 1;
-        }
-        self.add_use(origin, &path, None, named);
-    }
-
-    fn add_use(&mut self, origin: &[String], path: &[String], alias: Option<String>, named: bool) {
-        // What begins with a name is another crate, or, as in a re-export, a module below.
-        let mut from_root = origin.to_vec();
-        for part in path {
-            match part.as_str() {
-                "crate" => from_root.clear(),
-                "super" => drop(from_root.pop()),
-                "self" => {}
-                part => from_root.push(part.to_owned()),
-            }
-        }
-        if !named {
-            self.mentions.push(from_root);
-            return;
-        }
-        let last = from_root.last().cloned().unwrap_or_default();
-        if last == "*" {
-            from_root.pop();
-            self.uses.insert(format!("*{}", self.uses.len()), from_root);
-        } else {
-            self.uses
-                .insert(alias.filter(|name| name != "_").unwrap_or(last), from_root);
-        }
-    }
-}
-
-/// A module as a path from the root.
-fn origin(module: &str) -> Vec<String> {
-    module
-        .split("::")
-        .filter(|part| !part.is_empty() && *part != "lib")
-        .map(str::to_owned)
-        .collect()
-}
-
-/// The parts between the outermost braces of a tree of imports.
-fn branches(tree: &[String]) -> Vec<&[String]> {
-    let (mut depth, mut start, mut found) = (0, 1, Vec::new());
-    for (place, token) in tree.iter().enumerate() {
-        match token.as_str() {
-            "{" => depth += 1,
-            "}" if depth == 1 => {
-                found.push(&tree[start..place]);
-                break;
-            }
-            "}" => depth -= 1,
-            "," if depth == 1 => {
-                found.push(&tree[start..place]);
-                start = place + 1;
-            }
-            _ => {}
-        }
-    }
-    found.retain(|branch| !branch.is_empty());
-    found
-}
-
-fn is_name(token: &str) -> bool {
-    token.starts_with(|first: char| first.is_alphabetic() || first == '_')
-}
-
-/// Names, `::` and single marks; without comments and without what is quoted.
-fn tokens(text: &str) -> Vec<String> {
-    let mut tokens = Vec::new();
-    let mut rest = text;
-    while let Some(first) = rest.chars().next() {
-        let length = if rest.starts_with("//") {
-            rest.find('\n').unwrap_or(rest.len())
-        } else if rest.starts_with("/*") {
-            rest.find("*/").map_or(rest.len(), |end| end + 2)
-        } else if rest.starts_with("r\"") || rest.starts_with("r#\"") {
-            let (end, opening) = if rest.starts_with("r\"") {
-                ("\"", 2)
-            } else {
-                ("\"#", 3)
-            };
-            rest[opening..]
-                .find(end)
-                .map_or(rest.len(), |at| opening + at + end.len())
-        } else if first == '"' {
-            end_of_quote(rest)
-        } else if first == '\'' {
-            // A lifetime is a mark and a name.
-            match rest[1..].chars().nth(1) {
-                Some('\'') => 2 + rest[1..].chars().next().map_or(0, char::len_utf8),
-                _ if rest[1..].starts_with('\\') => 3 + rest[3..].find('\'').unwrap_or(0) + 1,
-                _ => 1,
-            }
-        } else if first.is_alphanumeric() || first == '_' {
-            let end = rest
-                .find(|next: char| !next.is_alphanumeric() && next != '_')
-                .unwrap_or(rest.len());
-            tokens.push(rest[..end].to_owned());
-            end
-        } else {
-            let mark = if rest.starts_with("::") {
-                "::"
-            } else {
-                &rest[..first.len_utf8()]
-            };
-            if !first.is_whitespace() {
-                tokens.push(mark.to_owned());
-            }
-            mark.len()
-        };
-        rest = &rest[length..];
-    }
-    tokens
-}
-
-fn end_of_quote(rest: &str) -> usize {
-    let mut escaped = false;
-    for (at, next) in rest.char_indices().skip(1) {
-        match next {
-            _ if escaped => escaped = false,
-            '\\' => escaped = true,
-            '"' => return at + 1,
-            _ => {}
-        }
-    }
-    rest.len()
-}
-
-/// All but the items that are for tests only.
-fn without_tests(tokens: &[String]) -> Vec<String> {
-    const MARK: [&str; 7] = ["#", "[", "cfg", "(", "test", ")", "]"];
-    let mut kept = Vec::new();
-    let mut place = 0;
-    while place < tokens.len() {
-        if tokens[place..]
-            .iter()
-            .zip(MARK)
-            .filter(|(token, mark)| token == mark)
-            .count()
-            == MARK.len()
-        {
-            let mut depth = 0;
-            place += MARK.len();
-            while place < tokens.len() {
-                match tokens[place].as_str() {
-                    "{" | "(" | "[" => depth += 1,
-                    "}" | ")" | "]" => depth -= 1,
-                    _ => {}
-                }
-                place += 1;
-                if depth == 0 && [";", "}"].contains(&tokens[place - 1].as_str()) {
-                    break;
-                }
-            }
-        } else {
-            kept.push(tokens[place].clone());
-            place += 1;
-        }
-    }
-    kept
 }

@@ -3,6 +3,7 @@
 //! one of them.
 
 mod bounce;
+mod bullets;
 #[path = "../common/mod.rs"]
 mod common;
 mod conservation;

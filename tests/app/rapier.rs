@@ -49,7 +49,8 @@ fn fixed_app() -> App {
     app_in(FixedUpdate, FixedPostUpdate)
 }
 
-fn spawn(app: &mut App, collider: Collider, at: Vec3, more: impl Bundle) -> Entity {
+/// An entity that has the shape of its collider.
+pub fn spawn(app: &mut App, collider: Collider, at: Vec3, more: impl Bundle) -> Entity {
     app.world_mut()
         .spawn((
             collider,

@@ -1,7 +1,7 @@
 //! Bodies that Rapier moves: what they rest on, and how fast they count when something of ours
 //! meets them.
 
-use crate::common;
+use crate::{common, rapier::spawn};
 
 use std::sync::Arc;
 
@@ -41,17 +41,6 @@ fn rapier_app() -> App {
     app.finish();
     app.cleanup();
     app
-}
-
-fn spawn(app: &mut App, collider: Collider, at: Vec3, more: impl Bundle) -> Entity {
-    app.world_mut()
-        .spawn((
-            collider,
-            ShapeFromRapier,
-            Transform::from_translation(at),
-            more,
-        ))
-        .id()
 }
 
 fn voxels() -> Collider {

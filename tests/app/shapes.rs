@@ -1,9 +1,12 @@
 //! Shapes as a game writes them.
 
-use bevy::{math::bounding::Bounded3d, prelude::*};
+use bevy::{
+    math::{bounding::Bounded3d, primitives::Primitive2d},
+    prelude::*,
+};
 use bevy_octree::{components::WorldAabb, prelude::*};
 
-use crate::common::warnings::warnings;
+use crate::common::warnings::{told, warnings};
 
 /// The shape of each entity, with what is known of its box after a tick.
 fn boxes(shapes: Vec<CollisionShape>) -> Vec<WorldAabb> {
@@ -102,4 +105,107 @@ fn bad_numbers_are_logged_and_never_panic() {
     ]);
     assert_eq!(found[0], WorldAabb::NONE, "it takes no part");
     assert!((found[1].max.x - 1.0).abs() < 1e-3, "{found:?}");
+}
+
+/// A name, and what is made of a size.
+type Made = (&'static str, fn(f32) -> CollisionShape);
+
+/// Each primitive that has sizes, one of which is given.
+const OF_SIZES: [Made; 10] = [
+    ("cuboid", |x| {
+        Cuboid {
+            half_size: Vec3::new(1.0, x, 1.0),
+        }
+        .into()
+    }),
+    ("sphere", |radius| Sphere { radius }.into()),
+    ("plane", |x| plane(Vec2::new(x, 1.0)).into()),
+    ("square plane", |x| plane(Vec2::splat(x)).into()),
+    ("rectangle", |x| {
+        prism(
+            Rectangle {
+                half_size: Vec2::new(1.0, x),
+            },
+            1.0,
+        )
+        .into()
+    }),
+    ("triangle", |depth| {
+        prism(Triangle2d::default(), depth).into()
+    }),
+    ("rhombus", |x| {
+        prism(
+            Rhombus {
+                half_diagonals: Vec2::new(1.0, x),
+            },
+            1.0,
+        )
+        .into()
+    }),
+    ("flat rhombus", |depth| {
+        prism(Rhombus::default(), depth).into()
+    }),
+    ("polygon", |radius| {
+        let circumcircle = Circle { radius };
+        prism(
+            RegularPolygon {
+                circumcircle,
+                sides: 5,
+            },
+            1.0,
+        )
+        .into()
+    }),
+    ("convex polygon", |depth| {
+        prism(
+            ConvexPolygon::new(Triangle2d::default().vertices).unwrap(),
+            depth,
+        )
+        .into()
+    }),
+];
+
+fn plane(half_size: Vec2) -> Plane3d {
+    Plane3d {
+        normal: Dir3::Y,
+        half_size,
+    }
+}
+
+fn prism<T: Primitive2d>(base_shape: T, half_depth: f32) -> Extrusion<T> {
+    Extrusion {
+        base_shape,
+        half_depth,
+    }
+}
+
+#[test]
+fn every_bad_size_of_a_primitive_is_logged_once() {
+    for (name, made) in OF_SIZES {
+        assert_eq!(told(|| drop(made(1.0))), [""; 0], "{name}");
+        for bad in [-1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let logged = told(|| drop(made(bad)));
+            assert_eq!(logged.len(), 1, "{name} {bad}: {logged:?}");
+            let expected = if bad.is_finite() {
+                "the absolute value is used"
+            } else {
+                "the shape is in contact with nothing"
+            };
+            assert!(logged[0].ends_with(expected), "{name} {bad}: {logged:?}");
+            assert!(logged[0].contains(&bad.to_string()), "{name}: {logged:?}");
+        }
+    }
+}
+
+#[test]
+fn warnings_name_the_sizes_that_were_given() {
+    let logged = told(|| drop(CollisionShape::cuboid(-2.0, 4.0, 6.0)));
+    assert_eq!(
+        logged,
+        [
+            "the sides of a cuboid must be finite and not negative, got [-2, 4, 6]: the absolute value is used"
+        ]
+    );
+    let both = told(|| drop(CollisionShape::from(plane(Vec2::new(-2.0, 0.0)))));
+    assert_eq!(both.len(), 1, "{both:?}");
 }

@@ -9,11 +9,7 @@ use bevy::{
     math::{DAffine3, DVec3},
     prelude::*,
 };
-use bevy_octree::{
-    components::WorldAabb,
-    narrow_phase::{NarrowPhase, Shape},
-    prelude::*,
-};
+use bevy_octree::{components::WorldAabb, narrow_phase::Shape, prelude::*};
 use common::{warnings::warnings, *};
 use fastrand::Rng;
 
@@ -420,7 +416,9 @@ fn a_rapier_collider_is_not_sheared() {
         .id();
     assert_eq!(warnings(|| tick(&mut app, 1)), 1);
     let at = GlobalTransform::from(place(app.world(), child).as_affine3a()).compute_transform();
-    let tests = *app.world().resource::<NarrowPhase>();
+    let tests = *app
+        .world()
+        .resource::<bevy_octree::narrow_phase::NarrowPhase>();
     let expected = tests
         .world_aabb(bevy_octree::narrow_phase::Placed::new(&shape, &at))
         .unwrap();

@@ -250,7 +250,7 @@ fn what_is_in_the_box_but_not_in_the_shape_is_not_met() {
         let ball = |radius| {
             count(&|found| {
                 spatial.for_each_sphere_intersection(corner, radius, &ALL, |entity| {
-                    found.push(entity)
+                    found.push(entity);
                 });
             })
         };
@@ -267,7 +267,7 @@ fn what_is_in_the_box_but_not_in_the_shape_is_not_met() {
         let planes = |x| {
             count(&|found| {
                 spatial.for_each_half_space_intersection(&beyond(x), &ALL, |entity| {
-                    found.push(entity)
+                    found.push(entity);
                 });
             })
         };

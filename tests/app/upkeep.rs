@@ -12,21 +12,6 @@ use bevy_octree::{
 };
 use common::*;
 
-fn block(app: &mut App, x: f32) -> Entity {
-    app.world_mut()
-        .spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0)))
-        .id()
-}
-
-/// An app with two static cubes in contact, one tick old.
-fn in_contact() -> (App, EntityPair) {
-    let mut app = app(BroadPhaseMethod::default());
-    let cubes = [block(&mut app, 0.0), block(&mut app, 0.9)];
-    tick(&mut app, 1);
-    assert_eq!(contacts(&app), [cubes]);
-    (app, cubes)
-}
-
 /// Who takes part, each by its own handle.
 fn assert_in_index(app: &App, entities: &[Entity]) {
     let collisions = app.world().resource::<CollisionIndex>();

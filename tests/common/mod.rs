@@ -85,6 +85,22 @@ pub fn tick(app: &mut App, ticks: usize) {
     }
 }
 
+/// A static unit cube.
+pub fn block(app: &mut App, x: f32) -> Entity {
+    app.world_mut()
+        .spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0)))
+        .id()
+}
+
+/// An app with two static cubes in contact, one tick old.
+pub fn in_contact() -> (App, EntityPair) {
+    let mut app = app(BroadPhaseMethod::default());
+    let cubes = [block(&mut app, 0.0), block(&mut app, 0.9)];
+    tick(&mut app, 1);
+    assert_eq!(contacts(&app), [cubes]);
+    (app, cubes)
+}
+
 /// Every message so far, with the number of its tick, counted from 1.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct Log {

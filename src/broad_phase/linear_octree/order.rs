@@ -191,7 +191,7 @@ fn half_sides(aabb: &Aabb3d) -> Vec3A {
 }
 
 /// Where objects are, and how large: by half their centres, and half their longest sides.
-struct Extent {
+struct Spread {
     low: Vec3A,
     high: Vec3A,
     /// The largest size of the largest class.
@@ -200,7 +200,7 @@ struct Extent {
     holds_all: bool,
 }
 
-impl Extent {
+impl Spread {
     /// With so many objects or more, a few of them may be left out.
     const MANY: usize = 128;
     /// How many are then looked at to see where most of them are. One in eight may be far away, on
@@ -290,12 +290,12 @@ const FAR: u32 = 0;
 #[inline(always)]
 fn set_keys<S: Simd>(_: S, boxes: &[Aabb3d], items: &mut [u64]) {
     const CELLS: f32 = (1 << CELL_BITS) as f32;
-    let Extent {
+    let Spread {
         low,
         high,
         largest,
         holds_all,
-    } = Extent::of(boxes, items);
+    } = Spread::of(boxes, items);
     let scale = CELLS / (high - low).max_element();
     let scale = if scale.is_finite() { scale } else { 0.0 };
     for items in items.chunks_mut(LANES) {

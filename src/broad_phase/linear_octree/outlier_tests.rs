@@ -69,7 +69,7 @@ fn count(
             .map(|(bounds, _)| bounds)
             .collect();
         let overlapped =
-            |(place, a): (usize, &Aabb3d)| blocks[place..].iter().filter(|b| overlap(a, b)).count();
+            |(index, a): (usize, &Aabb3d)| blocks[index..].iter().filter(|b| overlap(a, b)).count();
         counts.blocks += blocks.iter().enumerate().map(overlapped).sum::<usize>() as f64;
         index.find_pairs();
     }

@@ -13,7 +13,7 @@ pub(super) const TOO_LOOSE: f64 = 3.0;
 
 /// How far the upkeep of a tick has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
+enum Progress {
     /// Objects that went have no slot any more, and those that came have one, unless they are too
     /// many.
     Counted,
@@ -51,21 +51,21 @@ impl LinearOctree {
                 self.near.renew(*slot);
             }
         }
-        let mut stage = Stage::Counted;
+        let mut progress = Progress::Counted;
         loop {
-            stage = match self.decide(proxies, stage) {
+            progress = match self.decide(proxies, progress) {
                 Work::Follow => {
                     self.follow(proxies);
                     self.changes += self.escaped.len();
-                    Stage::Followed
+                    Progress::Followed
                 }
                 Work::Renew => {
                     self.renew_escaped(proxies);
-                    Stage::Renewed
+                    Progress::Renewed
                 }
                 Work::Refresh { forget_order } => {
                     // Only who follows gathers the boxes of a tick.
-                    self.boxes_are_gathered &= stage != Stage::Counted;
+                    self.boxes_are_gathered &= progress != Progress::Counted;
                     if forget_order {
                         self.order.forget();
                     }
@@ -78,7 +78,7 @@ impl LinearOctree {
 
     /// Decides what to do next. The first condition that holds counts.
     ///
-    /// | stage | if | then |
+    /// | progress | if | then |
     /// |---|---|---|
     /// | counted | objects have no slot: so many came that all had better be put in order | refresh, in a new order |
     /// | | there are no skins, and many moved, all of which will have left theirs | refresh |
@@ -91,25 +91,27 @@ impl LinearOctree {
     /// | | | nothing |
     ///
     /// Many are more than one in [`REFRESH_SHARE`].
-    fn decide(&self, proxies: &Proxies, stage: Stage) -> Work {
+    fn decide(&self, proxies: &Proxies, progress: Progress) -> Work {
         let are_many = |count: usize| count * REFRESH_SHARE > proxies.len();
-        match stage {
-            Stage::Counted if self.owned != proxies.len() => Work::Refresh { forget_order: true },
-            Stage::Counted if self.tight && are_many(proxies.moved().len()) => Work::Refresh {
-                forget_order: false,
-            },
-            Stage::Counted => Work::Follow,
-            Stage::Followed if self.near.searches_are_slow() => {
+        match progress {
+            Progress::Counted if self.owned != proxies.len() => {
                 Work::Refresh { forget_order: true }
             }
-            Stage::Followed if are_many(self.changes) => Work::Refresh {
+            Progress::Counted if self.tight && are_many(proxies.moved().len()) => Work::Refresh {
                 forget_order: false,
             },
-            Stage::Followed if !self.escaped.is_empty() => Work::Renew,
-            Stage::Renewed if self.searches_would_be_dear(proxies) => {
+            Progress::Counted => Work::Follow,
+            Progress::Followed if self.near.searches_are_slow() => {
                 Work::Refresh { forget_order: true }
             }
-            Stage::Followed | Stage::Renewed => Work::Nothing,
+            Progress::Followed if are_many(self.changes) => Work::Refresh {
+                forget_order: false,
+            },
+            Progress::Followed if !self.escaped.is_empty() => Work::Renew,
+            Progress::Renewed if self.searches_would_be_dear(proxies) => {
+                Work::Refresh { forget_order: true }
+            }
+            Progress::Followed | Progress::Renewed => Work::Nothing,
         }
     }
 

@@ -75,8 +75,8 @@ impl ObjectOctree {
     }
 
     /// The lowest node above one of an object's leaves that holds all of a box: the second check
-    /// begins there. (The report goes from neighbour to neighbour instead; see `ARCHITECTURE.md`
-    /// for what that costs.)
+    /// begins there. (The report goes from neighbour to neighbour instead; see the notes in
+    /// `docs/notes` for what that costs.)
     fn holder(&self, object: u32, aabb: &Aabb3d) -> NodeId {
         let Some(&leaf) = self.entries[object as usize].leaves.first() else {
             return NodeId::ROOT;

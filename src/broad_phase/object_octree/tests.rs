@@ -215,9 +215,9 @@ fn a_root_that_may_not_double_any_more_is_laid_anew_where_many_need_it() {
         let mut compared = 0;
         for tick in 0..400_u16 {
             let shift = f32::from(tick % 2);
-            for (id, place) in ids.iter().zip(0_u16..) {
-                let at = [place % 6, place / 6 % 6, place / 36]
-                    .map(|c| 1e4 + 10.0 * f32::from(c) + shift);
+            for (id, slot) in ids.iter().zip(0_u16..) {
+                let at =
+                    [slot % 6, slot / 6 % 6, slot / 36].map(|c| 1e4 + 10.0 * f32::from(c) + shift);
                 checked
                     .index
                     .set(*id, &cube(at[0], at[1], at[2], 1.0))

@@ -31,9 +31,9 @@ pub fn first_meeting(
     let mut advance = Advance::new(moments, from);
     while advance.looks < MOST_LOOKS && advance.time <= 1.0 {
         match advance.step(workspace) {
-            Step::Apart => {}
-            Step::Parting => return None,
-            Step::Touching(near) => return Some(advance.meeting(near, workspace)),
+            Look::Apart => {}
+            Look::Parting => return None,
+            Look::Touching(near) => return Some(advance.meeting(near, workspace)),
         }
     }
     None
@@ -64,7 +64,7 @@ struct Advance<'a> {
 }
 
 /// What a look at a moment says.
-enum Step {
+enum Look {
     /// They are apart; there is a next moment.
     Apart,
     /// They are apart, and will be.
@@ -93,7 +93,7 @@ impl<'a> Advance<'a> {
 
     /// Looks how far the two are from each other, and goes on to the moment up to which they cannot
     /// meet.
-    fn step(&mut self, workspace: &mut Workspace) -> Step {
+    fn step(&mut self, workspace: &mut Workspace) -> Look {
         let near = self.moments.closest_points(self.time, workspace);
         let touching = match &near {
             Some(near) => near.distance <= self.tolerance,
@@ -101,12 +101,12 @@ impl<'a> Advance<'a> {
             None => self.moments.touches(self.time, workspace),
         };
         if touching {
-            return Step::Touching(near);
+            return Look::Touching(near);
         }
         let free = match &near {
             Some(near) => match self.free_time(near) {
                 Some(free) => free,
-                None => return Step::Parting,
+                None => return Look::Parting,
             },
             None => 0.0,
         };
@@ -121,7 +121,7 @@ impl<'a> Advance<'a> {
         self.overshot = free < step;
         (self.last, self.time) = (self.time, self.time + step);
         self.looks += 1;
-        Step::Apart
+        Look::Apart
     }
 
     /// For how long two that are so near cannot meet; `None` if they never do.

@@ -58,7 +58,8 @@ impl NarrowPhase {
         if !(max_distance >= 0.0
             && origin.is_finite()
             && direction.is_finite()
-            && target.transform.is_finite())
+            && target.transform.is_finite()
+            && target.shape.is_finite())
         {
             return None;
         }

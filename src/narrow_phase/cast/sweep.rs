@@ -10,9 +10,9 @@ use crate::narrow_phase::{
     error::BoundsError,
     frame::{
         case::Case,
-        large::Smaller,
         oriented_box::OrientedBox,
         placed::{Placed, PlacedPair},
+        smaller::Smaller,
         workspace::Workspace,
     },
     parry,

@@ -284,7 +284,7 @@ fn equal_cubes_turned_alike_meet_face_to_face() {
 }
 
 #[test]
-fn the_way_may_be_endless() {
+fn the_way_may_be_unbounded() {
     let (here, turn) = (at(0.0, 0.0, 0.0), Quat::from_rotation_y(1.0));
     let there = at(50.0, 0.3, 0.3).with_rotation(turn);
     let ball = Shape::sphere(0.5);

@@ -1,7 +1,7 @@
 //! What constructors make of numbers, good and bad.
 
 use bevy::math::primitives::{
-    ConvexPolygon, Cuboid, Extrusion, Plane3d, Rectangle, RegularPolygon, Rhombus, Sphere,
+    Circle, ConvexPolygon, Cuboid, Extrusion, Plane3d, Rectangle, RegularPolygon, Rhombus, Sphere,
     Tetrahedron, Triangle2d, Triangle3d,
 };
 use bevy::math::{Dir3, Quat, Vec2, Vec3};
@@ -128,6 +128,53 @@ fn negative_sizes_count_as_absolute_ones() {
         ),
         Vec3::new(2.0, 1.0, 0.5),
     );
+}
+
+/// A polygon with an odd number of sides is not its own image, upside down.
+#[test]
+fn solids_of_negative_sizes_are_those_of_absolute_ones() {
+    let polygon = |radius, sides| RegularPolygon {
+        circumcircle: Circle { radius },
+        sides,
+    };
+    let rhombus = |x, y| Rhombus {
+        half_diagonals: Vec2::new(x, y),
+    };
+    let plane = |x, y| Plane3d {
+        half_size: Vec2::new(x, y),
+        ..Plane3d::default()
+    };
+    let triangle = Triangle2d::default();
+    let hull = ConvexPolygon::new(triangle.vertices).unwrap();
+    let prism = |half_depth| Extrusion {
+        base_shape: hull.clone(),
+        half_depth,
+    };
+    let wedge = |half_depth| Extrusion {
+        base_shape: triangle,
+        half_depth,
+    };
+    let pairs: [[Shape; 2]; 11] = [
+        [-1.0, 1.0].map(|r| Extrusion::new(polygon(r, 3), 2.0).into()),
+        [-1.0, 1.0].map(|r| Extrusion::new(polygon(r, 5), 2.0 * r).into()),
+        [-2.0, 2.0].map(|depth| Extrusion::new(polygon(1.0, 5), depth).into()),
+        [-1.0, 1.0].map(|x| Extrusion::new(rhombus(x, 0.5), 2.0).into()),
+        [-1.0, 1.0].map(|y| Extrusion::new(rhombus(0.5, y), 2.0).into()),
+        [-2.0, 2.0].map(|depth| Extrusion::new(rhombus(1.0, 0.5), depth).into()),
+        [-1.0, 1.0].map(|x| plane(x, 2.0).into()),
+        [-1.0, 1.0].map(|y| plane(2.0, y).into()),
+        [-1.0, 1.0].map(|both| plane(both, both).into()),
+        [-1.0, 1.0].map(|half_depth| prism(half_depth).into()),
+        [-1.0, 1.0].map(|half_depth| wedge(half_depth).into()),
+    ];
+    for (index, [negative, positive]) in pairs.iter().enumerate() {
+        let parts = |shape: &Shape| {
+            let (mesh, _) = shape.polygons().unwrap();
+            let polygons: Vec<_> = mesh.polygons().map(<[u32]>::to_vec).collect();
+            (mesh.vertices().to_vec(), polygons, mesh.normals().to_vec())
+        };
+        assert_eq!(parts(negative), parts(positive), "{index}");
+    }
 }
 
 #[test]

@@ -26,14 +26,15 @@ impl OrientedBox {
     pub fn of(shape: &Shape, transform: &Transform, origin: Vec3) -> Result<Self, BoundsError> {
         let rotation = transform.rotation.normalize();
         let is_finite = || transform.is_finite() && rotation.is_finite();
-        let of_endless = |error| {
+        let of_unbounded = |error| {
             if is_finite() {
                 error
             } else {
                 BoundsError::NonFinite
             }
         };
-        let (local_center, local_half, local_radius) = shape.local_bounds().map_err(of_endless)?;
+        let (local_center, local_half, local_radius) =
+            shape.local_bounds().map_err(of_unbounded)?;
         let scale = shape.effective_scale(transform.scale);
         let axes = match shape {
             // The box around a ball need not turn with it.
@@ -86,7 +87,7 @@ impl Shape {
     ///
     /// # Errors
     /// [`BoundsError::NonFinite`] if the transform holds NaN or infinity or overflows;
-    /// [`BoundsError::Unbounded`] for an endless Rapier shape, such as a half-space.
+    /// [`BoundsError::Unbounded`] for an unbounded Rapier shape, such as a half-space.
     ///
     /// [`NarrowPhase::world_aabb`]: crate::narrow_phase::NarrowPhase::world_aabb
     #[doc(alias = "aabb")]

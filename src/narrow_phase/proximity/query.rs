@@ -10,8 +10,8 @@ use crate::narrow_phase::{
     frame::{
         case::Case,
         edge_polygon,
-        large::Smaller,
         placed::{Placed, PlacedPair, in_order},
+        smaller::Smaller,
         workspace::Workspace,
     },
     length::length,
@@ -46,7 +46,8 @@ impl NarrowPhase {
         workspace: &mut Workspace,
     ) -> Option<Vec3> {
         if target.shape.kind() == Kind::Foreign {
-            let is_finite = point.is_finite() && target.transform.is_finite();
+            let is_finite =
+                point.is_finite() && target.transform.is_finite() && target.shape.is_finite();
             let closest = is_finite
                 .then(|| parry::closest_point(target, point))
                 .flatten();

@@ -24,7 +24,7 @@ const BETWEEN_ROOMS: f32 = 10_000.0;
 /// Boxes in random motion. The objects are dealt to the rooms in turn.
 #[derive(Clone, Debug)]
 pub(super) struct Drift {
-    bodies: Vec<Body>,
+    drifters: Vec<Drifter>,
     rooms: Vec<Room>,
     rng: Rng,
     /// The first object whose velocity is drawn anew in the next tick.
@@ -34,7 +34,7 @@ pub(super) struct Drift {
 }
 
 #[derive(Clone, Debug)]
-struct Body {
+struct Drifter {
     velocity: Vec3,
     side: f32,
 }
@@ -142,25 +142,29 @@ pub(super) fn rooms(objects: usize, rng: Rng) -> (Vec<Aabb3d>, Drift) {
 
 impl Drift {
     fn new(sides: &[f32], rooms: Vec<Room>, mut rng: Rng) -> (Vec<Aabb3d>, Self) {
-        let bodies: Vec<_> = sides
+        let drifters: Vec<_> = sides
             .iter()
-            .map(|side| Body {
+            .map(|side| Drifter {
                 velocity: velocity(&mut rng, *side),
                 side: *side,
             })
             .collect();
-        let place = |(body, room): (&Body, &Room)| {
-            let min = point_in(&mut rng, room.low, room.high) - 0.5 * body.side;
+        let place = |(drifter, room): (&Drifter, &Room)| {
+            let min = point_in(&mut rng, room.low, room.high) - 0.5 * drifter.side;
             Aabb3d {
                 min,
-                max: min + body.side,
+                max: min + drifter.side,
             }
         };
-        let boxes = bodies.iter().zip(rooms.iter().cycle()).map(place).collect();
+        let boxes = drifters
+            .iter()
+            .zip(rooms.iter().cycle())
+            .map(place)
+            .collect();
         (
             boxes,
             Self {
-                bodies,
+                drifters,
                 rooms,
                 rng,
                 redrawn: 0,
@@ -170,32 +174,32 @@ impl Drift {
     }
 
     pub(super) fn step(&mut self, boxes: &mut [Aabb3d]) {
-        for body in self
-            .bodies
+        for drifter in self
+            .drifters
             .iter_mut()
             .skip(self.redrawn)
             .step_by(REDRAW_TICKS)
         {
-            body.velocity = velocity(&mut self.rng, body.side);
+            drifter.velocity = velocity(&mut self.rng, drifter.side);
         }
         self.redrawn = (self.redrawn + 1) % REDRAW_TICKS;
-        for ((body, aabb), room) in self
-            .bodies
+        for ((drifter, aabb), room) in self
+            .drifters
             .iter_mut()
             .zip(&mut *boxes)
             .zip(self.rooms.iter().cycle())
         {
             if !room.still {
-                room.advance(body, aabb);
+                room.advance(drifter, aabb);
             }
         }
         self.departure = self.departure.and_then(|ticks| ticks.checked_sub(1));
         if self.departure == Some(0)
-            && let Some(body) = self.bodies.pop()
+            && let Some(drifter) = self.drifters.pop()
             && let Some(aabb) = boxes.last_mut()
         {
             aabb.min += FAR;
-            aabb.max = aabb.min + body.side;
+            aabb.max = aabb.min + drifter.side;
         }
     }
 }
@@ -210,14 +214,14 @@ impl Room {
     }
 
     #[inline]
-    fn advance(&self, body: &mut Body, aabb: &mut Aabb3d) {
-        let center = aabb.min + 0.5 * body.side;
-        let velocity = Vec3A::from(body.velocity);
+    fn advance(&self, drifter: &mut Drifter, aabb: &mut Aabb3d) {
+        let center = aabb.min + 0.5 * drifter.side;
+        let velocity = Vec3A::from(drifter.velocity);
         let inward = Vec3A::select(center.cmplt(self.low), velocity.abs(), velocity);
         let inward = Vec3A::select(center.cmpgt(self.high), -velocity.abs(), inward);
-        body.velocity = inward.into();
+        drifter.velocity = inward.into();
         aabb.min += inward;
-        aabb.max = aabb.min + body.side;
+        aabb.max = aabb.min + drifter.side;
     }
 }
 
@@ -250,8 +254,9 @@ fn room_side(sides: &[f32], overlaps: f64) -> f32 {
     let [m1, m2, m3, m4] = (powers.sum::<DVec4>() / count).to_array();
     let cubes = 2.0 * m3 + 6.0 * m2 * m1;
     let wall = (2.0 * m4 + 8.0 * m3 * m1 + 6.0 * m2 * m2) / (2.0 * cubes);
-    let endless = cube_root((count - 1.0) / overlaps * cubes);
-    // L = endless · (1 − wall / 2L), solved for L.
-    let side = 0.5 * (endless + (endless * (endless - 2.0 * wall)).max(0.0).sqrt());
+    // That of a room without walls.
+    let unwalled = cube_root((count - 1.0) / overlaps * cubes);
+    // L = unwalled · (1 − wall / 2L), solved for L.
+    let side = 0.5 * (unwalled + (unwalled * (unwalled - 2.0 * wall)).max(0.0).sqrt());
     side.max(1.0) as f32
 }

@@ -17,11 +17,11 @@ pub struct StressSimulation {
     scene: StressScene,
     tick: u64,
     boxes: Vec<Aabb3d>,
-    motion: Motion,
+    rule: Rule,
 }
 
 #[derive(Clone, Debug)]
-enum Motion {
+enum Rule {
     Drift(Drift),
     Freefall(Freefall),
     Gravity(Gravity),
@@ -33,8 +33,8 @@ impl StressSimulation {
     #[must_use]
     pub fn new(scene: StressScene, objects: usize, seed: u64) -> Self {
         let rng = Rng::with_seed(seed);
-        let drift = |(boxes, drift)| (boxes, Motion::Drift(drift));
-        let (boxes, motion) = match scene {
+        let drift = |(boxes, drift)| (boxes, Rule::Drift(drift));
+        let (boxes, rule) = match scene {
             StressScene::Brownian => drift(drift::brownian(objects, rng)),
             StressScene::Static90 => drift(drift::static90(objects, rng)),
             StressScene::Sizes => drift(drift::sizes(objects, rng)),
@@ -44,32 +44,32 @@ impl StressSimulation {
             StressScene::Rooms => drift(drift::rooms(objects, rng)),
             StressScene::Freefall => {
                 let (boxes, freefall) = freefall::new(objects, rng);
-                (boxes, Motion::Freefall(freefall))
+                (boxes, Rule::Freefall(freefall))
             }
             StressScene::Gravity => {
                 let (boxes, gravity) = gravity::new(objects, rng);
-                (boxes, Motion::Gravity(gravity))
+                (boxes, Rule::Gravity(gravity))
             }
             StressScene::Planes => {
                 let (boxes, planes) = planes::new(objects, rng);
-                (boxes, Motion::Planes(planes))
+                (boxes, Rule::Planes(planes))
             }
         };
         Self {
             scene,
             tick: 0,
             boxes,
-            motion,
+            rule,
         }
     }
 
     /// Advances by one tick. The boxes of objects that do not move keep their bits. O(n).
     pub fn step(&mut self) {
-        match &mut self.motion {
-            Motion::Drift(drift) => drift.step(&mut self.boxes),
-            Motion::Freefall(freefall) => freefall.step(&mut self.boxes),
-            Motion::Gravity(gravity) => gravity.step(&mut self.boxes),
-            Motion::Planes(planes) => planes.step(&mut self.boxes),
+        match &mut self.rule {
+            Rule::Drift(drift) => drift.step(&mut self.boxes),
+            Rule::Freefall(freefall) => freefall.step(&mut self.boxes),
+            Rule::Gravity(gravity) => gravity.step(&mut self.boxes),
+            Rule::Planes(planes) => planes.step(&mut self.boxes),
         }
         self.tick += 1;
     }
