@@ -10,7 +10,6 @@ use crate::narrow_phase::{
         surface::{PlacedFace, Surface, border, covers},
         workspace::Workspace,
     },
-    mesh::polygon_mesh::PolygonMesh,
 };
 
 /// An impact in the frame of a pair.

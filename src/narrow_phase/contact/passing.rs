@@ -18,7 +18,6 @@ use crate::narrow_phase::{
         placed::{Placed, PlacedPair, in_order},
         workspace::Workspace,
     },
-    mesh::polygon_mesh::PolygonMesh,
     parry,
     settings::NarrowPhase,
 };
@@ -196,7 +195,7 @@ impl Planes {
 
     /// Two shapes made of polygons: the planes of faces that edges of the other touch.
     fn of_polygons(mut self, pair: &PlacedPair, workspace: &mut Workspace) -> Vec3A {
-        let Some(meshes) = edge_polygon::fill(pair, workspace) else {
+        let Some(_) = edge_polygon::fill(pair, workspace) else {
             return self.normals[0];
         };
         let workspace = &*workspace;

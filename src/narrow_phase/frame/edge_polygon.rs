@@ -35,7 +35,7 @@ pub fn intersects(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
 
 /// Calls `visit` with all points where the surfaces of two shapes made of polygons meet.
 pub fn touches(pair: &PlacedPair, workspace: &mut Workspace, mut visit: impl FnMut(Touch)) {
-    if let Some(meshes) = fill(pair, workspace) {
+    if fill(pair, workspace).is_some() {
         let go_on = |hit| {
             visit(hit);
             ControlFlow::<()>::Continue(())
