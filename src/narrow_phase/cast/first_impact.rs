@@ -3,13 +3,11 @@
 
 use bevy::math::Vec3A;
 
-use crate::narrow_phase::{
-    frame::{
-        closest, edge_polygon,
-        placed::PlacedPair,
-        surface::{PlacedFace, Surface, border, covers},
-        workspace::Workspace,
-    },
+use crate::narrow_phase::frame::{
+    closest, edge_polygon,
+    placed::PlacedPair,
+    surface::{PlacedFace, Surface, border, covers},
+    workspace::Workspace,
 };
 
 /// An impact in the frame of a pair.

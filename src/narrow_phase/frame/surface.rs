@@ -108,7 +108,7 @@ pub struct Surface {
     vertices: Vec<Vec3A>,
     /// What of the mesh is in the region, by index.
     polygons: Vec<u32>,
-    sides: Vec<u32>,
+    sides: Vec<[u32; 2]>,
 }
 
 /// How a mesh gets from its own space to the frame of a pair.
@@ -239,16 +239,19 @@ impl Surface {
             }
             // In the order of the mesh, whatever that of the tree.
             self.polygons.sort_unstable();
-            let sides = self
-                .polygons
-                .iter()
-                .flat_map(|polygon| mesh.sides(*polygon as usize));
-            self.sides.extend(sides);
-            self.sides.sort_unstable();
-            self.sides.dedup();
+            for &polygon in &self.polygons {
+                let corners = mesh.polygon(polygon as usize);
+                let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+                for (&other, (from, to)) in mesh.across(polygon as usize).iter().zip(sides) {
+                    // Of two that share a side, the first has it.
+                    if other > polygon || self.polygons.binary_search(&other).is_err() {
+                        self.sides.push([*from, *to]);
+                    }
+                }
+            }
         } else {
             self.polygons.extend(0..mesh.polygon_count() as u32);
-            self.sides.extend(0..mesh.edges().len() as u32);
+            self.sides.extend_from_slice(mesh.edges());
             self.vertices
                 .extend(mesh.vertices().iter().map(|vertex| placing.place(*vertex)));
         }
@@ -260,7 +263,7 @@ impl Surface {
 
         self.edges.clear();
         for side in &self.sides {
-            let ends = mesh.edges()[*side as usize].map(at);
+            let ends = side.map(at);
             let edge = PlacedEdge {
                 ends,
                 bounds: LocalAabb::around(ends.into_iter(), tolerance),
