@@ -150,17 +150,17 @@ pub fn sphere_closest(
     Some((closest, surface.encloses(mesh, center)))
 }
 
-/// Whether a point is inside a closed mesh, the second of the pair.
+/// Whether a point is inside a mesh, the second of the pair.
 #[cfg_attr(
     not(feature = "rapier"),
     expect(dead_code, reason = "asked for shapes of Rapier's alone")
 )]
 pub fn encloses(pair: &PlacedPair, point: Vec3A, workspace: &mut Workspace) -> bool {
-    // An open one is not even put in place.
+    // One without an inside is not even put in place.
     pair.b
         .shape
         .polygons()
-        .is_some_and(|(mesh, _)| mesh.is_closed())
+        .is_some_and(|(mesh, _)| mesh.has_inside())
         && fill_second(pair, &LocalAabb::NOWHERE, workspace)
             .is_some_and(|(mesh, surface)| surface.encloses(mesh, point))
 }
@@ -277,18 +277,21 @@ pub fn nested(
     workspace: &Workspace,
 ) -> Option<Vec3A> {
     let [a, b] = &workspace.surfaces;
-    let within =
-        |part: &PolygonMesh, placed: &Surface, mesh, around: &Surface, bounds: &OrientedBox| {
-            let vertices = part
-                .shells()
-                .iter()
-                .map(|&vertex| placed.vertex(part, vertex));
-            let mut close = vertices.filter(|&vertex| {
-                let offset = (vertex - bounds.center).abs();
-                offset.cmple(bounds.reach()).all()
-            });
-            close.find(|&vertex| around.encloses(mesh, vertex))
-        };
+    let within = |part: &PolygonMesh,
+                  placed: &Surface,
+                  mesh: &PolygonMesh,
+                  around: &Surface,
+                  bounds: &OrientedBox| {
+        if !mesh.has_inside() {
+            return None;
+        }
+        let vertices = part.shells().map(|vertex| placed.vertex(part, vertex));
+        let mut close = vertices.filter(|&vertex| {
+            let offset = (vertex - bounds.center).abs();
+            offset.cmple(bounds.reach()).all()
+        });
+        close.find(|&vertex| around.encloses(mesh, vertex))
+    };
     within(meshes[0], a, meshes[1], b, &pair.box_b)
         .or_else(|| within(meshes[1], b, meshes[0], a, &pair.box_a))
 }
