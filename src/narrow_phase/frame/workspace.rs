@@ -1,7 +1,7 @@
 //! Memory that outlives a test, so that a test allocates nothing once warm.
 
 use super::surface::Surface;
-use crate::narrow_phase::stage::StageCounters;
+use crate::narrow_phase::{contact::buffers::Buffers, stage::StageCounters};
 
 /// The memory that the tests write to: counters, and buffers for meshes. One per thread; reuse it.
 #[derive(Clone, Debug, Default)]
@@ -10,6 +10,8 @@ pub struct Workspace {
     pub counters: StageCounters,
     /// The two meshes of a pair, in place.
     pub(in crate::narrow_phase) surfaces: [Surface; 2],
+    /// What contacts are found with.
+    pub(in crate::narrow_phase) contact: Buffers,
     /// There was a pair of shapes about which nothing can be said; and somebody has been told.
     #[cfg(feature = "rapier")]
     unknown: [bool; 2],
