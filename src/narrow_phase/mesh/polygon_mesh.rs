@@ -70,10 +70,6 @@ pub struct PolygonMesh {
     center: Vec3A,
     half_size: Vec3A,
     radius: f32,
-    #[cfg_attr(
-        not(feature = "rapier"),
-        expect(dead_code, reason = "nothing is made of it without Rapier")
-    )]
     pub(in crate::narrow_phase) cache: Cache,
 }
 
@@ -277,6 +273,26 @@ impl PolygonMesh {
         &self.across[self.polygons.sides(polygon)]
     }
 
+    /// Which way the normals point, if the mesh is closed: 1 outwards, -1 inwards. `None` for an
+    /// open one.
+    pub(in crate::narrow_phase) fn outwards(&self) -> Option<f32> {
+        let volume = || -> f64 {
+            let at = |vertex: u32| {
+                (Vec3A::from(self.vertices[vertex as usize]) - self.center).as_dvec3()
+            };
+            let fan = |corners: &[u32]| -> f64 {
+                let triangles = corners[1..].windows(2);
+                triangles
+                    .map(|pair| at(corners[0]).dot(at(pair[0]).cross(at(pair[1]))))
+                    .sum()
+            };
+            self.polygons().map(fan).sum()
+        };
+        let sign = || if volume() < 0.0 { -1.0 } else { 1.0 };
+        self.is_closed()
+            .then(|| *self.cache.outwards.get_or_init(sign))
+    }
+
     /// The tree of the polygons' boxes, in the mesh's own space, if there are enough of them.
     pub(in crate::narrow_phase) const fn tree(&self) -> Option<&StillOctree> {
         self.tree.as_ref()
@@ -336,6 +352,7 @@ impl PolygonMesh {
 
     /// Turns every polygon around.
     pub(in crate::narrow_phase) fn flip(&mut self) {
+        self.cache = Cache::default();
         for polygon in 0..self.polygon_count() {
             self.flip_polygon(polygon);
         }
