@@ -50,13 +50,16 @@ impl PolygonMesh {
             }
         }
         let (vertices, welded) = weld(positions)?;
-        let triangles = triangles
-            .into_iter()
-            .map(|triangle| triangle.map(|v| welded[v]));
-        Self::new(
-            vertices.as_slice(),
-            triangles.filter(|&triangle| Self::has_area(&vertices, triangle)),
-        )
+        let mut sources = Vec::with_capacity(triangles.len());
+        let triangles = (0..).zip(triangles).filter_map(|(source, triangle)| {
+            let triangle = triangle.map(|v| welded[v]);
+            Self::has_area(&vertices, triangle).then(|| {
+                sources.push(source);
+                triangle
+            })
+        });
+        let mesh = Self::new(vertices.as_slice(), triangles)?;
+        Ok(mesh.with_sources(sources))
     }
 }
 

@@ -56,6 +56,8 @@ pub struct PolygonMesh {
     tree: Option<StillOctree>,
     /// A vertex of each connected part of the surface.
     shells: Vec<u32>,
+    /// By polygon, its number in what the mesh was made from, if some of that was left out.
+    sources: Option<Box<[u32]>>,
     open_edge: Option<[u32; 2]>,
     center: Vec3A,
     half_size: Vec3A,
@@ -109,6 +111,7 @@ impl PolygonMesh {
             across: Vec::new(),
             tree: None,
             shells: Vec::new(),
+            sources: None,
             open_edge: None,
             center: Vec3A::ZERO,
             half_size: Vec3A::ZERO,
@@ -243,6 +246,24 @@ impl PolygonMesh {
         use ShapeError::{RepeatedVertex, ZeroArea};
         let checked = checked_normal(vertices, 0, &triangle);
         !matches!(checked, Err(RepeatedVertex { .. } | ZeroArea { .. }))
+    }
+
+    /// The number of a polygon in what the mesh was made from.
+    pub(in crate::narrow_phase) fn source(&self, polygon: u32) -> u32 {
+        self.sources
+            .as_ref()
+            .map_or(polygon, |sources| sources[polygon as usize])
+    }
+
+    /// Takes note of which polygons are left of more: their numbers among all.
+    #[cfg(feature = "mesh")]
+    pub(in crate::narrow_phase) fn with_sources(mut self, sources: Vec<u32>) -> Self {
+        debug_assert_eq!(sources.len(), self.polygon_count(), "one for each polygon");
+        let is_whole = (0..)
+            .zip(&sources)
+            .all(|(polygon, source)| polygon == *source);
+        self.sources = (!is_whole).then(|| sources.into());
+        self
     }
 
     pub(in crate::narrow_phase) fn polygon(&self, polygon: usize) -> &[u32] {
