@@ -11,8 +11,7 @@ use super::{
 };
 use crate::narrow_phase::mesh::polygon_mesh::PolygonMesh;
 
-/// So far ahead, by what is uncertain of a start, is looked whether a ray goes into a solid; and up
-/// to twice as far, faces met are looked at twice.
+/// So far ahead, by what is uncertain of a start, is looked whether a ray goes into a solid.
 const AHEAD: f64 = 16.0;
 
 /// What a ray is to a polygon.
@@ -79,14 +78,24 @@ impl LocalRay {
             return Some(Met::INSIDE);
         }
         let meets_start = is_solid && start.is_none() && !options.ignores_start;
-        self.first(mesh, reach, max_distance, |crossing, distance| {
+        let (ray, reach) = start
+            .as_ref()
+            .map_or((*self, reach), |start| self.levelled(mesh, start, reach));
+        ray.first(mesh, reach, max_distance, |crossing, distance| {
             if meets_start && crossing.starts_on {
                 return true;
             }
-            let is_left = start.is_some() && self.is_left(crossing);
-            options.meets(crossing.steep)
-                && !is_left
-                && !(start.is_some() && mesh.is_closed() && self.slips_off(mesh, distance))
+            // Edges of what it leaves, or goes along, lead nowhere.
+            let counts = |start: &Start| {
+                let way = if options.faces == Faces::Back {
+                    -self.step()
+                } else {
+                    self.step()
+                };
+                !self.is_left(crossing)
+                    && (!mesh.is_closed() || self.is_solid_at(mesh, start, distance + way))
+            };
+            options.meets(crossing.steep) && start.as_ref().is_none_or(counts)
         })
     }
 
@@ -104,22 +113,32 @@ impl LocalRay {
         self.slack / self.scale.abs().max_element()
     }
 
-    /// A step ahead that is more than what is uncertain of the start.
-    fn ahead(&self, steps: f64) -> DVec3 {
-        self.direction * (AHEAD * steps * self.slack)
+    /// A distance that is more than what is uncertain of the start.
+    fn step(&self) -> f64 {
+        AHEAD * self.slack
+    }
+
+    /// The ray on its way along what it starts on, but for rounding; and what is uncertain of the
+    /// borders that it then meets, as where a floor ends at a wall.
+    fn levelled(&self, mesh: &PolygonMesh, start: &Start, reach: Reach) -> (Self, Reach) {
+        let Some(normal) = start.along else {
+            return (*self, reach);
+        };
+        let (_, _, radius) = mesh.local_bounds();
+        let rounding = f64::from(f32::EPSILON) * f64::from(radius);
+        let ray = Self {
+            origin: start.origin,
+            direction: self.direction - normal * normal.dot(self.direction),
+            ..*self
+        };
+        let border = 4.0 * rounding.max(self.slack_in_shape());
+        (ray, Reach { border, ..reach })
     }
 
     /// Does the ray leave behind what it starts on, or go along it, with what is level with it?
     fn is_left(&self, crossing: Crossing) -> bool {
         crossing.starts_on
             || (crossing.height.abs() <= self.slack && crossing.steep.abs() <= ALONG_START)
-    }
-
-    /// Is what is met hardly further than the start, and does not lead into a solid? So it is by
-    /// rounding, at an edge of what is left.
-    fn slips_off(&self, mesh: &PolygonMesh, distance: f64) -> bool {
-        distance <= AHEAD * self.slack
-            && !mesh.winds_around(self.origin + self.direction * distance + self.ahead(1.0))
     }
 
     /// What the ray starts on.
@@ -178,13 +197,18 @@ impl LocalRay {
         if !mesh.is_closed() {
             return options.faces != Faces::Both && options.meets(across.steep);
         }
-        let ahead = start.origin + self.ahead(1.0);
+        self.is_solid_at(mesh, start, self.step())
+    }
+
+    /// Is there solid at a place along the ray, and beside it, where it goes along what it starts
+    /// on: not on the edge of what that is.
+    fn is_solid_at(&self, mesh: &PolygonMesh, start: &Start, distance: f64) -> bool {
+        let place = start.origin + self.direction * distance;
         match start.along {
-            None => mesh.winds_around(ahead),
-            // Within the solid on both sides, where a floor ends at a wall; not at its edge.
+            None => mesh.winds_around(place),
             Some(normal) => {
                 let aside = normal * (AHEAD * self.slack_in_shape());
-                mesh.winds_around(ahead + aside) && mesh.winds_around(ahead - aside)
+                mesh.winds_around(place + aside) && mesh.winds_around(place - aside)
             }
         }
     }
