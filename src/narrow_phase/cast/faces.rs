@@ -1,6 +1,8 @@
 //! Rays against meshes, by the faces that they are to meet: one search over the polygons for all
 //! that options ask.
 
+use std::ops::ControlFlow;
+
 use bevy::math::{DVec3, Vec3A, bounding::Aabb3d};
 
 use super::{
@@ -9,7 +11,7 @@ use super::{
     options::{Faces, RayCastOptions},
     ray::{ALONG, First},
 };
-use crate::narrow_phase::mesh::polygon_mesh::PolygonMesh;
+use crate::{broad_phase::Sweep, narrow_phase::mesh::polygon_mesh::PolygonMesh};
 
 /// So far ahead, by what is uncertain of a start, is looked whether a ray goes into a solid.
 const AHEAD: f64 = 16.0;
@@ -265,10 +267,11 @@ impl LocalRay {
         if left(max_distance) < 0.0 {
             return None;
         }
-        let way = (origin.as_vec3a(), self.direction.as_vec3a());
-        tree.on_the_way(way, around, left(max_distance), |polygon, _| {
+        let (origin, way) = (origin.as_vec3a(), self.direction.as_vec3a());
+        let (measure, limit) = Sweep::along(origin, way, -around, around, left(max_distance));
+        tree.search(&measure, limit, |polygon, _| {
             look(polygon, &mut first);
-            left(first.limit)
+            ControlFlow::Continue(left(first.limit))
         });
         first.met
     }

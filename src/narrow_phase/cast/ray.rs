@@ -8,6 +8,7 @@ use super::{
     local_ray::{BORDER, LocalRay, Met, is_on_polygon, vertex},
     options::RayCastOptions,
 };
+use crate::broad_phase::Sweep;
 use crate::narrow_phase::{
     answer::Impact,
     frame::placed::Placed,
@@ -233,21 +234,18 @@ impl LocalRay {
         if left(max_distance) < 0.0 {
             return None;
         }
-        let (mut start, way) = (None, (origin.as_vec3a(), self.direction.as_vec3a()));
-        tree.on_the_way(
-            way,
-            Vec3A::splat(reach as f32),
-            left(max_distance),
-            |polygon, _| {
-                let flow = self.polygon(mesh, polygon as usize, slack, on, &mut first);
-                if let ControlFlow::Break(found) = flow {
-                    start = Some(found);
-                    return -1.0;
-                }
-                // It is a little off.
-                left(first.limit) * (1.0 + 4.0 * f32::EPSILON)
-            },
-        );
+        let (mut start, reach) = (None, Vec3A::splat(reach as f32));
+        let (origin, way) = (origin.as_vec3a(), self.direction.as_vec3a());
+        let (measure, limit) = Sweep::along(origin, way, -reach, reach, left(max_distance));
+        tree.search(&measure, limit, |polygon, _| {
+            let flow = self.polygon(mesh, polygon as usize, slack, on, &mut first);
+            if let ControlFlow::Break(found) = flow {
+                start = Some(found);
+                return ControlFlow::Break(());
+            }
+            // It is a little off.
+            ControlFlow::Continue(left(first.limit) * (1.0 + 4.0 * f32::EPSILON))
+        });
         start.or(first.met)
     }
 

@@ -179,6 +179,13 @@ impl PolygonMesh {
         self.tree.as_ref()
     }
 
+    /// The same mesh, to be looked at polygon by polygon.
+    #[cfg(test)]
+    pub(in crate::narrow_phase) fn without_tree(mut self) -> Self {
+        self.tree = None;
+        self
+    }
+
     /// Returns `true` if the mesh, which is closed, winds around a point that is not on its surface.
     ///
     /// Counts how often a ray along x comes out of it more often than in. A side that two polygons
