@@ -65,6 +65,8 @@ pub struct PolygonMesh {
     solid: Solid,
     /// Vertices on sides of polygons that bound solids, by side.
     junctions: Vec<Junction>,
+    /// By polygon, its number in what the mesh was made from, if some of that was left out.
+    sources: Option<Box<[u32]>>,
     open_edge: Option<[u32; 2]>,
     is_surface_only: bool,
     center: Vec3A,
@@ -110,17 +112,23 @@ impl PolygonMesh {
         let given = given.into_iter();
         let mut polygons = Polygons::with_capacity(given.size_hint().0);
         let mut normals = Vec::with_capacity(given.size_hint().0);
+        let mut sources: Option<Vec<u32>> = None;
         for (polygon, corners) in given.enumerate() {
             let corners = corners.as_ref();
             match checked_normal(&vertices, polygon, corners) {
                 Ok(normal) => {
                     normals.push(normal);
                     polygons.push(corners)?;
+                    if let Some(sources) = &mut sources {
+                        sources.push(polygon as u32);
+                    }
                 }
                 Err(error) => {
                     if let Some(error) = refuse(error) {
                         return Err(error);
                     }
+                    // All before it were taken.
+                    sources.get_or_insert_with(|| (0..polygon as u32).collect());
                 }
             }
         }
@@ -139,6 +147,7 @@ impl PolygonMesh {
             shells: Vec::new(),
             solid: Solid::None,
             junctions: Vec::new(),
+            sources: sources.map(Vec::into_boxed_slice),
             open_edge: None,
             is_surface_only: false,
             center: Vec3A::ZERO,
@@ -305,6 +314,13 @@ impl PolygonMesh {
         self
     }
 
+    /// The number of a polygon in what the mesh was made from.
+    pub(in crate::narrow_phase) fn source(&self, polygon: u32) -> u32 {
+        self.sources
+            .as_ref()
+            .map_or(polygon, |sources| sources[polygon as usize])
+    }
+
     #[inline]
     pub(in crate::narrow_phase) fn polygon(&self, polygon: usize) -> &[u32] {
         self.polygons.get(polygon)
@@ -336,6 +352,7 @@ impl PolygonMesh {
             vertices: self.vertices.iter().copied().map(vertex).collect(),
             normals: self.normals.iter().copied().map(normal).collect(),
             polygons: self.polygons.clone(),
+            sources: self.sources.clone(),
             edges: self.edges.clone(),
             across: self.across.clone(),
             // Measured anew.

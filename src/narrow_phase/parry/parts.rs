@@ -118,7 +118,10 @@ impl<'a> PosedShape<'a> {
         match *self {
             Self::Part(_) => visit(self),
             Self::Tree {
-                parts, scale, at, ..
+                parts,
+                is_compound,
+                scale,
+                at,
             } => {
                 let mut is_known = true;
                 let may_be = |node: &BvhNode| {
@@ -128,10 +131,14 @@ impl<'a> PosedShape<'a> {
                     );
                     probe.admits(one.min(other), one.max(other), search)
                 };
-                for part in parts.bvh().leaves(may_be) {
-                    parts.map_part_at(part, &mut |pose, part, _| {
+                for index in parts.bvh().leaves(may_be) {
+                    parts.map_part_at(index, &mut |pose, part, _| {
                         let at = at.of_part(pose);
-                        let scaled = part.as_triangle().filter(|_| scale != DVec3::ONE);
+                        let triangle = part.as_triangle();
+                        search
+                            .triangle
+                            .set(triangle.filter(|_| !is_compound).map(|_| index));
+                        let scaled = triangle.filter(|_| scale != DVec3::ONE);
                         is_known &= match scaled {
                             Some(part) => {
                                 let corners = [part.a, part.b, part.c]
@@ -219,6 +226,15 @@ impl<'a> PosedShape<'a> {
 }
 
 impl Part<'_> {
+    /// The normal of a triangle.
+    pub fn face(&self) -> Option<DVec3> {
+        let Self::Convex(convex) = self else {
+            return None;
+        };
+        let [a, b, c] = convex.as_triangle()?;
+        (b - a).cross(c - a).try_normalize()
+    }
+
     fn moved(&self, by: DVec3) -> Self {
         match *self {
             Self::Convex(convex) => Self::Convex(convex.moved(by)),
@@ -239,6 +255,8 @@ pub struct Search {
     pub direction: DVec3,
     /// How far it goes.
     pub limit: Cell<f64>,
+    /// Which triangle of a mesh is visited.
+    pub triangle: Cell<Option<u32>>,
 }
 
 impl Search {
@@ -247,6 +265,7 @@ impl Search {
             margin: Cell::new(margin),
             direction: DVec3::ZERO,
             limit: Cell::new(0.0),
+            triangle: Cell::new(None),
         }
     }
 
