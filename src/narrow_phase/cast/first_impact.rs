@@ -1,15 +1,16 @@
 //! The first time of impact of something that moves along a line, as the least of those of its
 //! parts: each the solution of an equation.
 
-use bevy::math::Vec3A;
+use std::ops::ControlFlow;
 
-use crate::narrow_phase::{
-    frame::{
-        closest, edge_polygon,
-        placed::PlacedPair,
-        surface::{PlacedFace, Surface, border, covers},
-        workspace::Workspace,
-    },
+use bevy::math::{Vec3A, bounding::Aabb3d};
+
+use crate::narrow_phase::frame::{
+    closest, edge_polygon,
+    near_faces::{Near, OnTheWay, for_each_near},
+    placed::PlacedPair,
+    surface::{PlacedFace, Surface, border, covers},
+    workspace::Workspace,
 };
 
 /// An impact in the frame of a pair.
@@ -66,24 +67,25 @@ impl FirstImpact {
     ) -> Option<LocalImpact> {
         let (mesh, surface) = edge_polygon::fill_second_to_search(pair, workspace)?;
         let (center, radius) = (pair.box_a.center, pair.box_a.radius);
-        if mesh.tree().is_none() {
+        let Some(tree) = mesh.tree() else {
             self.ball_surface(center, radius, surface);
             return self.found;
-        }
-        let reach = Vec3A::splat(radius + pair.tolerance);
-        surface.on_the_way(
-            mesh,
-            (center, self.direction),
-            reach,
-            self.limit,
-            |surface, face| {
-                self.ball_face(center, radius, surface, face);
-                for ends in border(surface.corners(face)) {
-                    self.ball_edge(center, radius, ends);
-                }
-                self.limit
-            },
-        );
+        };
+        let (placing, tolerance) = (*surface.placing(), pair.tolerance);
+        let reach = Vec3A::splat(radius + tolerance);
+        let around = placing
+            .from_frame(center, reach)
+            .place(&Aabb3d::new(center, reach));
+        let near = OnTheWay {
+            direction: self.direction,
+            margin: 0.0,
+        };
+        let measure = near.measure(&around, &placing, true);
+        tree.search(&measure, self.limit, |polygon, _| {
+            surface.select(mesh, polygon, tolerance);
+            self.ball_surface(center, radius, surface);
+            ControlFlow::Continue(self.limit)
+        });
         self.found
     }
 
@@ -93,8 +95,14 @@ impl FirstImpact {
         pair: &PlacedPair,
         workspace: &mut Workspace,
     ) -> Option<LocalImpact> {
-        edge_polygon::fill_all(pair, workspace)?;
-        self.surfaces(&workspace.surfaces, pair.tolerance);
+        let near = OnTheWay {
+            direction: self.direction,
+            margin: 2.0 * pair.tolerance,
+        };
+        for_each_near(&near, pair, workspace, self.limit, |surfaces| {
+            self.surfaces(surfaces, pair.tolerance);
+            ControlFlow::Continue(self.limit)
+        })?;
         self.found
     }
 

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use bevy::math::{DVec3, Dir3, Vec3, Vec3A};
 
+use crate::broad_phase::Sweep;
 use crate::narrow_phase::{
     answer::{Impact, against, slack},
     frame::{placed::Placed, surface::winds_around},
@@ -258,23 +259,19 @@ impl LocalRay {
         if left(max_distance) < 0.0 {
             return None;
         }
-        let (mut inside, way) = (false, (origin.as_vec3a(), self.direction.as_vec3a()));
-        tree.on_the_way(
-            way,
-            Vec3A::splat(reach as f32),
-            left(max_distance),
-            |polygon, _| {
-                inside |= self
-                    .polygon(mesh, polygon as usize, slack, on, &mut first)
-                    .is_break();
-                // It is a little off.
-                if inside {
-                    -1.0
-                } else {
-                    left(first.limit) * (1.0 + 4.0 * f32::EPSILON)
-                }
-            },
-        );
+        let (mut inside, reach) = (false, Vec3A::splat(reach as f32));
+        let (origin, way) = (origin.as_vec3a(), self.direction.as_vec3a());
+        let (measure, limit) = Sweep::along(origin, way, -reach, reach, left(max_distance));
+        tree.search(&measure, limit, |polygon, _| {
+            inside |= self
+                .polygon(mesh, polygon as usize, slack, on, &mut first)
+                .is_break();
+            if inside {
+                return ControlFlow::Break(());
+            }
+            // It is a little off.
+            ControlFlow::Continue(left(first.limit) * (1.0 + 4.0 * f32::EPSILON))
+        });
         if inside { Some(Met::INSIDE) } else { first.met }
     }
 

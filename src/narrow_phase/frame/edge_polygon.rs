@@ -5,9 +5,11 @@ use std::ops::ControlFlow;
 
 use bevy::math::Vec3A;
 
+use super::local_aabb::LocalAabb;
+use super::near_faces::{Touching, for_each_near};
 use super::oriented_box::OrientedBox;
-use super::placed::PlacedPair;
-use super::surface::{ClosestPoint, LocalAabb, PlacedFace, Surface};
+use super::placed::{Placed, PlacedPair};
+use super::surface::{ClosestPoint, PlacedFace, Surface};
 use super::workspace::Workspace;
 use crate::narrow_phase::mesh::polygon_mesh::PolygonMesh;
 
@@ -25,33 +27,63 @@ pub struct Touch {
 
 /// Whether two shapes made of polygons are in contact. False if one is not.
 pub fn intersects(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
-    let Some(meshes) = fill(pair, workspace) else {
-        return false;
-    };
-    let stop = |_| ControlFlow::Break(());
-    for_each_touch(workspace, pair.tolerance, stop).is_break()
-        || nested(pair, meshes, workspace).is_some()
+    let mut touch = false;
+    let meshes = for_each_surface(pair, workspace, |surfaces| {
+        let stop = |_| ControlFlow::Break(());
+        touch = for_each_touch(surfaces, pair.tolerance, stop).is_break();
+        if touch {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    });
+    touch || meshes.is_some_and(|meshes| nested(pair, meshes, workspace).is_some())
 }
 
-/// Calls `visit` with all points where the surfaces of two shapes made of polygons meet.
+/// Calls `visit` with all points where the surfaces of two shapes made of polygons meet: once for
+/// each edge and polygon, or for each polygon that shares the edge.
 pub fn touches(pair: &PlacedPair, workspace: &mut Workspace, mut visit: impl FnMut(Touch)) {
-    if fill(pair, workspace).is_some() {
-        let go_on = |hit| {
+    for_each_surface(pair, workspace, |surfaces| {
+        for_each_touch(surfaces, pair.tolerance, |hit| {
             visit(hit);
-            ControlFlow::<()>::Continue(())
-        };
-        let _ = for_each_touch(workspace, pair.tolerance, go_on);
+            ControlFlow::Continue(())
+        })
+    });
+}
+
+/// Calls `visit` with what of two shapes made of polygons may touch, until it breaks. `None` if one
+/// is not made of polygons.
+fn for_each_surface<'a>(
+    pair: &PlacedPair<'a>,
+    workspace: &mut Workspace,
+    mut visit: impl FnMut(&[Surface; 2]) -> ControlFlow<()>,
+) -> Option<[&'a PolygonMesh; 2]> {
+    let has_tree = |placed: Placed| {
+        let polygons = placed.shape.polygons();
+        polygons.is_some_and(|(mesh, _)| mesh.tree().is_some())
+    };
+    if has_tree(pair.a) || has_tree(pair.b) {
+        let near = Touching(2.0 * pair.tolerance);
+        return for_each_near(&near, pair, workspace, 0.0, |surfaces| {
+            visit(surfaces)?;
+            ControlFlow::Continue(0.0)
+        });
     }
+    let meshes = fill(pair, workspace)?;
+    let _ = visit(&workspace.surfaces);
+    Some(meshes)
 }
 
 /// Whether a sphere, the first of the pair, is in contact with a shape made of polygons.
 pub fn sphere_intersects(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
     let sphere = &pair.box_a;
     let limit = sphere.radius + pair.tolerance;
-    fill_second_near(pair, workspace).is_some_and(|(mesh, surface)| {
-        let closest = surface.closest_point(sphere.center);
-        closest.is_some_and(|closest| closest.distance <= limit)
-            || surface.encloses(mesh, sphere.center)
+    let found = match pair.b.shape.polygons() {
+        Some((mesh, _)) if mesh.tree().is_some() => fill_second_to_search(pair, workspace),
+        _ => fill_second_near(pair, workspace),
+    };
+    found.is_some_and(|(mesh, surface)| {
+        surface.is_near(mesh, sphere.center, limit) || surface.encloses(mesh, sphere.center)
     })
 }
 
@@ -105,7 +137,7 @@ fn fill_second<'a>(
     pair: &PlacedPair<'a>,
     region: &LocalAabb,
     workspace: &'a mut Workspace,
-) -> Option<(&'a PolygonMesh, &'a Surface)> {
+) -> Option<(&'a PolygonMesh, &'a mut Surface)> {
     let polygons = pair.b.shape.polygons()?;
     let surface = &mut workspace.surfaces[1];
     surface.fill(polygons, pair.b, &pair.box_b, region, pair.tolerance);
@@ -116,7 +148,7 @@ fn fill_second<'a>(
 pub fn fill_second_near<'a>(
     pair: &PlacedPair<'a>,
     workspace: &'a mut Workspace,
-) -> Option<(&'a PolygonMesh, &'a Surface)> {
+) -> Option<(&'a PolygonMesh, &'a mut Surface)> {
     let reach = (pair.box_a.center, pair.box_a.half);
     fill_second(
         pair,
@@ -141,14 +173,6 @@ pub fn fill_all<'a>(
     fill_region(pair, LocalAabb::EVERYWHERE, workspace)
 }
 
-/// Puts the second mesh in place, with all edges and faces.
-pub fn fill_second_all<'a>(
-    pair: &PlacedPair<'a>,
-    workspace: &'a mut Workspace,
-) -> Option<(&'a PolygonMesh, &'a Surface)> {
-    fill_second(pair, &LocalAabb::EVERYWHERE, workspace)
-}
-
 fn fill_region<'a>(
     pair: &PlacedPair<'a>,
     region: LocalAabb,
@@ -162,11 +186,10 @@ fn fill_region<'a>(
 }
 
 pub fn for_each_touch(
-    workspace: &Workspace,
+    [a, b]: &[Surface; 2],
     tolerance: f32,
     mut visit: impl FnMut(Touch) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let [a, b] = &workspace.surfaces;
     one_way(a, b, tolerance, -1.0, &mut visit)?;
     one_way(b, a, tolerance, 1.0, &mut visit)
 }

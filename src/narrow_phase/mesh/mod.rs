@@ -6,4 +6,4 @@ mod cache;
 pub(super) mod convex_mesh;
 pub(super) mod cube;
 pub(super) mod polygon_mesh;
-mod topology;
+pub(super) mod topology;

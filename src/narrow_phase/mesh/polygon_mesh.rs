@@ -50,8 +50,8 @@ pub struct PolygonMesh {
     /// A unit normal per polygon, by the right-hand rule.
     normals: Vec<Vec3>,
     edges: Vec<[u32; 2]>,
-    /// The edges of all polygons, one polygon after the other, as `corners`.
-    sides: Vec<u32>,
+    /// The polygons across the sides of all polygons, as `corners`.
+    across: Vec<u32>,
     /// Where polygons are; none in a mesh of few.
     tree: Option<StillOctree>,
     /// A vertex of each connected part of the surface.
@@ -106,7 +106,7 @@ impl PolygonMesh {
             ends,
             normals,
             edges: Vec::new(),
-            sides: Vec::new(),
+            across: Vec::new(),
             tree: None,
             shells: Vec::new(),
             open_edge: None,
@@ -164,14 +164,23 @@ impl PolygonMesh {
         self.open_edge
     }
 
-    /// The edges of a polygon, in no particular order.
-    pub(in crate::narrow_phase) fn sides(&self, polygon: usize) -> &[u32] {
-        &self.sides[self.corners_of(polygon)]
+    /// The polygons across the sides of a polygon, of which side i is that from corner i to the
+    /// next; [`NO_NEIGHBOR`](super::topology::NO_NEIGHBOR) where no other polygon shares the side,
+    /// or more than one.
+    pub(in crate::narrow_phase) fn across(&self, polygon: usize) -> &[u32] {
+        &self.across[self.corners_of(polygon)]
     }
 
     /// The tree of the polygons' boxes, in the mesh's own space, if there are enough of them.
     pub(in crate::narrow_phase) const fn tree(&self) -> Option<&StillOctree> {
         self.tree.as_ref()
+    }
+
+    /// The same mesh, to be looked at polygon by polygon.
+    #[cfg(test)]
+    pub(in crate::narrow_phase) fn without_tree(mut self) -> Self {
+        self.tree = None;
+        self
     }
 
     /// Returns `true` if the mesh, which is closed, winds around a point that is not on its surface.
@@ -292,18 +301,20 @@ impl PolygonMesh {
 
     fn flip_polygon(&mut self, polygon: usize) {
         let corners = self.corners_of(polygon);
-        self.corners[corners].reverse();
+        self.corners[corners.clone()].reverse();
+        // The last side is the one that is still between the same two places.
+        self.across[corners.start..corners.end - 1].reverse();
         self.normals[polygon] = -self.normals[polygon];
     }
 
     /// Finds edges and shells, and orients neighbours alike.
     fn connect(&mut self) {
         let topology = Topology::of(self.polygons());
+        self.across = topology.across;
         for polygon in topology.flipped {
             self.flip_polygon(polygon);
         }
         self.edges = topology.edges;
-        self.sides = topology.sides;
         self.open_edge = topology.open_edge;
         self.shells = topology
             .shells

@@ -4,12 +4,16 @@ use std::collections::HashMap;
 
 use smallvec::SmallVec;
 
+/// What is across a side which no other polygon shares, or more than one.
+pub const NO_NEIGHBOR: u32 = u32::MAX;
+
 /// What [`Topology::of`] finds out.
 pub struct Topology {
     /// Each edge once, in the order of first use.
     pub edges: Vec<[u32; 2]>,
-    /// The edges of the polygons, one polygon after the other.
-    pub sides: Vec<u32>,
+    /// The polygons across the sides of the polygons as given, one polygon after the other: side i
+    /// is that from corner i to the next.
+    pub across: Vec<u32>,
     /// A polygon of each connected part of the surface.
     pub shells: Vec<usize>,
     /// The polygons to turn around so that neighbours agree.
@@ -76,13 +80,24 @@ impl Topology {
             }
         }
 
+        let other = |polygon: usize, edge: usize| match uses[edge].as_slice() {
+            [one, two] if one.polygon == polygon => two.polygon as u32,
+            [one, _] => one.polygon as u32,
+            _ => NO_NEIGHBOR,
+        };
+        let across = edges_of
+            .iter()
+            .enumerate()
+            .flat_map(|(polygon, edges)| edges.iter().map(move |&edge| (polygon, edge)))
+            .map(|(polygon, edge)| other(polygon, edge))
+            .collect();
         let turned = |used: &Use| used.upwards ^ (flip[used.polygon] == Some(true));
         let closes = |uses: &[Use]| matches!(uses, [one, two] if turned(one) != turned(two));
         let open = uses.iter().position(|uses| !closes(uses));
         Self {
             open_edge: open.map(|edge| edges[edge]),
             edges,
-            sides: edges_of.iter().flatten().map(|edge| *edge as u32).collect(),
+            across,
             shells,
             flipped: (0..count)
                 .filter(|&polygon| flip[polygon] == Some(true))

@@ -1,11 +1,14 @@
 //! The closest points of two shapes made of polygons.
 
+use std::ops::ControlFlow;
+
 use bevy::math::Vec3A;
 
 use crate::narrow_phase::frame::{
     closest, edge_polygon,
+    near_faces::{Within, for_each_near},
     placed::PlacedPair,
-    surface::{LocalAabb, Surface, covers},
+    surface::{Surface, covers},
     workspace::Workspace,
 };
 
@@ -42,36 +45,37 @@ impl Nearest {
 /// Where no edge crosses a polygon, either one of the closest points is a corner, or both are on
 /// edges.
 pub fn closest_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
-    let meshes = edge_polygon::fill_all(pair, workspace)?;
-    if let Some(point) = edge_polygon::nested(pair, meshes, workspace) {
-        return Some([point; 2]);
-    }
-    let [a, b] = &mut workspace.surfaces;
-    let mut nearest = Nearest::default();
-    // Back and forth. What is further away than that need not be looked at.
-    let on_b = b.closest_point(pair.box_a.center)?.point;
-    let on_a = a.closest_point(on_b)?.point;
-    nearest.consider([on_a, b.closest_point(on_a)?.point]);
-    let [reach_a, reach_b] =
-        [&pair.box_a, &pair.box_b].map(|bounds| (bounds.center, bounds.reach()));
-    let region = LocalAabb::shared(
-        reach_a,
-        reach_b,
-        nearest.squared.sqrt() + 2.0 * pair.tolerance,
-    );
-    a.keep(&region);
-    b.keep(&region);
-
-    edges_to_faces(a, b, &mut nearest, |on_edge, on_face| [on_edge, on_face]);
-    edges_to_faces(b, a, &mut nearest, |on_edge, on_face| [on_face, on_edge]);
-    for edge in &a.edges {
-        for other in &b.edges {
-            if edge.bounds.gap_squared(&other.bounds) < nearest.squared {
-                nearest.consider(closest::segments(edge.ends, other.ends).into());
+    let (mut nearest, mut limit) = (Nearest::default(), f32::INFINITY);
+    let meshes = for_each_near(&Within, pair, workspace, limit, |[a, b]| {
+        if a.faces.len().min(b.faces.len()) > 1 && limit == f32::INFINITY {
+            // Back and forth: what is further away than that need not be looked at.
+            let seed = seed(a, b, pair.box_a.center);
+            seed.into_iter().for_each(|points| nearest.consider(points));
+        }
+        edges_to_faces(a, b, &mut nearest, |on_edge, on_face| [on_edge, on_face]);
+        edges_to_faces(b, a, &mut nearest, |on_edge, on_face| [on_face, on_edge]);
+        for edge in &a.edges {
+            for other in &b.edges {
+                if edge.bounds.gap_squared(&other.bounds) < nearest.squared {
+                    nearest.consider(closest::segments(edge.ends, other.ends).into());
+                }
             }
         }
+        limit = nearest.squared.sqrt();
+        ControlFlow::Continue(limit)
+    })?;
+    let touch = limit <= pair.tolerance;
+    match edge_polygon::nested(pair, meshes, workspace) {
+        Some(point) if !touch => Some([point; 2]),
+        _ => Some(nearest.points),
     }
-    Some(nearest.points)
+}
+
+/// Two points that are not far from each other, as a start.
+fn seed(a: &Surface, b: &Surface, near: Vec3A) -> Option<[Vec3A; 2]> {
+    let on_b = b.closest_point(near)?.point;
+    let on_a = a.closest_point(on_b)?.point;
+    Some([on_a, b.closest_point(on_a)?.point])
 }
 
 /// Where edges cross polygons, and the distances of their ends from these.

@@ -100,3 +100,31 @@ fn tiny_and_far_polygons_are_fine() {
         assert!((mesh.normals()[0] - Vec3::Z).length() < 1e-5);
     }
 }
+
+#[test]
+fn what_is_across_a_side_shares_it() {
+    use crate::narrow_phase::mesh::topology::NO_NEIGHBOR;
+    let cube = cube();
+    let open = PolygonMesh::new(cube.vertices(), cube.polygons().skip(1)).unwrap();
+    let (mut turned, fan) = (cube.clone(), [[0, 1, 2], [1, 0, 3], [0, 1, 4]]);
+    turned.flip();
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::NEG_Y, Vec3::Z];
+    let fan = PolygonMesh::new(corners, fan).unwrap();
+    for (mesh, borders) in [(cube, 0), (turned, 0), (open, 4), (fan, 9)] {
+        let mut alone = 0;
+        for (polygon, corners) in mesh.polygons().enumerate() {
+            let across = mesh.across(polygon);
+            assert_eq!(across.len(), corners.len());
+            for (side, &other) in across.iter().enumerate() {
+                if other == NO_NEIGHBOR {
+                    alone += 1;
+                    continue;
+                }
+                let ends = [corners[side], corners[(side + 1) % corners.len()]];
+                let others = mesh.polygon(other as usize);
+                assert!(other as usize != polygon && ends.iter().all(|end| others.contains(end)));
+            }
+        }
+        assert_eq!(alone, borders);
+    }
+}
