@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use bevy::math::{DVec3, Vec3, Vec3A, bounding::Aabb3d};
 
-use super::cache::Cache;
 use super::topology::Topology;
 use crate::{
     broad_phase::linear_octree::StillOctree,
@@ -60,11 +59,6 @@ pub struct PolygonMesh {
     center: Vec3A,
     half_size: Vec3A,
     radius: f32,
-    #[cfg_attr(
-        not(feature = "rapier"),
-        expect(dead_code, reason = "nothing is made of it without Rapier")
-    )]
-    pub(in crate::narrow_phase) cache: Cache,
 }
 
 impl PolygonMesh {
@@ -113,7 +107,6 @@ impl PolygonMesh {
             center: Vec3A::ZERO,
             half_size: Vec3A::ZERO,
             radius: 0.0,
-            cache: Cache::default(),
         };
         mesh.connect();
         mesh.measure();
@@ -285,7 +278,6 @@ impl PolygonMesh {
         let mut turned = Self {
             vertices: self.vertices.iter().copied().map(vertex).collect(),
             normals: self.normals.iter().copied().map(normal).collect(),
-            cache: Cache::default(),
             ..self.clone()
         };
         turned.measure();

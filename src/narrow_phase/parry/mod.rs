@@ -9,8 +9,11 @@ mod convert;
 mod convex;
 mod gjk;
 mod own;
+mod own_mesh;
 mod parts;
+mod probe;
 mod query;
+mod segment_triangle;
 mod triangulate;
 
 #[cfg(test)]
