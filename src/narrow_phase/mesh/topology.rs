@@ -73,13 +73,14 @@ impl Topology {
         let mut edges = Edges::of(polygons, vertices.len());
         let mut shells = Shells::of(polygons, &edges);
         let twins = duplicates::find(polygons, &edges);
-        let mut junctions = Junctions {
+        let search = Junctions {
             vertices,
             polygons,
             tree,
             slack,
-        }
-        .find(&edges.at_odd_edges);
+        };
+        let at_odd_edges = edges.at_odd_edges.take();
+        let mut junctions = at_odd_edges.map_or_else(Vec::new, |vertices| search.find(vertices));
         let undecided = shells.undecided(&edges, &twins, !junctions.is_empty());
         if !undecided.is_empty() {
             let found = solids::find(polygons, &undecided, &junctions);
