@@ -65,15 +65,13 @@ pub struct PolygonMesh {
     solid: Solid,
     /// Vertices on sides of polygons that bound solids, by side.
     junctions: Vec<Junction>,
+    /// By polygon, its number in what the mesh was made from, if some of that was left out.
+    sources: Option<Box<[u32]>>,
     open_edge: Option<[u32; 2]>,
     is_surface_only: bool,
     center: Vec3A,
     half_size: Vec3A,
     radius: f32,
-    #[cfg_attr(
-        not(feature = "rapier"),
-        expect(dead_code, reason = "nothing is made of it without Rapier")
-    )]
     pub(in crate::narrow_phase) cache: Cache,
 }
 
@@ -114,17 +112,23 @@ impl PolygonMesh {
         let given = given.into_iter();
         let mut polygons = Polygons::with_capacity(given.size_hint().0);
         let mut normals = Vec::with_capacity(given.size_hint().0);
+        let mut sources: Option<Vec<u32>> = None;
         for (polygon, corners) in given.enumerate() {
             let corners = corners.as_ref();
             match checked_normal(&vertices, polygon, corners) {
                 Ok(normal) => {
                     normals.push(normal);
                     polygons.push(corners)?;
+                    if let Some(sources) = &mut sources {
+                        sources.push(polygon as u32);
+                    }
                 }
                 Err(error) => {
                     if let Some(error) = refuse(error) {
                         return Err(error);
                     }
+                    // All before it were taken.
+                    sources.get_or_insert_with(|| (0..polygon as u32).collect());
                 }
             }
         }
@@ -143,6 +147,7 @@ impl PolygonMesh {
             shells: Vec::new(),
             solid: Solid::None,
             junctions: Vec::new(),
+            sources: sources.map(Vec::into_boxed_slice),
             open_edge: None,
             is_surface_only: false,
             center: Vec3A::ZERO,
@@ -277,9 +282,43 @@ impl PolygonMesh {
         &self.across[self.polygons.sides(polygon)]
     }
 
+    /// Which way the normals point, if the mesh is closed: 1 outwards, -1 inwards. `None` for an
+    /// open one.
+    pub(in crate::narrow_phase) fn outwards(&self) -> Option<f32> {
+        let volume = || -> f64 {
+            let at = |vertex: u32| {
+                (Vec3A::from(self.vertices[vertex as usize]) - self.center).as_dvec3()
+            };
+            let fan = |corners: &[u32]| -> f64 {
+                let triangles = corners[1..].windows(2);
+                triangles
+                    .map(|pair| at(corners[0]).dot(at(pair[0]).cross(at(pair[1]))))
+                    .sum()
+            };
+            self.polygons().map(fan).sum()
+        };
+        let sign = || if volume() < 0.0 { -1.0 } else { 1.0 };
+        self.is_closed()
+            .then(|| *self.cache.outwards.get_or_init(sign))
+    }
+
     /// The tree of the polygons' boxes, in the mesh's own space, if there are enough of them.
     pub(in crate::narrow_phase) const fn tree(&self) -> Option<&StillOctree> {
         self.tree.as_ref()
+    }
+
+    /// The same mesh, to be looked at polygon by polygon.
+    #[cfg(test)]
+    pub(in crate::narrow_phase) fn without_tree(mut self) -> Self {
+        self.tree = None;
+        self
+    }
+
+    /// The number of a polygon in what the mesh was made from.
+    pub(in crate::narrow_phase) fn source(&self, polygon: u32) -> u32 {
+        self.sources
+            .as_ref()
+            .map_or(polygon, |sources| sources[polygon as usize])
     }
 
     #[inline]
@@ -313,6 +352,7 @@ impl PolygonMesh {
             vertices: self.vertices.iter().copied().map(vertex).collect(),
             normals: self.normals.iter().copied().map(normal).collect(),
             polygons: self.polygons.clone(),
+            sources: self.sources.clone(),
             edges: self.edges.clone(),
             across: self.across.clone(),
             // Measured anew.
@@ -329,6 +369,7 @@ impl PolygonMesh {
 
     /// Turns every polygon around.
     pub(in crate::narrow_phase) fn flip(&mut self) {
+        self.cache = Cache::default();
         for polygon in 0..self.polygon_count() {
             self.flip_polygon(polygon);
         }
