@@ -3,7 +3,7 @@
 use std::{f64::consts::PI, ops::Deref};
 
 use bevy::math::{
-    DVec3, Vec3,
+    DVec3,
     primitives::{HalfSpace, ViewFrustum},
 };
 

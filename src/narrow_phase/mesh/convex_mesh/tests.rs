@@ -1,6 +1,6 @@
 //! What is accepted as convex.
 
-use bevy::math::Quat;
+use bevy::math::{Quat, Vec3};
 
 use super::*;
 use crate::narrow_phase::mesh::polygon_mesh::tests::cube;
