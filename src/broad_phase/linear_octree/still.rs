@@ -85,6 +85,11 @@ impl StillOctree {
         query::search(self.level, self, measure, limit, visit);
     }
 
+    /// The indices of all boxes, near ones one after the other.
+    pub(crate) fn in_order(&self) -> &[u32] {
+        &self.owners
+    }
+
     pub(crate) fn memory_bytes(&self) -> usize {
         self.levels.memory_bytes() + self.owners.capacity() * size_of::<u32>()
     }

@@ -71,14 +71,14 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
     })
 }
 
-/// A solid inside a closed mesh, whose surface it does not touch: out through what is nearest to its
+/// A solid inside a mesh, whose surface it does not touch: out through what is nearest to its
 /// centre.
 fn nested(
     pair: &PlacedPair,
     mesh: &PolygonMesh,
     workspace: &mut Workspace,
 ) -> Option<LocalContact> {
-    if !mesh.is_closed() {
+    if !mesh.has_inside() {
         return None;
     }
     let (closest, is_inside) = edge_polygon::sphere_closest(pair, workspace)?;
@@ -139,7 +139,6 @@ impl OnMesh<'_> {
         polygons.sort_unstable();
         corners.clear();
         claims.clear();
-        let outwards = mesh.outwards();
         for &polygon in &*polygons {
             let start = corners.len();
             let vertices = mesh.polygon(polygon as usize).iter();
@@ -153,9 +152,9 @@ impl OnMesh<'_> {
             self.look_beyond(polygon, beyond);
             let facet = Facet {
                 corners: own,
-                normal: normal * outwards.unwrap_or(1.0),
+                normal,
                 beyond,
-                is_solid: outwards.is_some(),
+                is_solid: mesh.bounds_solid(polygon as usize),
             };
             if let Some(way) = self.body.way_out(&facet, self.bias()) {
                 claims.push(Claim {
