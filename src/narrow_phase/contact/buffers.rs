@@ -13,6 +13,8 @@ use super::{
 pub struct Claim {
     /// Where its corners begin and end.
     pub corners: [u32; 2],
+    /// Of two meshes, which faces it is about.
+    pub faces: [u32; 2],
     pub normal: Vec3A,
     pub way: WayOut,
 }
@@ -30,6 +32,7 @@ pub struct Buffers {
     pub order: Vec<u32>,
     /// What is beyond the sides of one polygon.
     pub beyond: Vec<Beyond>,
+    pub other_beyond: Vec<Beyond>,
     /// A face of the solid.
     pub face: Vec<Vec3A>,
     pub patch: Patch,

@@ -7,7 +7,9 @@
 //! included: those of Voronoi regions, which Bullet's utility for internal edges and Jolt's active
 //! edges go by.
 
-use bevy::math::Vec3A;
+use bevy::math::{Vec3, Vec3A};
+
+use crate::narrow_phase::mesh::{polygon_mesh::PolygonMesh, topology::NO_NEIGHBOR};
 
 /// The sine of the angle up to which two polygons count as in one plane, and the share of a length
 /// that is more than rounding.
@@ -53,6 +55,34 @@ pub fn highest(points: &[Vec3A], direction: Vec3A) -> f32 {
 /// What is beyond a side of a polygon: the next corners of the neighbour at the side's two ends.
 /// `None` at a border.
 pub type Beyond = Option<[Vec3A; 2]>;
+
+/// Puts what is beyond the sides of a polygon of a mesh into `beyond`.
+pub fn look_beyond(
+    mesh: &PolygonMesh,
+    polygon: u32,
+    beyond: &mut Vec<Beyond>,
+    place: impl Fn(Vec3) -> Vec3A,
+) {
+    let corners = mesh.polygon(polygon as usize);
+    let sides = mesh.across(polygon as usize).iter().enumerate();
+    beyond.clear();
+    beyond.extend(sides.map(|(side, &other)| {
+        if other == NO_NEIGHBOR {
+            return None;
+        }
+        let ends = [corners[side], corners[(side + 1) % corners.len()]];
+        let others = mesh.polygon(other as usize);
+        let count = others.len();
+        let at = others.iter().position(|vertex| *vertex == ends[0])?;
+        // The neighbour runs along the side the other way, if the two are turned alike.
+        let near = if others[(at + count - 1) % count] == ends[1] {
+            [at + 1, at + count - 2]
+        } else {
+            [at + count - 1, at + 2]
+        };
+        Some(near.map(|at| place(mesh.vertices()[others[at % count] as usize])))
+    }));
+}
 
 /// A polygon and what is beside it.
 #[derive(Clone, Copy, Debug)]

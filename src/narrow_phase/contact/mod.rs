@@ -2,10 +2,12 @@
 
 mod body;
 pub(super) mod buffers;
+mod claims;
 mod convex;
 mod facet;
 mod hull;
 mod mesh;
+mod meshes;
 mod passing;
 mod patch;
 mod place;

@@ -2,14 +2,13 @@
 
 use bevy::math::Vec3A;
 
-use super::{convex, mesh, sphere};
+use super::{convex, mesh, meshes, sphere};
 use crate::narrow_phase::{
     answer::{Contact, LocalContact},
     error::BoundsError,
     frame::{
         case::Case,
         common_point::{common_point, mean_touch},
-        edge_polygon::{self, Touch},
         placed::{Placed, PlacedPair, in_order},
         separation::Separation,
         smaller::Smaller,
@@ -104,7 +103,7 @@ fn local_contact(pair: &PlacedPair, workspace: &mut Workspace) -> LocalContact {
         }
         Case::Cuboids => cuboids(pair, workspace),
         Case::Convex => convex::contact(pair, workspace),
-        Case::Polygons => meshes(pair, workspace),
+        Case::Polygons => polygons(pair, workspace),
         Case::Foreign => foreign(pair, workspace),
     };
     found.unwrap_or_else(|| from_centers(pair))
@@ -127,40 +126,15 @@ fn cuboids(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact>
 }
 
 /// A mesh of any form, and another shape made of polygons.
-fn meshes(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
+fn polygons(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
     match (
         pair.a.shape.kind().is_convex(),
         pair.b.shape.kind().is_convex(),
     ) {
         (true, _) => mesh::contact(pair, workspace),
         (_, true) => mesh::contact(&pair.swapped(), workspace).map(LocalContact::reversed),
-        _ => crossings(pair, workspace),
+        _ => meshes::contact(pair, workspace),
     }
-}
-
-/// Meshes of any form: the mean of all crossings.
-fn crossings(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
-    let (mut count, mut points, mut normals) = (0.0, Vec3A::ZERO, Vec3A::ZERO);
-    edge_polygon::touches(pair, workspace, |Touch { point, normal, .. }| {
-        count += 1.0;
-        points += point;
-        normals += normal;
-    });
-    // Normals that cancel out leave rounding behind, and no direction.
-    let normal = normals
-        .try_normalize()
-        .filter(|_| normals.length() > 1e-3 * count);
-    let normal = normal.unwrap_or_else(|| center_direction(pair));
-    let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-    edge_polygon::touches(pair, workspace, |hit| {
-        low = low.min(hit.point.dot(normal));
-        high = high.max(hit.point.dot(normal));
-    });
-    (count > 0.0).then(|| LocalContact {
-        normal,
-        point: points / count,
-        depth: high - low,
-    })
 }
 
 fn center_direction(pair: &PlacedPair) -> Vec3A {

@@ -110,7 +110,12 @@ fn convex_cube(half: f32) -> Shape {
 
 #[test]
 fn up_is_the_way_off_a_floor_whichever_way_it_is_wound() {
-    let solids = [box_of(0.5, 0.5, 0.5), convex_cube(0.5), Shape::sphere(0.5)];
+    let solids = [
+        box_of(0.5, 0.5, 0.5),
+        convex_cube(0.5),
+        mesh_of(Vec3::splat(0.5)),
+        Shape::sphere(0.5),
+    ];
     let mirrored = at(0.0, 0.0, 0.0).with_scale(Vec3::new(1.0, -1.0, 1.0));
     for (name, floor, place) in [
         ("upwards", square(), at(0.0, 0.0, 0.0)),
@@ -140,6 +145,7 @@ fn wherever_a_flat_floor_is_joined() {
     let solids = [
         ("cuboid", box_of(0.5, 0.5, 0.5)),
         ("convex", convex_cube(0.5)),
+        ("mesh", mesh_of(Vec3::splat(0.5))),
         ("ball", Shape::sphere(0.5)),
     ];
     let places = [
@@ -160,7 +166,8 @@ fn wherever_a_flat_floor_is_joined() {
                     let what = format!("{name} on {floor_name} at ({x}, {z}), turned {turn}");
                     assert_close(found, Vec3::Y, 0.05, &what);
                     let middle = Vec3::new(x, -0.025, z);
-                    assert!(found.point.distance(middle) < 0.03, "{what}: {found:?}");
+                    let near = if *name == "mesh" { 0.5 } else { 0.03 };
+                    assert!(found.point.distance(middle) < near, "{what}: {found:?}");
                 }
             }
         }
@@ -169,7 +176,11 @@ fn wherever_a_flat_floor_is_joined() {
 
 #[test]
 fn a_solid_sinks_into_a_closed_mesh_and_comes_out_where_it_went_in() {
-    let solids = [box_of(0.5, 0.5, 0.5), convex_cube(0.5)];
+    let solids = [
+        box_of(0.5, 0.5, 0.5),
+        convex_cube(0.5),
+        mesh_of(Vec3::splat(0.5)),
+    ];
     for solid in &solids {
         // Deeper than half of it: the other way is through the slab.
         for depth in [0.05, 0.3, 0.6, 0.9] {
@@ -270,4 +281,49 @@ fn a_cube_of_triangles_is_as_good_as_a_cuboid() {
         }
     }
     assert!(same > all / 3, "{same} of {all}");
+}
+
+/// A ball of triangles, of which those in touch are a ring around the contact.
+#[test]
+fn a_mesh_of_small_triangles_is_as_deep_as_it_reaches() {
+    let (rings, around) = (16u32, 24u32);
+    let mut vertices = vec![[0.0, 1.0, 0.0]];
+    for ring in 1..rings {
+        for step in 0..around {
+            let polar = std::f32::consts::PI * ring as f32 / rings as f32;
+            let turn = std::f32::consts::TAU * step as f32 / around as f32;
+            vertices.push([
+                polar.sin() * turn.cos(),
+                polar.cos(),
+                polar.sin() * turn.sin(),
+            ]);
+        }
+    }
+    vertices.push([0.0, -1.0, 0.0]);
+    let last = vertices.len() as u32 - 1;
+    let vertex = |ring: u32, step: u32| 1 + (ring - 1) * around + step % around;
+    let mut list = Vec::new();
+    for step in 0..around {
+        list.push([0, vertex(1, step + 1), vertex(1, step)]);
+        list.push([last, vertex(rings - 1, step), vertex(rings - 1, step + 1)]);
+        for ring in 1..rings - 1 {
+            let [a, b] = [vertex(ring, step), vertex(ring, step + 1)];
+            let [c, d] = [vertex(ring + 1, step), vertex(ring + 1, step + 1)];
+            list.extend([[a, b, c], [b, d, c]]);
+        }
+    }
+    let ball = triangles(&vertices, &list);
+    let here = at(0.0, 0.0, 0.0);
+    for (name, floor) in [
+        ("square", square()),
+        ("downwards", square_downwards()),
+        ("fan", fan()),
+        ("slab", slab()),
+        ("grid", grid(8, |_, _| 0.0)),
+    ] {
+        for depth in [0.01, 0.3] {
+            let found = contact((&floor, here), (&ball, at(3.1, 1.0 - depth, 4.7)));
+            assert_close(found, Vec3::Y, depth, name);
+        }
+    }
 }
