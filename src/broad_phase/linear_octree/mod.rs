@@ -71,4 +71,4 @@ mod tests;
 
 pub(super) use crowd::Crowd;
 pub use octree::LinearOctree;
-pub(crate) use still::StillOctree;
+pub(crate) use still::{JoinStack, StillOctree};

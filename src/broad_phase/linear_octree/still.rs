@@ -1,8 +1,10 @@
 //! The same tree over boxes that never change: what meshes are searched by.
 
+mod join;
+
 use std::ops::ControlFlow;
 
-use bevy::math::{Vec3A, bounding::Aabb3d};
+use bevy::math::bounding::Aabb3d;
 use fearless_simd::Level;
 
 use super::{
@@ -13,8 +15,10 @@ use super::{
 use crate::broad_phase::{
     block::{Block, WIDTH},
     measure::Measure,
-    query::{Region, ScaledDistance, Sweep},
+    query::Region,
 };
+
+pub(crate) use join::JoinStack;
 
 /// A pointerless octree of boxes that stay as they are, each known by its index.
 ///
@@ -57,7 +61,11 @@ impl StillOctree {
 
     /// Calls `found` with the index of each box that overlaps a region, in no particular order.
     #[inline]
-    pub(crate) fn for_each_overlapping(&self, region: &impl Region, mut found: impl FnMut(u32)) {
+    pub(crate) fn for_each_overlapping(
+        &self,
+        region: &(impl Region + ?Sized),
+        mut found: impl FnMut(u32),
+    ) {
         let (measure, limit) = region.measure();
         self.search(&measure, limit, |index, _| {
             found(index);
@@ -65,43 +73,10 @@ impl StillOctree {
         });
     }
 
-    /// Calls `found` with the index of each box that a moving box meets, the first ones first, and
-    /// after how long; it tells how long the way goes on from then on.
-    ///
-    /// The moving box is `reach` around `origin`, and moves by `direction` in each unit of time.
+    /// Calls `visit` with the index of each box within the limit, and its distance, near ones first
+    /// if the measure has an order; it tells the limit from then on.
     #[inline]
-    pub(crate) fn on_the_way(
-        &self,
-        (origin, direction): (Vec3A, Vec3A),
-        reach: Vec3A,
-        limit: f32,
-        mut found: impl FnMut(u32, f32) -> f32,
-    ) {
-        let (measure, limit) = Sweep::along(origin, direction, -reach, reach, limit);
-        self.search(&measure, limit, |index, distance| {
-            ControlFlow::Continue(found(index, distance))
-        });
-    }
-
-    /// Calls `found` with the index of each box that is as near to a point as `limit`, near ones
-    /// first, and how far it is; it tells the limit from then on. Lengths along the axes are
-    /// stretched by `scale`.
-    #[inline]
-    pub(crate) fn near(
-        &self,
-        point: Vec3A,
-        scale: Vec3A,
-        limit: f32,
-        mut found: impl FnMut(u32, f32) -> f32,
-    ) {
-        let (measure, limit) = ScaledDistance::new(point, scale, limit);
-        self.search(&measure, limit, |index, distance| {
-            ControlFlow::Continue(found(index, distance))
-        });
-    }
-
-    #[inline]
-    fn search<M: Measure>(
+    pub(crate) fn search<M: Measure>(
         &self,
         measure: &M,
         limit: f32,

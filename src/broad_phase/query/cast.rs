@@ -62,7 +62,7 @@ impl Sweep {
     }
 
     /// A box around a point that moves by `direction` in each unit of distance.
-    pub(in crate::broad_phase) fn along(
+    pub(crate) fn along(
         origin: Vec3A,
         direction: Vec3A,
         min: Vec3A,

@@ -12,8 +12,9 @@ mod search;
 mod tests;
 
 pub use cast::Cast;
-pub(super) use cast::Sweep;
+pub(crate) use cast::Sweep;
 pub use flow::Flow;
 pub use hit::Hit;
+pub(crate) use region::Overlap;
 pub use region::Region;
-pub(super) use scaled_distance::ScaledDistance;
+pub(crate) use scaled_distance::ScaledDistance;

@@ -106,6 +106,14 @@ impl Measured for ViewFrustum {
 /// Boxes that overlap a box.
 pub struct Overlap(Aabb3d);
 
+impl Overlap {
+    /// Returns the measure of a box that is finite; boxes that overlap it are at a distance of 0.
+    #[inline(always)]
+    pub fn new(aabb: Aabb3d) -> Self {
+        Self(aabb)
+    }
+}
+
 impl Measure for Overlap {
     const ORDERED: bool = false;
     const EXACT: bool = true;

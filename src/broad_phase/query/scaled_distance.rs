@@ -1,4 +1,4 @@
-//! Distances from a point where lengths along the axes are stretched.
+//! Distances from a box where lengths along the axes are stretched.
 
 use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::{f32x8, prelude::*};
@@ -8,29 +8,26 @@ use crate::broad_phase::{
     measure::{Bound, Measure},
 };
 
-/// How far boxes are from a point, each axis stretched by a factor: what a shape with a scale is
-/// asked, in its own space.
+/// How far boxes are from a box, or a point, each axis stretched by a factor: what a shape with a
+/// scale is asked, in its own space.
 #[derive(Clone, Copy)]
 pub struct ScaledDistance {
-    point: Vec3A,
+    from: Aabb3d,
     scale: Vec3A,
 }
 
 impl ScaledDistance {
-    /// Returns the measure, and the limit if it makes sense; NaN otherwise.
-    pub fn new(point: Vec3A, scale: Vec3A, limit: f32) -> (Self, f32) {
+    /// Returns the measure. All has to be finite.
+    #[inline(always)]
+    pub fn new(from: Aabb3d, scale: Vec3A) -> Self {
         let scale = scale.abs();
-        let is_fine = point.is_finite() && scale.is_finite() && limit >= 0.0;
-        (
-            Self { point, scale },
-            if is_fine { limit } else { f32::NAN },
-        )
+        Self { from, scale }
     }
 
     #[inline(always)]
     fn gap_squared(&self, aabb: &Aabb3d) -> f32 {
-        let gap = (aabb.min - self.point)
-            .max(self.point - aabb.max)
+        let gap = (aabb.min - self.from.max)
+            .max(self.from.min - aabb.max)
             .max(Vec3A::ZERO);
         (gap * self.scale).length_squared()
     }
@@ -52,11 +49,11 @@ impl Measure for ScaledDistance {
 
     #[inline(always)]
     fn test_block<S: Simd>(&self, simd: S, block: &Block, bound: Bound) -> (u32, f32x8<S>) {
-        let (point, scale) = (self.point.to_array(), self.scale.to_array());
+        let (min, max) = (self.from.min.to_array(), self.from.max.to_array());
+        let scale = self.scale.to_array();
         let square = |axis: usize| {
-            let at = f32x8::splat(simd, point[axis]);
-            let below = block.side(simd, false, axis) - at;
-            let above = at - block.side(simd, true, axis);
+            let below = block.side(simd, false, axis) - f32x8::splat(simd, max[axis]);
+            let above = f32x8::splat(simd, min[axis]) - block.side(simd, true, axis);
             let gap =
                 below.max(above).max(f32x8::splat(simd, 0.0)) * f32x8::splat(simd, scale[axis]);
             gap * gap
@@ -78,6 +75,6 @@ impl Measure for ScaledDistance {
     }
 
     fn anchor(&self, aabb: &Aabb3d, _: f32) -> Vec3A {
-        self.point.clamp(aabb.min, aabb.max)
+        self.from.min.clamp(aabb.min, aabb.max)
     }
 }

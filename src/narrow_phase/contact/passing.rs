@@ -200,7 +200,7 @@ impl Planes {
         };
         let workspace = &*workspace;
         let each = |visit: &mut dyn FnMut(Touch)| {
-            let _ = edge_polygon::for_each_touch(workspace, pair.tolerance, |hit| {
+            let _ = edge_polygon::for_each_touch(&workspace.surfaces, pair.tolerance, |hit| {
                 visit(hit);
                 ControlFlow::Continue(())
             });

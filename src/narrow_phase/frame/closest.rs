@@ -23,6 +23,46 @@ fn parameter(point: Vec3A, a: Vec3A, b: Vec3A) -> f32 {
     }
 }
 
+/// The point of a triangle that is closest to `point`: by the region of its plane, of a corner, a
+/// side or the inside, that the point is over (Ericson, *Real-Time Collision Detection*, 2005,
+/// section 5.1.5).
+#[inline]
+pub fn point_triangle(point: Vec3A, [a, b, c]: [Vec3A; 3]) -> Vec3A {
+    let (ab, ac, ap) = (b - a, c - a, point - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return a;
+    }
+    let bp = point - b;
+    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return b;
+    }
+    let cp = point - c;
+    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return c;
+    }
+    let normal = ab.cross(ac);
+    // The areas beside the sides: the same as of the products above, but exact where these are
+    // large and nearly cancel out.
+    let beside = |from: Vec3A, along: Vec3A| normal.dot(along.cross(point - from));
+    let (over_ab, over_bc, over_ca) = (beside(a, ab), beside(b, c - b), beside(c, a - c));
+    if over_ab > 0.0 && over_bc > 0.0 && over_ca > 0.0 {
+        let height = ap.dot(normal) / normal.length_squared();
+        return point - normal * height;
+    }
+    let mut best = point_segment(point, a, b);
+    let mut squared = best.distance_squared(point);
+    for closest in [point_segment(point, b, c), point_segment(point, c, a)] {
+        let distance = closest.distance_squared(point);
+        if distance < squared {
+            (best, squared) = (closest, distance);
+        }
+    }
+    best
+}
+
 /// The points of two segments that are closest to each other.
 ///
 /// The crossing of the two lines comes from the cross product of their directions, which stays

@@ -1,67 +1,16 @@
 //! A polygon mesh put in place: what the last stage computes with.
 
-use bevy::math::{DVec3, Mat3A, Vec3, Vec3A, bounding::Aabb3d};
+use std::ops::ControlFlow;
+
+use bevy::math::{Vec3A, bounding::Aabb3d};
 
 use super::closest;
+use super::local_aabb::LocalAabb;
 use super::oriented_box::OrientedBox;
 use super::placed::Placed;
+use super::placing::Placing;
+use crate::broad_phase::ScaledDistance;
 use crate::narrow_phase::{length::unit, mesh::polygon_mesh::PolygonMesh};
-
-/// A box along the axes of the frame of a pair, by its corners. May be empty.
-#[derive(Clone, Copy, Debug)]
-pub struct LocalAabb {
-    pub min: Vec3A,
-    pub max: Vec3A,
-}
-
-impl LocalAabb {
-    pub const EVERYWHERE: Self = Self {
-        min: Vec3A::NEG_INFINITY,
-        max: Vec3A::INFINITY,
-    };
-    pub const NOWHERE: Self = Self {
-        min: Vec3A::INFINITY,
-        max: Vec3A::NEG_INFINITY,
-    };
-
-    /// Returns `true` if nothing is outside.
-    pub fn is_everywhere(&self) -> bool {
-        self.min == Self::EVERYWHERE.min && self.max == Self::EVERYWHERE.max
-    }
-
-    /// What two boxes share, given by centre and half extents, grown by `margin`. May be empty.
-    pub fn shared(a: (Vec3A, Vec3A), b: (Vec3A, Vec3A), margin: f32) -> Self {
-        Self {
-            min: (a.0 - a.1).max(b.0 - b.1) - margin,
-            max: (a.0 + a.1).min(b.0 + b.1) + margin,
-        }
-    }
-
-    /// The smallest box around points, grown by `margin`.
-    fn around(points: impl Iterator<Item = Vec3A>, margin: f32) -> Self {
-        let (mut min, mut max) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
-        for point in points {
-            min = min.min(point);
-            max = max.max(point);
-        }
-        let (min, max) = (min - margin, max + margin);
-        Self { min, max }
-    }
-
-    #[inline]
-    fn overlaps(&self, other: &Self) -> bool {
-        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
-    }
-
-    /// The square of the distance of the two.
-    #[inline]
-    pub fn gap_squared(&self, other: &Self) -> f32 {
-        (self.min - other.max)
-            .max(other.min - self.max)
-            .max(Vec3A::ZERO)
-            .length_squared()
-    }
-}
 
 /// An edge in place, grown by the tolerance in `bounds`.
 #[derive(Clone, Copy, Debug)]
@@ -100,6 +49,8 @@ pub struct ClosestPoint {
 #[derive(Clone, Debug, Default)]
 pub struct Surface {
     placing: Placing,
+    /// The polygon that alone is selected.
+    only: Option<u32>,
     /// The corners of the faces, one face after the other, those that were dropped included.
     corners: Vec<Vec3A>,
     pub edges: Vec<PlacedEdge>,
@@ -111,95 +62,24 @@ pub struct Surface {
     sides: Vec<[u32; 2]>,
 }
 
-/// How a mesh gets from its own space to the frame of a pair.
-#[derive(Clone, Copy, Debug, Default)]
-struct Placing {
-    axes: Mat3A,
-    center: Vec3A,
-    scale: Vec3A,
-    /// The centre of the mesh, in its own space.
-    middle: Vec3A,
-}
-
-impl Placing {
-    #[inline]
-    fn place(&self, vertex: Vec3) -> Vec3A {
-        self.center + self.axes * ((Vec3A::from(vertex) - self.middle) * self.scale)
-    }
-
-    /// Normals scale with the cofactors, that is inversely, but without dividing by zero. A mirror
-    /// would turn them inside out.
-    fn normal(&self, normal: Vec3) -> Vec3A {
-        let largest = self.scale.abs().max_element();
-        let relative = if largest > 0.0 {
-            self.scale / largest
-        } else {
-            self.scale
-        };
-        let cofactors = Vec3A::new(
-            relative.y * relative.z,
-            relative.z * relative.x,
-            relative.x * relative.y,
-        );
-        let mirror = 1f32.copysign(self.scale.x * self.scale.y * self.scale.z);
-        self.axes * unit_or_zero(Vec3A::from(normal) * cofactors * mirror)
-    }
-
-    /// A box in the space of the mesh, around all that is in a region of the frame: a little larger
-    /// than it has to be.
-    fn back(&self, region: &LocalAabb) -> Aabb3d {
-        let (center, half) = (
-            (region.min + region.max) * 0.5,
-            (region.max - region.min) * 0.5,
-        );
-        let inverse = self.axes.transpose();
-        let from_center = inverse * (center - self.center);
-        let reach = self.axes.abs().transpose() * half;
-        let rounding = 8.0 * f32::EPSILON * (center.abs() + self.center.abs() + half).element_sum();
-        // Along an axis of no scale, everything is in the region, or nothing.
-        let scale = self.scale.abs();
-        let grow = (reach + rounding) / scale;
-        let at = from_center / self.scale;
-        let (low, high) = (self.middle + at - grow, self.middle + at + grow);
-        let wide = 8.0 * f32::EPSILON * (self.middle.abs() + low.abs() + high.abs());
-        let known = low.is_finite_mask() & high.is_finite_mask();
-        Aabb3d {
-            min: Vec3A::select(known, low - wide, Vec3A::MIN),
-            max: Vec3A::select(known, high + wide, Vec3A::MAX),
-        }
-    }
-
-    /// The way of a box through the space of the mesh: where it begins, how it moves, and how far it
-    /// reaches, a little more than it does.
-    fn way_back(&self, origin: Vec3A, direction: Vec3A, reach: Vec3A) -> (Vec3A, Vec3A, Vec3A) {
-        // A scale of zero makes all of its axis one point, which is met there, or never.
-        let least = f32::MIN_POSITIVE.max(1e-7 * self.scale.abs().max_element());
-        let scale = Vec3A::select(
-            self.scale.abs().cmplt(Vec3A::splat(least)),
-            Vec3A::splat(least),
-            self.scale,
-        );
-        let inverse = self.axes.transpose();
-        let start = inverse * (origin - self.center) / scale + self.middle;
-        let around = self.axes.abs().transpose() * reach;
-        let rounding = 16.0
-            * f32::EPSILON
-            * ((origin - self.center).abs().max_element() + around.max_element());
-        let grown = (around + rounding) / scale.abs()
-            + 8.0 * f32::EPSILON * (self.middle.abs() + start.abs());
-        (start, inverse * direction / scale, grown)
-    }
-
-    /// A point of the frame in the space of the mesh; `None` where a scale of zero has no way back.
-    fn point_back(&self, point: Vec3A) -> Option<DVec3> {
-        let inverse = self.axes.transpose();
-        let from_center = inverse.as_dmat3() * (point.as_dvec3() - self.center.as_dvec3());
-        let local = from_center / self.scale.as_dvec3() + self.middle.as_dvec3();
-        local.is_finite().then_some(local)
-    }
-}
-
 impl Surface {
+    /// Says where a mesh is, and selects nothing of it.
+    pub fn place(&mut self, mesh: (&PolygonMesh, Vec3A), placed: Placed, bounds: &OrientedBox) {
+        self.placing = Placing::of(mesh, placed, bounds);
+        self.only = None;
+        self.polygons.clear();
+        self.sides.clear();
+        self.vertices.clear();
+        self.edges.clear();
+        self.faces.clear();
+        self.corners.clear();
+    }
+
+    /// Where the mesh is.
+    pub fn placing(&self) -> &Placing {
+        &self.placing
+    }
+
     /// Puts the polygons of a shape where its box is, and selects what is in `region`.
     ///
     /// A mesh with a tree is looked at where the region is, and nowhere else.
@@ -211,20 +91,8 @@ impl Surface {
         region: &LocalAabb,
         tolerance: f32,
     ) {
-        let scale = placed.shape.effective_scale(placed.transform.scale) * size;
-        let axes = bounds.axes;
-        let (middle, ..) = mesh.local_bounds();
-        self.placing = Placing {
-            axes,
-            center: bounds.center,
-            scale,
-            middle,
-        };
+        self.place((mesh, size), placed, bounds);
         let placing = self.placing;
-
-        self.polygons.clear();
-        self.sides.clear();
-        self.vertices.clear();
         let tree = mesh.tree().filter(|_| !region.is_everywhere());
         if let Some(tree) = tree {
             // An edge in the region is grown by the tolerance.
@@ -232,36 +100,43 @@ impl Surface {
                 min: region.min - tolerance,
                 max: region.max + tolerance,
             };
-            if grown.min.cmple(grown.max).all() {
-                tree.for_each_overlapping(&placing.back(&grown), |polygon| {
-                    self.polygons.push(polygon)
-                });
+            if let Some(near) = placing.back(&grown) {
+                tree.for_each_overlapping(&near, |polygon| self.polygons.push(polygon));
             }
             // In the order of the mesh, whatever that of the tree.
             self.polygons.sort_unstable();
             for &polygon in &self.polygons {
-                let corners = mesh.polygon(polygon as usize);
-                let sides = corners.iter().zip(corners.iter().cycle().skip(1));
-                for (&other, (from, to)) in mesh.across(polygon as usize).iter().zip(sides) {
+                for (other, side) in sides(mesh, polygon) {
                     // Of two that share a side, the first has it.
                     if other > polygon || self.polygons.binary_search(&other).is_err() {
-                        self.sides.push([*from, *to]);
+                        self.sides.push(side);
                     }
                 }
             }
         } else {
-            self.polygons.extend(0..mesh.polygon_count() as u32);
-            self.sides.extend_from_slice(mesh.edges());
-            self.vertices
-                .extend(mesh.vertices().iter().map(|vertex| placing.place(*vertex)));
+            self.list_all(mesh);
         }
+        self.take(mesh, region, tolerance);
+    }
+
+    /// Lists all polygons and sides, and puts all vertices in place.
+    fn list_all(&mut self, mesh: &PolygonMesh) {
+        let placing = self.placing;
+        self.polygons.extend(0..mesh.polygon_count() as u32);
+        self.sides.extend_from_slice(mesh.edges());
+        self.vertices
+            .extend(mesh.vertices().iter().map(|vertex| placing.place(*vertex)));
+    }
+
+    /// Puts in place what of the polygons and sides that are listed is in a region.
+    fn take(&mut self, mesh: &PolygonMesh, region: &LocalAabb, tolerance: f32) {
+        let placing = self.placing;
         let vertices = &self.vertices;
         let at = |vertex: u32| match vertices.get(vertex as usize) {
             Some(placed) => *placed,
             None => placing.place(mesh.vertices()[vertex as usize]),
         };
 
-        self.edges.clear();
         for side in &self.sides {
             let ends = side.map(at);
             let edge = PlacedEdge {
@@ -273,8 +148,6 @@ impl Surface {
             }
         }
 
-        self.faces.clear();
-        self.corners.clear();
         for index in 0..self.polygons.len() {
             let polygon = self.polygons[index];
             let start = self.corners.len();
@@ -319,79 +192,114 @@ impl Surface {
         }
     }
 
-    /// Calls `found` with each face that a box on its way may meet, the first ones first; it tells
-    /// how far the way goes from then on. For meshes with a tree.
-    ///
-    /// The box is `reach` around `origin`, and moves by `direction` in each unit of distance.
-    pub fn on_the_way(
-        &mut self,
-        mesh: &PolygonMesh,
-        (origin, direction): (Vec3A, Vec3A),
-        reach: Vec3A,
-        limit: f32,
-        mut found: impl FnMut(&Self, &PlacedFace) -> f32,
-    ) {
-        let Some(tree) = mesh.tree() else {
-            debug_assert!(false, "it is looked at polygon by polygon");
-            return;
-        };
-        let (origin, direction, reach) = self.placing.way_back(origin, direction, reach);
-        tree.on_the_way((origin, direction), reach, limit, |polygon, _| {
-            let face = self.only(mesh, polygon);
-            found(self, &face)
-        });
+    /// Selects all of the mesh.
+    pub fn select_all(&mut self, mesh: &PolygonMesh, tolerance: f32) {
+        self.list_all(mesh);
+        self.take(mesh, &LocalAabb::EVERYWHERE, tolerance);
     }
 
-    /// Puts a polygon in place, and nothing else.
-    fn only(&mut self, mesh: &PolygonMesh, polygon: u32) -> PlacedFace {
-        let placing = self.placing;
-        let corners = mesh.polygon(polygon as usize).iter();
+    /// Selects one polygon of the mesh, with its sides.
+    pub fn select(&mut self, mesh: &PolygonMesh, polygon: u32, tolerance: f32) {
+        if self.only == Some(polygon) {
+            return;
+        }
+        self.only = Some(polygon);
+        self.edges.clear();
+        self.faces.clear();
         self.corners.clear();
+        let (placing, vertices) = (self.placing, mesh.vertices());
+        let corners = mesh.polygon(polygon as usize).iter();
         self.corners
-            .extend(corners.map(|vertex| placing.place(mesh.vertices()[*vertex as usize])));
+            .extend(corners.map(|vertex| placing.place(vertices[*vertex as usize])));
+        let edges = border(&self.corners).map(|ends| PlacedEdge {
+            ends,
+            bounds: LocalAabb::around(ends.into_iter(), tolerance),
+        });
+        self.edges.extend(edges);
         let bounds = LocalAabb::around(self.corners.iter().copied(), 0.0);
-        self.face(mesh, polygon, 0, bounds)
+        let face = self.face(mesh, polygon, 0, bounds);
+        self.faces.push(face);
     }
 
     /// The point of the mesh, all of it, that is closest to a point of the frame, of those within
-    /// `limit`. The faces are those that were looked at last.
+    /// `limit`. What is selected counts for meshes without a tree alone: it has to be everything.
     pub fn closest_of_all(
         &mut self,
         mesh: &PolygonMesh,
         point: Vec3A,
         limit: f32,
     ) -> Option<ClosestPoint> {
-        let Some((tree, local)) = mesh.tree().zip(self.placing.point_back(point)) else {
+        let Some(_) = mesh.tree() else {
             return self
                 .closest_point(point)
                 .filter(|found| found.distance <= limit);
         };
-        let mut best: Option<(ClosestPoint, u32)> = None;
-        tree.near(local.as_vec3a(), self.placing.scale, limit, |polygon, _| {
-            let face = self.only(mesh, polygon);
-            if let Some(closest) = self.closest_point_of(&face, point) {
-                let distance = closest.distance(point);
-                // Of several that are as close, the first in the order of the mesh.
-                let is_closer =
-                    best.is_none_or(|(best, of)| (distance, polygon) < (best.distance, of));
-                if is_closer && distance <= limit {
-                    let found = ClosestPoint {
-                        point: closest,
-                        distance,
-                        normal: face.normal,
-                    };
-                    best = Some((found, polygon));
-                }
+        let mut best: Option<(Vec3A, f32, u32)> = None;
+        self.search_near(mesh, point, limit, |polygon, closest, distance| {
+            // Of several that are as close, the first in the order of the mesh.
+            let is_closer = best.is_none_or(|(_, least, of)| (distance, polygon) < (least, of));
+            if is_closer && distance <= limit {
+                best = Some((closest, distance, polygon));
             }
-            best.map_or(limit, |(best, _)| best.distance)
+            ControlFlow::Continue(best.map_or(limit, |(_, distance, _)| distance))
         });
-        best.map(|(found, _)| found)
+        best.map(|(point, distance, polygon)| ClosestPoint {
+            point,
+            distance,
+            normal: self.placing.normal(mesh.normals()[polygon as usize]),
+        })
     }
 
-    /// Drops the edges and polygons that are not in `region`.
-    pub fn keep(&mut self, region: &LocalAabb) {
-        self.edges.retain(|edge| edge.bounds.overlaps(region));
-        self.faces.retain(|face| face.bounds.overlaps(region));
+    /// Returns `true` if a point of the frame is as near to the mesh as `limit`. As for
+    /// [`closest_of_all`](Self::closest_of_all).
+    pub fn is_near(&mut self, mesh: &PolygonMesh, point: Vec3A, limit: f32) -> bool {
+        if mesh.tree().is_none() {
+            return self
+                .closest_point(point)
+                .is_some_and(|found| found.distance <= limit);
+        }
+        let mut is_near = false;
+        self.search_near(mesh, point, limit, |_, _, distance| {
+            is_near = distance <= limit;
+            if is_near {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(limit)
+            }
+        });
+        is_near
+    }
+
+    /// Calls `found` with polygons whose boxes are within the limit of a point of the frame, near
+    /// ones first, their closest points and how far these are; it tells the limit from then on.
+    fn search_near(
+        &mut self,
+        mesh: &PolygonMesh,
+        point: Vec3A,
+        limit: f32,
+        mut found: impl FnMut(u32, Vec3A, f32) -> ControlFlow<(), f32>,
+    ) {
+        let Some(tree) = mesh.tree() else { return };
+        let placing = self.placing;
+        let at = placing.from_frame(point, Vec3A::ZERO).place(&Aabb3d {
+            min: point,
+            max: point,
+        });
+        let measure = ScaledDistance::new(at, placing.scale());
+        let vertices = mesh.vertices();
+        tree.search(&measure, limit, |polygon, _| {
+            let closest = if let &[a, b, c] = mesh.polygon(polygon as usize) {
+                let corners = [a, b, c].map(|vertex| placing.place(vertices[vertex as usize]));
+                closest::point_triangle(point, corners)
+            } else {
+                self.select(mesh, polygon, 0.0);
+                match self.closest_point_of(&self.faces[0], point) {
+                    Some(closest) => closest,
+                    None => return ControlFlow::Continue(limit),
+                }
+            };
+            found(polygon, closest, closest.distance(point))
+        });
     }
 
     /// A vertex of the mesh, in place.
@@ -514,6 +422,14 @@ impl Surface {
     }
 }
 
+/// The sides of a polygon of a mesh, each with the polygon across it.
+fn sides(mesh: &PolygonMesh, polygon: u32) -> impl Iterator<Item = (u32, [u32; 2])> {
+    let corners = mesh.polygon(polygon as usize);
+    let next = corners.iter().cycle().skip(1);
+    let sides = corners.iter().zip(next).map(|(from, to)| [*from, *to]);
+    mesh.across(polygon as usize).iter().copied().zip(sides)
+}
+
 /// The sides of a polygon, given by its corners.
 #[inline]
 pub fn border(corners: &[Vec3A]) -> impl Iterator<Item = [Vec3A; 2]> {
@@ -546,13 +462,13 @@ pub fn covers(corners: &[Vec3A], normal: Vec3A, point: Vec3A) -> bool {
 /// Sums the solid angles under which the polygons are seen from the point, by the formula of
 /// Van Oosterom and Strackee (1983). No direction is special, and so no ray can graze an edge.
 pub fn winds_around(mesh: &PolygonMesh, way_to: impl Fn(u32) -> Vec3A) -> bool {
-    if !mesh.is_closed() {
+    if !mesh.has_inside() {
         return false;
     }
     // The angles of a fan of triangles are signed, and add up for polygons that are not convex
     // too.
     let mut half_angles = 0.0;
-    for corners in mesh.polygons() {
+    mesh.for_each_solid(|corners| {
         let seen = |vertex: u32| unit(way_to(vertex));
         let a = seen(corners[0]);
         for pair in corners[1..].windows(2) {
@@ -560,17 +476,7 @@ pub fn winds_around(mesh: &PolygonMesh, way_to: impl Fn(u32) -> Vec3A) -> bool {
             let cosines = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
             half_angles += a.dot(b.cross(c)).atan2(cosines);
         }
-    }
+    });
     // Once around is 4π, or 2π in half angles.
     f32::abs(half_angles) > std::f32::consts::PI
-}
-
-/// The direction of a vector whose length may underflow; zero for zero.
-fn unit_or_zero(v: Vec3A) -> Vec3A {
-    let largest = v.abs().max_element();
-    if largest > f32::MIN_POSITIVE {
-        (v / largest).normalize()
-    } else {
-        Vec3A::ZERO
-    }
 }
