@@ -7,7 +7,7 @@
 //! included: those of Voronoi regions, which Bullet's utility for internal edges and Jolt's active
 //! edges go by.
 
-use bevy::math::{Vec3, Vec3A};
+use bevy::math::Vec3A;
 
 use crate::narrow_phase::mesh::{polygon_mesh::PolygonMesh, topology::NO_NEIGHBOR};
 
@@ -61,7 +61,7 @@ pub fn look_beyond(
     mesh: &PolygonMesh,
     polygon: u32,
     beyond: &mut Vec<Beyond>,
-    place: impl Fn(Vec3) -> Vec3A,
+    place: impl Fn(u32) -> Vec3A,
 ) {
     let corners = mesh.polygon(polygon as usize);
     let sides = mesh.across(polygon as usize).iter().enumerate();
@@ -80,7 +80,7 @@ pub fn look_beyond(
         } else {
             [at + count - 1, at + 2]
         };
-        Some(near.map(|at| place(mesh.vertices()[others[at % count] as usize])))
+        Some(near.map(|at| place(others[at % count])))
     }));
 }
 

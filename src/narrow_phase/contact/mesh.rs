@@ -37,6 +37,7 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
         return None;
     };
     let Workspace { contact, .. } = &mut *workspace;
+    contact.patch.clear();
     let mut hull = std::mem::take(&mut contact.hull);
     let (body, middle) = match pair.a.shape {
         Shape::Convex(solid) => {
@@ -150,7 +151,9 @@ impl OnMesh<'_> {
                 corners.truncate(start);
                 continue;
             }
-            look_beyond(mesh, polygon, beyond, |vertex| self.place.place(vertex));
+            look_beyond(mesh, polygon, beyond, |vertex| {
+                self.place.place(mesh.vertices()[vertex as usize])
+            });
             let facet = Facet {
                 corners: own,
                 normal: normal * outwards.unwrap_or(1.0),
@@ -198,8 +201,9 @@ impl OnMesh<'_> {
                 let plane = highest(own, up);
                 patch.piece.clone_from(face);
                 patch.cut_to(own, direction);
-                patch.cut(up, plane + tolerance);
-                patch.add(direction, |point| (plane - point.dot(up)) / along);
+                patch.add(direction, tolerance, |point| {
+                    (plane - point.dot(up)) / along
+                });
             }
         } else if -against.dot(direction) > ALONG {
             // Polygons over the solid's face.
@@ -208,8 +212,7 @@ impl OnMesh<'_> {
                 patch.piece.clear();
                 patch.piece.extend_from_slice(corners_of(claim));
                 patch.cut_to(face, direction);
-                patch.cut(-direction, tolerance - plane);
-                patch.add(-direction, |point| point.dot(direction) - plane);
+                patch.add(-direction, tolerance, |point| point.dot(direction) - plane);
             }
         } else {
             // Edge on edge.
@@ -228,9 +231,7 @@ impl OnMesh<'_> {
             let ours = top(face, -direction);
             let theirs = top(corners_of(&claims[deepest]), direction);
             let (on_solid, on_mesh) = closest::segments(ours, theirs);
-            patch.piece.clear();
-            patch.piece.push(on_solid.midpoint(on_mesh));
-            patch.add(Vec3A::ZERO, |_| way.depth);
+            patch.add_point(on_solid.midpoint(on_mesh), way.depth);
         }
     }
 
@@ -255,10 +256,7 @@ impl OnMesh<'_> {
                 best = patch.piece.iter().sum::<Vec3A>() / patch.piece.len() as f32;
             }
         });
-        let depth = claims[claim].way.depth.max(0.0);
-        patch.piece.clear();
-        patch.piece.push(best);
-        patch.add(Vec3A::ZERO, |_| depth);
+        patch.add_point(best, claims[claim].way.depth);
         best
     }
 }

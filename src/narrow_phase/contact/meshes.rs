@@ -29,11 +29,14 @@ use crate::narrow_phase::{
 /// a share of the smaller mesh's size.
 const BIAS: f32 = 1e-4;
 
+/// The cosine of the angle up to which a polygon shares the normal of another.
+const ALIKE: f32 = 0.985;
+
 /// So many polygons at most are looked at on the way to a summit, and so many of a plateau.
 const MOST_STEPS: usize = 1024;
 const WIDEST_PLATEAU: usize = 24;
 
-/// The contact of two meshes. Leaves the point in the workspace.
+/// The contact of two meshes.
 pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
     let meshes = edge_polygon::fill(pair, workspace)?;
     let bias = BIAS * pair.box_a.radius.min(pair.box_b.radius);
@@ -68,15 +71,44 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
         return nested(pair, workspace);
     };
     let (way, point) = (buffers.claims[deepest].way, points / count);
-    buffers.patch.clear();
-    buffers.patch.piece.clear();
-    buffers.patch.piece.push(point);
-    buffers.patch.add(Vec3A::ZERO, |_| way.depth);
     Some(LocalContact {
         normal: -way.direction,
         point,
         depth: way.depth.max(0.0),
     })
+}
+
+/// Puts the points at which two meshes lie on each other into the workspace: those of polygons of
+/// both that have the normal of the contact. None where there are none.
+pub fn gather(pair: &PlacedPair, normal: Vec3A, depth: f32, workspace: &mut Workspace) {
+    workspace.contact.patch.clear();
+    let margin = depth + pair.tolerance;
+    if edge_polygon::fill_near(pair, margin, workspace).is_none() {
+        return;
+    }
+    let Workspace {
+        contact: Buffers { patch, .. },
+        surfaces: [a, b],
+        ..
+    } = workspace;
+    for_each_near(a, b, margin, |faces| {
+        let [face, other] = [&a.faces[faces[0] as usize], &b.faces[faces[1] as usize]];
+        let [along, along_other] = [face, other].map(|face| face.normal.dot(normal));
+        if along.abs() < ALIKE || along_other.abs() < ALIKE {
+            return;
+        }
+        let (own, theirs) = (a.corners(face), b.corners(other));
+        patch.piece.clear();
+        patch.piece.extend_from_slice(own);
+        patch.cut_to(theirs, normal);
+        let up = other.normal * 1f32.copysign(along_other);
+        let plane = theirs[0].dot(up);
+        let deep = |point: Vec3A| (point.dot(up) - plane) / along_other.abs();
+        // The far side of what is deeper than the contact lies on nothing.
+        if patch.piece.iter().all(|point| deep(*point) <= margin) {
+            patch.add(-normal, pair.tolerance, deep);
+        }
+    });
 }
 
 /// Calls `visit` with each two faces that may be as near each other as `margin`.
@@ -220,8 +252,12 @@ fn claim([a, b]: &[Side; 2], faces: [u32; 2], bias: f32, buffers: &mut Buffers) 
         ..
     } = buffers;
     if best.way.is_none_or(|way| way.depth > bias) {
-        look_beyond(a.mesh, face.polygon, beyond, |v| a.surface.place(v));
-        look_beyond(b.mesh, other.polygon, other_beyond, |v| b.surface.place(v));
+        look_beyond(a.mesh, face.polygon, beyond, |v| {
+            a.surface.vertex(a.mesh, v)
+        });
+        look_beyond(b.mesh, other.polygon, other_beyond, |v| {
+            b.surface.vertex(b.mesh, v)
+        });
         let first = Facet {
             corners: own,
             normal: a.normal(face),

@@ -6,6 +6,7 @@ mod claims;
 mod convex;
 mod facet;
 mod hull;
+pub(super) mod manifold;
 mod mesh;
 mod meshes;
 mod passing;

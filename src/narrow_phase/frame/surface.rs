@@ -307,11 +307,6 @@ impl Surface {
         self.placing.place(mesh.vertices()[vertex as usize])
     }
 
-    /// A place in the space of the mesh, in the frame.
-    pub fn place(&self, vertex: Vec3) -> Vec3A {
-        self.placing.place(vertex)
-    }
-
     /// The same as [`touch`](Self::touch) of a segment.
     pub fn touch_segment(
         &self,
