@@ -77,7 +77,7 @@ pub fn nested(
     mesh: &PolygonMesh,
     workspace: &mut Workspace,
 ) -> Option<LocalContact> {
-    if !mesh.is_closed() {
+    if !mesh.has_inside() {
         return None;
     }
     let (closest, is_inside) = edge_polygon::sphere_closest(pair, workspace)?;
@@ -140,7 +140,6 @@ impl OnMesh<'_> {
         polygons.sort_unstable();
         corners.clear();
         claims.clear();
-        let outwards = mesh.outwards();
         for &polygon in &*polygons {
             let start = corners.len();
             let vertices = mesh.polygon(polygon as usize).iter();
@@ -154,6 +153,7 @@ impl OnMesh<'_> {
             look_beyond(mesh, polygon, beyond, |vertex| {
                 self.place.place(mesh.vertices()[vertex as usize])
             });
+            let outwards = mesh.outwards(polygon);
             let facet = Facet {
                 corners: own,
                 normal: normal * outwards.unwrap_or(1.0),

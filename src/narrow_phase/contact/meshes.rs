@@ -156,7 +156,6 @@ fn touch(
 struct Side<'a> {
     mesh: &'a PolygonMesh,
     surface: &'a Surface,
-    outwards: Option<f32>,
     tolerance: f32,
 }
 
@@ -165,14 +164,14 @@ impl<'a> Side<'a> {
         Self {
             mesh,
             surface,
-            outwards: mesh.outwards(),
             tolerance,
         }
     }
 
-    /// The normal of a face: outwards, if only that way is outside.
-    fn normal(&self, face: &PlacedFace) -> Vec3A {
-        face.normal * self.outwards.unwrap_or(1.0)
+    /// The normal of a face; and whether only that way is outside.
+    fn normal(&self, face: &PlacedFace) -> (Vec3A, bool) {
+        let outwards = self.mesh.outwards(face.polygon);
+        (face.normal * outwards.unwrap_or(1.0), outwards.is_some())
     }
 
     /// How far the mesh reaches along a direction on the summit that is nearest to a face; or
@@ -223,8 +222,9 @@ fn claim([a, b]: &[Side; 2], faces: [u32; 2], bias: f32, buffers: &mut Buffers) 
     let (own, theirs) = (a.surface.corners(face), b.surface.corners(other));
     let mut best = Best { way: None, bias };
     // Along the normal of the second's polygon, and against that of the first's.
-    let normal = b.normal(other);
-    for (direction, allowed) in [(normal, true), (-normal, b.outwards.is_none())] {
+    let ((normal_a, solid_a), (normal_b, solid_b)) = (a.normal(face), b.normal(other));
+    let normal = normal_b;
+    for (direction, allowed) in [(normal, true), (-normal, !solid_b)] {
         if allowed && normal != Vec3A::ZERO {
             let top = highest(theirs, direction);
             let limit = best.way.map_or(f32::INFINITY, |way| way.depth) - top;
@@ -234,8 +234,8 @@ fn claim([a, b]: &[Side; 2], faces: [u32; 2], bias: f32, buffers: &mut Buffers) 
             }
         }
     }
-    let normal = a.normal(face);
-    for (direction, allowed) in [(-normal, true), (normal, a.outwards.is_none())] {
+    let normal = normal_a;
+    for (direction, allowed) in [(-normal, true), (normal, !solid_a)] {
         if allowed && normal != Vec3A::ZERO {
             let top = highest(own, -direction);
             let limit = best.way.map_or(f32::INFINITY, |way| way.depth) - top;
@@ -260,15 +260,15 @@ fn claim([a, b]: &[Side; 2], faces: [u32; 2], bias: f32, buffers: &mut Buffers) 
         });
         let first = Facet {
             corners: own,
-            normal: a.normal(face),
+            normal: normal_a,
             beyond,
-            is_solid: a.outwards.is_some(),
+            is_solid: solid_a,
         };
         let second = Facet {
             corners: theirs,
-            normal: b.normal(other),
+            normal: normal_b,
             beyond: other_beyond,
-            is_solid: b.outwards.is_some(),
+            is_solid: solid_b,
         };
         across_edges(&first, &second, &mut best);
     }

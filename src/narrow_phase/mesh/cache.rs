@@ -2,9 +2,11 @@
 
 use std::sync::OnceLock;
 
+use super::facing::Facing;
+
 /// What a mesh keeps of what has been made of it.
 #[derive(Clone, Debug, Default)]
 pub struct Cache {
-    /// Which way its normals point, if it is closed: 1 outwards, -1 inwards.
-    pub outwards: OnceLock<f32>,
+    /// Which side of its polygons is outside.
+    pub facing: OnceLock<Facing>,
 }

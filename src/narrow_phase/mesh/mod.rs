@@ -7,6 +7,7 @@ pub(super) mod convex_mesh;
 pub(super) mod cube;
 mod duplicates;
 mod edges;
+mod facing;
 mod junctions;
 mod normal;
 pub(super) mod polygon_mesh;

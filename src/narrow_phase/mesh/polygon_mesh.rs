@@ -282,24 +282,10 @@ impl PolygonMesh {
         &self.across[self.polygons.sides(polygon)]
     }
 
-    /// Which way the normals point, if the mesh is closed: 1 outwards, -1 inwards. `None` for an
-    /// open one.
-    pub(in crate::narrow_phase) fn outwards(&self) -> Option<f32> {
-        let volume = || -> f64 {
-            let at = |vertex: u32| {
-                (Vec3A::from(self.vertices[vertex as usize]) - self.center).as_dvec3()
-            };
-            let fan = |corners: &[u32]| -> f64 {
-                let triangles = corners[1..].windows(2);
-                triangles
-                    .map(|pair| at(corners[0]).dot(at(pair[0]).cross(at(pair[1]))))
-                    .sum()
-            };
-            self.polygons().map(fan).sum()
-        };
-        let sign = || if volume() < 0.0 { -1.0 } else { 1.0 };
-        self.is_closed()
-            .then(|| *self.cache.outwards.get_or_init(sign))
+    /// Whether a polygon bounds a solid.
+    #[inline]
+    pub(in crate::narrow_phase) fn bounds_solid(&self, polygon: u32) -> bool {
+        self.solid.contains(polygon)
     }
 
     /// The tree of the polygons' boxes, in the mesh's own space, if there are enough of them.
@@ -330,6 +316,11 @@ impl PolygonMesh {
     pub(in crate::narrow_phase) fn shells(&self) -> impl ExactSizeIterator<Item = u32> {
         let first = |polygon: &u32| self.polygon(*polygon as usize)[0];
         self.shells.iter().map(first)
+    }
+
+    /// The first polygon of each connected part of the surface.
+    pub(in crate::narrow_phase) fn shell_polygons(&self) -> &[u32] {
+        &self.shells
     }
 
     /// Whether a polygon stands for its connected part of the surface: each has one that does.

@@ -327,3 +327,59 @@ fn a_mesh_of_small_triangles_is_as_deep_as_it_reaches() {
         }
     }
 }
+
+/// Which side is outside does not depend on how a shell is wound, nor on the others.
+#[test]
+fn shells_that_face_differently_each_know_their_outside() {
+    let corner = |bits: u32| {
+        [
+            (bits & 1) as f32,
+            (bits >> 1 & 1) as f32,
+            (bits >> 2) as f32,
+        ]
+    };
+    let sides = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let (mut vertices, mut list) = (Vec::new(), Vec::new());
+    for (shell, backwards) in [(0u32, false), (1, true), (2, false)] {
+        let first = vertices.len() as u32;
+        vertices.extend((0..8).map(|bits| {
+            let [x, y, z] = corner(bits);
+            Vec3::new(x + 3.0 * shell as f32, y, z)
+        }));
+        for mut side in sides {
+            if backwards {
+                side.reverse();
+            }
+            list.push(side.map(|corner| corner + first));
+        }
+    }
+    // A flag, which bounds nothing.
+    let first = vertices.len() as u32;
+    vertices.extend([
+        Vec3::new(9.0, 1.0, 0.0),
+        Vec3::new(11.0, 1.0, 0.0),
+        Vec3::new(9.0, 1.0, 2.0),
+    ]);
+    let mut list: Vec<Vec<u32>> = list.iter().map(|side| side.to_vec()).collect();
+    list.push(vec![first, first + 1, first + 2]);
+    let mesh = Shape::mesh(vertices, list).unwrap();
+    for solid in [
+        box_of(0.2, 0.2, 0.2),
+        convex_cube(0.2),
+        mesh_of(Vec3::splat(0.2)),
+    ] {
+        for x in [0.4, 3.4, 6.4, 9.4] {
+            // Deeper than half of it, where that is a way into a solid.
+            let (y, depth) = if x > 9.0 { (1.1, 0.1) } else { (0.9, 0.3) };
+            let found = contact((&mesh, at(0.0, 0.0, 0.0)), (&solid, at(x, y, 0.4)));
+            assert_close(found, Vec3::Y, depth, &format!("at {x}"));
+        }
+    }
+}
