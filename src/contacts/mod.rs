@@ -11,6 +11,7 @@ mod adjacency;
 mod colliding_entities;
 mod collisions;
 mod events;
+mod find_manifolds;
 mod list;
 mod manifolds;
 mod narrow;

@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 
 use super::{
+    find_manifolds::{find_manifolds, wants_manifolds},
     list::Contacts,
-    manifolds::{find_manifolds, wants_manifolds},
     pair::SweptContact,
     settings::{CollisionEventSettings, CollisionEventsEnabled},
     verdicts::Verdicts,

@@ -2,11 +2,7 @@
 
 use bevy::math::Vec3A;
 
-use super::{
-    facet::{Beyond, WayOut},
-    hull::Hull,
-    patch::Patch,
-};
+use super::{facet::WayOut, hull::Hull, patch::Patch};
 
 /// What a polygon says about the contact of its mesh with a solid.
 #[derive(Clone, Copy, Debug)]
@@ -30,9 +26,6 @@ pub struct Buffers {
     pub claims: Vec<Claim>,
     /// The claims, by depth.
     pub order: Vec<u32>,
-    /// What is beyond the sides of one polygon.
-    pub beyond: Vec<Beyond>,
-    pub other_beyond: Vec<Beyond>,
     /// A face of the solid.
     pub face: Vec<Vec3A>,
     pub patch: Patch,

@@ -127,7 +127,6 @@ impl OnMesh<'_> {
         let Buffers {
             polygons,
             corners,
-            beyond,
             claims,
             ..
         } = buffers;
@@ -150,14 +149,16 @@ impl OnMesh<'_> {
                 corners.truncate(start);
                 continue;
             }
-            look_beyond(mesh, polygon, beyond, |vertex| {
-                self.place.place(mesh.vertices()[vertex as usize])
-            });
+            let beyond = |side| {
+                look_beyond(mesh, polygon, side, |vertex| {
+                    self.place.place(mesh.vertices()[vertex as usize])
+                })
+            };
             let outwards = mesh.outwards(polygon);
             let facet = Facet {
                 corners: own,
                 normal: normal * outwards.unwrap_or(1.0),
-                beyond,
+                beyond: &beyond,
                 is_solid: outwards.is_some(),
             };
             if let Some(way) = self.body.way_out(&facet, self.bias()) {
@@ -261,5 +262,7 @@ impl OnMesh<'_> {
     }
 }
 
+#[cfg(test)]
+mod reference;
 #[cfg(test)]
 mod tests;

@@ -245,29 +245,21 @@ fn claim([a, b]: &[Side; 2], faces: [u32; 2], bias: f32, buffers: &mut Buffers) 
             }
         }
     }
-    let Buffers {
-        claims,
-        beyond,
-        other_beyond,
-        ..
-    } = buffers;
     if best.way.is_none_or(|way| way.depth > bias) {
-        look_beyond(a.mesh, face.polygon, beyond, |v| {
-            a.surface.vertex(a.mesh, v)
-        });
-        look_beyond(b.mesh, other.polygon, other_beyond, |v| {
-            b.surface.vertex(b.mesh, v)
-        });
+        let beyond =
+            |side| look_beyond(a.mesh, face.polygon, side, |v| a.surface.vertex(a.mesh, v));
+        let other_beyond =
+            |side| look_beyond(b.mesh, other.polygon, side, |v| b.surface.vertex(b.mesh, v));
         let first = Facet {
             corners: own,
             normal: normal_a,
-            beyond,
+            beyond: &beyond,
             is_solid: solid_a,
         };
         let second = Facet {
             corners: theirs,
             normal: normal_b,
-            beyond: other_beyond,
+            beyond: &other_beyond,
             is_solid: solid_b,
         };
         across_edges(&first, &second, &mut best);
@@ -275,7 +267,7 @@ fn claim([a, b]: &[Side; 2], faces: [u32; 2], bias: f32, buffers: &mut Buffers) 
     let Some(way) = best.way else {
         return;
     };
-    claims.push(Claim {
+    buffers.claims.push(Claim {
         corners: [0; 2],
         faces,
         normal: other.normal,
@@ -286,21 +278,22 @@ fn claim([a, b]: &[Side; 2], faces: [u32; 2], bias: f32, buffers: &mut Buffers) 
 /// Across two edges, where both polygons are highest there towards each other.
 fn across_edges(first: &Facet, second: &Facet, best: &mut Best) {
     for side in 0..second.corners.len() {
-        let Some(ridge) = second.ridge(side) else {
-            continue;
-        };
         for other in 0..first.corners.len() {
-            let Some(opposite) = first.ridge(other) else {
+            let [from, to] = second.ends(side);
+            let [start, end] = first.ends(other);
+            let (Some(direction), Some(back)) = (
+                second.across(side, end - start),
+                first.across(other, to - from),
+            ) else {
                 continue;
             };
-            let ways = [&ridge, &opposite].map(|ridge| ridge.ends[1] - ridge.ends[0]);
-            if let (Some(direction), Some(back)) = (ridge.across(ways[1]), opposite.across(ways[0]))
-                && direction.dot(back) < 0.0
+            let depth = (from - start).dot(direction);
+            if direction.dot(back) < 0.0
+                && best.is_beaten_by(depth)
+                && second.is_ridge(side, direction)
+                && first.is_ridge(other, back)
             {
-                let depth = (ridge.ends[0] - opposite.ends[0]).dot(direction);
-                if best.is_beaten_by(depth) {
-                    best.take(direction, depth);
-                }
+                best.take(direction, depth);
             }
         }
     }

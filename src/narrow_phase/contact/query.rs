@@ -30,13 +30,26 @@ impl NarrowPhase {
     ///   if the two meshes have more than 1 024 pairs of edges), those of one shape to those of the
     ///   other;
     /// * for a sphere, the direction of the closest point of the other shape;
-    /// * for other meshes, an approximation: the mean normal of the polygons that are crossed. The
-    ///   depth is then how far the crossing reaches along it;
+    /// * for a cuboid or convex mesh and a mesh of any form, the least translation that takes the
+    ///   one off a polygon of the other that it touches: the one that is so deepest, where what the
+    ///   way off one polygon clears as well asks for no more than that. Only normals that the
+    ///   surface has there count, those of polygons first: across a side between polygons in one
+    ///   plane, or at the bottom of a fold, there is none. Off a polygon that bounds a solid the way
+    ///   leads outwards, and off any other to the side from where it is shorter: for what has hardly
+    ///   gone through a surface, back to where it came from;
+    /// * for two such meshes, the same of each two polygons in touch, where each mesh reaches as far
+    ///   as its nearest summit that way;
     /// * for Rapier shapes, that along which they overlap least; of shapes that consist of parts,
     ///   that of the two that are deepest in each other;
-    /// * where all that fails (a mesh inside another, without crossing), the direction from centre
-    ///   to centre, and +Y if these coincide. The depth is then the overlap of the two boxes that
-    ///   way.
+    /// * where one is inside the other and touches no polygon, the way out through the surface that
+    ///   is nearest to its centre; and if all that fails, the direction from centre to centre, and
+    ///   +Y if these coincide. The depth is then the overlap of the two boxes that way.
+    ///
+    /// The point is the middle of what they share, seen along the normal.
+    ///
+    /// Of a mesh, only the polygons near the other shape are looked at: O(log n) for each of these;
+    /// for two meshes, for each two of them that are near each other. A convex mesh is looked at as
+    /// a whole for each polygon that it touches. Allocates nothing once the workspace is warm.
     #[doc(alias = "penetration")]
     #[must_use]
     pub fn contact(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Contact> {

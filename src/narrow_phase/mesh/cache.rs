@@ -2,11 +2,18 @@
 
 use std::sync::OnceLock;
 
-use super::facing::Facing;
-
 /// What a mesh keeps of what has been made of it.
 #[derive(Clone, Debug, Default)]
 pub struct Cache {
     /// Which side of its polygons is outside.
     pub facing: OnceLock<Facing>,
+}
+
+/// Which way the normals of a mesh point, where they are those of solids.
+#[derive(Clone, Debug)]
+pub enum Facing {
+    /// All outwards, or all inwards.
+    Outwards(bool),
+    /// By polygon: whether it is outwards.
+    Each(Box<[bool]>),
 }

@@ -2,20 +2,11 @@
 
 use bevy::math::DVec3;
 
-use super::{polygon_mesh::PolygonMesh, topology::NO_NEIGHBOR};
+use super::{cache::Facing, polygon_mesh::PolygonMesh, topology::NO_NEIGHBOR};
 
 /// How far off a polygon a point is that is surely on one side of it, as a share of the polygon's
 /// size.
 const BESIDE: f64 = 1e-5;
-
-/// Which way the normals of a mesh point, where they are those of solids.
-#[derive(Clone, Debug)]
-pub enum Facing {
-    /// All outwards, or all inwards.
-    Outwards(bool),
-    /// By polygon: whether it is outwards.
-    Each(Box<[bool]>),
-}
 
 impl Facing {
     /// O(shells · log n), and O(n) if they differ.

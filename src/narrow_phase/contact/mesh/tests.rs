@@ -8,7 +8,7 @@ use crate::narrow_phase::*;
 
 /// As seen from the first, whichever is asked first.
 #[track_caller]
-fn contact(a: (&Shape, Transform), b: (&Shape, Transform)) -> Contact {
+pub(super) fn contact(a: (&Shape, Transform), b: (&Shape, Transform)) -> Contact {
     let (one, two) = (Placed::new(a.0, &a.1), Placed::new(b.0, &b.1));
     let (tests, mut workspace) = (NarrowPhase::default(), Workspace::default());
     let found = tests.contact(one, two, &mut workspace).unwrap();
@@ -54,7 +54,7 @@ fn fan() -> Shape {
     triangles(&corners, &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]])
 }
 
-fn grid(n: u32, height: impl Fn(f32, f32) -> f32) -> Shape {
+pub(super) fn grid(n: u32, height: impl Fn(f32, f32) -> f32) -> Shape {
     let mut vertices = Vec::new();
     for z in 0..=n {
         for x in 0..=n {
