@@ -322,6 +322,17 @@ impl Surface {
         self.placing.place(mesh.vertices()[vertex as usize])
     }
 
+    /// The same as [`touch`](Self::touch) of a segment.
+    pub fn touch_segment(
+        &self,
+        face: &PlacedFace,
+        ends: [Vec3A; 2],
+        tolerance: f32,
+    ) -> Option<Vec3A> {
+        let bounds = LocalAabb::around(ends.into_iter(), tolerance);
+        self.touch(face, &PlacedEdge { ends, bounds }, tolerance)
+    }
+
     /// The corners of a face, in place.
     #[inline]
     pub fn corners(&self, face: &PlacedFace) -> &[Vec3A] {
