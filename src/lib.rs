@@ -162,8 +162,8 @@ pub mod prelude {
         },
         counters::CollisionCounters,
         filters::{
-            CollisionLayer, CollisionLayers, IgnoreCollisions, LayerMask, PairHook, PairHookPlugin,
-            Sensor, StaticShape,
+            CollisionLayer, CollisionLayers, Detector, IgnoreCollisions, LayerMask, PairHook,
+            PairHookPlugin, Sensor, StaticShape,
         },
         motion::{MovedElsewhere, PositionTrack, Velocity},
         plugin::OctreePlugins,

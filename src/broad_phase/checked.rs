@@ -224,6 +224,7 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
                         memberships,
                         filters,
                         is_static: bits >> 4 & 1 == 1,
+                        is_detector: bits >> 6 & 1 == 1,
                         world,
                     };
                     checked.index.set_filter(id, filter).unwrap();
