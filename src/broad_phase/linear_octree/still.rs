@@ -61,7 +61,11 @@ impl StillOctree {
 
     /// Calls `found` with the index of each box that overlaps a region, in no particular order.
     #[inline]
-    pub(crate) fn for_each_overlapping(&self, region: &impl Region, mut found: impl FnMut(u32)) {
+    pub(crate) fn for_each_overlapping(
+        &self,
+        region: &(impl Region + ?Sized),
+        mut found: impl FnMut(u32),
+    ) {
         let (measure, limit) = region.measure();
         self.search(&measure, limit, |index, _| {
             found(index);

@@ -8,7 +8,8 @@ use bevy_rapier3d::parry::query;
 use super::convert::{posed, turn};
 use super::convex::Convex;
 use super::gjk::Gap;
-use super::parts::{self, Part, PosedShape, Search};
+use super::parts::{self, Part, PosedShape};
+use super::probe::Search;
 use crate::narrow_phase::{
     answer::{Impact, against, slack},
     frame::placed::Placed,
@@ -111,7 +112,7 @@ fn impact(
     let mut first: Option<(f64, Gap)> = None;
     let (mut face, mut triangle) = (None, None);
     let has_triangles = matches!(target, PosedShape::Tree { .. });
-    search.pairs(moving, target, &mut |a, b| {
+    parts::pairs(&search, moving, target, &mut |a, b| {
         let Ok(found) =
             parts::first_impact(a, b, way, search.limit.get(), [near.max(touching), near])
         else {

@@ -1,18 +1,14 @@
-//! Shapes in their places as something that can be asked, and meshes as parry has them.
-
-#[cfg(test)]
-use std::cell::Cell;
-use std::sync::Arc;
+//! Shapes in their places as something that can be asked.
 
 use bevy::math::Vec3;
 use bevy_rapier3d::geometry::Collider;
 use bevy_rapier3d::parry::math::Pose;
-use bevy_rapier3d::parry::shape::{SharedShape, TriMesh};
+use bevy_rapier3d::parry::shape::SharedShape;
 
 use super::convex::{Convex, Isometry};
+use super::own_mesh::OwnMesh;
 use super::parts::{Part, PosedShape};
-use super::triangulate::triangulate;
-use crate::narrow_phase::{frame::placed::Placed, mesh::polygon_mesh::PolygonMesh, shape::Shape};
+use crate::narrow_phase::{frame::placed::Placed, shape::Shape};
 
 impl From<SharedShape> for Shape {
     fn from(shape: SharedShape) -> Self {
@@ -42,40 +38,10 @@ pub fn posed<'a>(placed: Placed<'a>, origin: Vec3) -> Option<PosedShape<'a>> {
         Shape::Sphere { radius } => Convex::ball(radius * scale.x, at),
         Shape::Convex(mesh) => Convex::mesh(mesh, scale.as_dvec3(), at),
         Shape::Mesh(mesh) => {
-            let parts = mesh
-                .cache
-                .triangles
-                .get_or_init(|| convert(mesh))
-                .as_deref()?;
-            return Some(PosedShape::Tree {
-                parts,
-                is_compound: false,
-                scale: scale.as_dvec3(),
-                at,
-            });
+            let scale = scale.as_dvec3();
+            return Some(PosedShape::Mesh(OwnMesh { mesh, scale, at }));
         }
         Shape::Rapier(shape) => return PosedShape::of(&**shape, at),
     };
     Some(PosedShape::Part(Part::Convex(convex)))
-}
-
-/// A mesh in triangles, with a tree, at its own size: scale is put on triangle by triangle.
-fn convert(mesh: &PolygonMesh) -> Option<Arc<TriMesh>> {
-    #[cfg(test)]
-    CONVERSIONS.set(CONVERSIONS.get() + 1);
-    let mut triangles = Vec::new();
-    for (corners, normal) in mesh.polygons().zip(mesh.normals()) {
-        triangulate(mesh.vertices(), corners, *normal, |triangle| {
-            triangles.push(triangle);
-        });
-    }
-    TriMesh::new(mesh.vertices().to_vec(), triangles)
-        .ok()
-        .map(Arc::new)
-}
-
-#[cfg(test)]
-thread_local! {
-    /// How many meshes have been converted in this thread.
-    pub static CONVERSIONS: Cell<usize> = const { Cell::new(0) };
 }

@@ -119,6 +119,15 @@ impl<'a> Convex<'a> {
         }
     }
 
+    #[cfg(test)]
+    pub fn segment(ends: [DVec3; 2], at: Isometry) -> Self {
+        Self {
+            core: Core::Segment(ends),
+            radius: 0.0,
+            at,
+        }
+    }
+
     pub fn triangle(corners: [DVec3; 3], at: Isometry) -> Self {
         Self {
             core: Core::Triangle(corners),
@@ -177,12 +186,24 @@ impl<'a> Convex<'a> {
         self
     }
 
-    /// The corners of the core, if that is a triangle.
+    /// The corners, if it is a triangle.
     pub fn as_triangle(&self) -> Option<[DVec3; 3]> {
+        self.core_triangle().filter(|_| self.radius == 0.0)
+    }
+
+    /// The corners of the core, if that is a triangle.
+    pub fn core_triangle(&self) -> Option<[DVec3; 3]> {
         match self.core {
-            Core::Triangle(corners) if self.radius == 0.0 => {
-                Some(corners.map(|corner| self.at.to_world(corner)))
-            }
+            Core::Triangle(corners) => Some(corners.map(|corner| self.at.to_world(corner))),
+            _ => None,
+        }
+    }
+
+    /// The ends of the core, if that is a segment, or a point.
+    pub fn core_segment(&self) -> Option<[DVec3; 2]> {
+        match self.core {
+            Core::Point => Some([self.at.translation; 2]),
+            Core::Segment(ends) => Some(ends.map(|end| self.at.to_world(end))),
             _ => None,
         }
     }

@@ -8,7 +8,8 @@ use bevy::math::{DVec3, Dir3, Vec3};
 use super::cast::ray_by_itself;
 use super::convert::posed;
 use super::convex::Convex;
-use super::parts::{self, Part, PosedShape, Search};
+use super::parts::{self, Part, PosedShape};
+use super::probe::Search;
 use crate::narrow_phase::{
     answer::{Impact, Passage, against, slack},
     cast::{
@@ -136,7 +137,7 @@ impl Ray {
             limit: Cell::new(max_distance.into()),
             ..Search::within(near.unwrap_or(0.0).max(self.slack))
         };
-        search.pairs(&point, body, &mut |_, part| {
+        parts::pairs(&search, &point, body, &mut |_, part| {
             visit(part, search.triangle.get(), &search.limit);
             true
         });

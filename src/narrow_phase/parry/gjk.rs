@@ -11,6 +11,7 @@
 use bevy::math::DVec3;
 
 use super::convex::Convex;
+use super::segment_triangle;
 
 /// Where a search for the distance ends that finds no end by itself: it is exact long before.
 const MOST_STEPS: usize = 64;
@@ -76,6 +77,21 @@ impl Gap {
 pub fn gap(a: &Convex, b: &Convex, limit: f64, with_depth: bool) -> Option<Gap> {
     let radii = [a.radius, b.radius];
     let limit = limit + a.radius + b.radius;
+    let in_closed_form = |a: &Convex, b: &Convex| {
+        let (segment, triangle) = (a.core_segment()?, b.core_triangle()?);
+        Some(segment_triangle::gap(segment, triangle, limit, with_depth))
+    };
+    if let Some(gap) = in_closed_form(a, b) {
+        return Some(gap?.grown(radii));
+    }
+    if let Some(gap) = in_closed_form(b, a) {
+        return Some(gap?.reversed().grown(radii));
+    }
+    by_steps(a, b, limit, with_depth).map(|gap| gap.grown(radii))
+}
+
+/// The gap between two cores, whatever they are.
+pub fn by_steps(a: &Convex, b: &Convex, limit: f64, with_depth: bool) -> Option<Gap> {
     let difference = |direction: DVec3| {
         let on = [a.furthest(direction), b.furthest(-direction)];
         Vertex {
@@ -125,7 +141,7 @@ pub fn gap(a: &Convex, b: &Convex, limit: f64, with_depth: bool) -> Option<Gap> 
             points: simplex.points(),
             between: DVec3::ZERO,
         };
-        return Some(gap.grown(radii)).filter(|_| gap.distance <= limit);
+        return Some(gap).filter(|gap| gap.distance <= limit);
     }
     let [on_a, on_b] = simplex.points();
     let between = on_a.midpoint(on_b);
@@ -135,12 +151,11 @@ pub fn gap(a: &Convex, b: &Convex, limit: f64, with_depth: bool) -> Option<Gap> 
         points: [between; 2],
         between,
     };
-    let overlap = if with_depth {
+    Some(if with_depth {
         expand(&simplex, difference, size, overlap)
     } else {
         overlap
-    };
-    Some(overlap.grown(radii))
+    })
 }
 
 /// A point of the difference of two shapes, and of which points it is that.

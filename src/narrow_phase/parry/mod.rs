@@ -10,8 +10,11 @@ mod convex;
 mod faces;
 mod gjk;
 mod own;
+mod own_mesh;
 mod parts;
+mod probe;
 mod query;
+mod segment_triangle;
 mod triangulate;
 
 #[cfg(test)]

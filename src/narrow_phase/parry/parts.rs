@@ -1,8 +1,6 @@
 //! Rapier's shapes taken apart: the convex shapes and half-spaces that they consist of, and which
 //! of those of two shapes come near each other.
 
-use std::cell::Cell;
-
 use bevy::math::{DVec3, Vec3};
 use bevy_rapier3d::parry::bounding_volume::Aabb;
 use bevy_rapier3d::parry::partitioning::BvhNode;
@@ -10,10 +8,9 @@ use bevy_rapier3d::parry::shape::{self, CompositeShape, HeightField, Voxels};
 
 use super::convex::{Convex, Isometry};
 use super::gjk::{self, Gap};
+use super::own_mesh::OwnMesh;
+use super::probe::{Probe, Search};
 
-/// In so many pieces is a way over a height field or voxels cut at most, to look at what is along
-/// them.
-const MOST_PIECES: f64 = 4096.0;
 /// So often may one on its way look how far the other is: more often only if they no more than
 /// graze each other.
 const MOST_STEPS: usize = 64;
@@ -26,14 +23,14 @@ const STEEP: f64 = 1e-9;
 #[derive(Clone, Copy)]
 pub enum PosedShape<'a> {
     Part(Part<'a>),
-    /// What has a tree: a mesh; or a compound, whose parts need not hang together. The scale is for
-    /// meshes alone.
+    /// What has a tree: a mesh; or a compound, whose parts need not hang together.
     Tree {
         parts: &'a dyn CompositeShape,
         is_compound: bool,
-        scale: DVec3,
         at: Isometry,
     },
+    /// A mesh of ours, that is not convex.
+    Mesh(OwnMesh<'a>),
     HeightField(&'a HeightField, Isometry),
     Voxels(&'a Voxels, Isometry),
 }
@@ -72,7 +69,6 @@ impl<'a> PosedShape<'a> {
         shape.as_composite_shape().map(|parts| Self::Tree {
             parts,
             is_compound,
-            scale: DVec3::ONE,
             at,
         })
     }
@@ -82,22 +78,24 @@ impl<'a> PosedShape<'a> {
             Self::Part(Part::Convex(convex)) => convex.at,
             Self::Part(Part::HalfSpace { .. }) => Isometry::IDENTITY,
             Self::Tree { at, .. } | Self::HeightField(_, at) | Self::Voxels(_, at) => *at,
+            Self::Mesh(mesh) => mesh.at,
         }
     }
 
     /// Centre and half extents of the box around the shape, in its own axes; `None` if it has no
     /// end.
     pub fn local_box(&self) -> Option<[DVec3; 2]> {
-        let of = |aabb: Aabb, scale: DVec3| {
-            let (low, high) = (aabb.mins.as_dvec3() * scale, aabb.maxs.as_dvec3() * scale);
-            [(low + high) * 0.5, ((high - low) * 0.5).abs()]
+        let of = |aabb: Aabb| {
+            let (low, high) = (aabb.mins.as_dvec3(), aabb.maxs.as_dvec3());
+            [(low + high) * 0.5, (high - low) * 0.5]
         };
         match self {
             Self::Part(Part::Convex(convex)) => Some(convex.local_box()),
             Self::Part(Part::HalfSpace { .. }) => None,
-            Self::Tree { parts, scale, .. } => Some(of(parts.bvh().root_aabb(), *scale)),
-            Self::HeightField(field, _) => Some(of(field.local_aabb(), DVec3::ONE)),
-            Self::Voxels(voxels, _) => Some(of(voxels.local_aabb(), DVec3::ONE)),
+            Self::Tree { parts, .. } => Some(of(parts.bvh().root_aabb())),
+            Self::Mesh(mesh) => Some(mesh.local_box()),
+            Self::HeightField(field, _) => Some(of(field.local_aabb())),
+            Self::Voxels(voxels, _) => Some(of(voxels.local_aabb())),
         }
     }
 
@@ -105,6 +103,26 @@ impl<'a> PosedShape<'a> {
     pub fn size(&self) -> f64 {
         self.local_box()
             .map_or(f64::INFINITY, |[_, half]| half.length())
+    }
+
+    /// Where it is, and that it goes in a direction, as seen from another.
+    fn probe(&self, whole: Isometry, direction: DVec3) -> Probe {
+        if let Self::Part(Part::HalfSpace { normal, offset }) = self {
+            return Probe::HalfSpace {
+                normal: whole.direction_to_local(*normal),
+                offset: offset - normal.dot(whole.translation),
+                approach: normal.dot(direction).max(0.0),
+            };
+        }
+        let Some(bounds) = self.local_box() else {
+            return Probe::Everywhere;
+        };
+        let [center, half] = whole.bounds_to_local(&self.isometry(), bounds);
+        Probe::Box {
+            center,
+            half,
+            direction: whole.direction_to_local(direction),
+        }
     }
 
     /// Calls `visit` with all parts that a probe admits, and again with their parts. False if there
@@ -120,37 +138,28 @@ impl<'a> PosedShape<'a> {
             Self::Tree {
                 parts,
                 is_compound,
-                scale,
                 at,
             } => {
                 let mut is_known = true;
                 let may_be = |node: &BvhNode| {
-                    let (one, other) = (
-                        node.mins().as_dvec3() * scale,
-                        node.maxs().as_dvec3() * scale,
-                    );
-                    probe.admits(one.min(other), one.max(other), search)
+                    probe.admits(node.mins().as_dvec3(), node.maxs().as_dvec3(), search)
                 };
                 for index in parts.bvh().leaves(may_be) {
                     parts.map_part_at(index, &mut |pose, part, _| {
-                        let at = at.of_part(pose);
-                        let triangle = part.as_triangle();
-                        search
-                            .triangle
-                            .set(triangle.filter(|_| !is_compound).map(|_| index));
-                        let scaled = triangle.filter(|_| scale != DVec3::ONE);
-                        is_known &= match scaled {
-                            Some(part) => {
-                                let corners = [part.a, part.b, part.c]
-                                    .map(|corner| corner.as_dvec3() * scale);
-                                visit(&PosedShape::Part(Part::Convex(Convex::triangle(
-                                    corners, at,
-                                ))))
-                            }
-                            None => PosedShape::of(part, at).is_some_and(|part| visit(&part)),
-                        };
+                        let triangle = part.as_triangle().filter(|_| !is_compound);
+                        search.triangle.set(triangle.map(|_| index));
+                        let part = PosedShape::of(part, at.of_part(pose));
+                        is_known &= part.is_some_and(|part| visit(&part));
                     });
                 }
+                is_known
+            }
+            Self::Mesh(mesh) => {
+                let mut is_known = true;
+                mesh.each(probe, search, &mut |corners| {
+                    let part = Convex::triangle(corners, Isometry::IDENTITY);
+                    is_known &= visit(&PosedShape::Part(Part::Convex(part)));
+                });
                 is_known
             }
             Self::HeightField(field, at) => {
@@ -246,212 +255,27 @@ impl Part<'_> {
     }
 }
 
-/// What is still looked for.
-#[derive(Debug)]
-pub struct Search {
-    /// Up to which distance parts are near each other.
-    pub margin: Cell<f64>,
-    /// Where the first of the two goes.
-    pub direction: DVec3,
-    /// How far it goes.
-    pub limit: Cell<f64>,
-    /// Which triangle of a mesh is visited.
-    pub triangle: Cell<Option<u32>>,
-}
-
-impl Search {
-    pub fn within(margin: f64) -> Self {
-        Self {
-            margin: Cell::new(margin),
-            direction: DVec3::ZERO,
-            limit: Cell::new(0.0),
-            triangle: Cell::new(None),
+/// Calls `visit` with all pairs of what two shapes consist of that are near each other: the two
+/// boxes, or that of the first on its way and the other. False if there are such about which nothing
+/// can be said.
+pub fn pairs(
+    search: &Search,
+    a: &PosedShape,
+    b: &PosedShape,
+    visit: &mut dyn FnMut(&Part, &Part) -> bool,
+) -> bool {
+    match (a, b) {
+        (PosedShape::Part(a), PosedShape::Part(b)) => visit(a, b),
+        // A mesh of ours is searched for each part of the other.
+        (PosedShape::Part(_), _) | (PosedShape::Mesh(_), PosedShape::Tree { .. }) => {
+            let probe = a.probe(b.isometry(), search.direction);
+            b.each(&probe, search, &mut |part| pairs(search, a, part, visit))
+        }
+        _ => {
+            let probe = b.probe(a.isometry(), -search.direction);
+            a.each(&probe, search, &mut |part| pairs(search, part, b, visit))
         }
     }
-
-    /// Nothing is looked for any more.
-    pub fn end(&self) {
-        self.margin.set(f64::NEG_INFINITY);
-    }
-
-    pub fn goes_on(&self) -> bool {
-        self.margin.get() > f64::NEG_INFINITY
-    }
-
-    /// Calls `visit` with all pairs of what two shapes consist of that are near each other: the two
-    /// boxes, or that of the first on its way and the other. False if there are such about which
-    /// nothing can be said.
-    pub fn pairs(
-        &self,
-        a: &PosedShape,
-        b: &PosedShape,
-        visit: &mut dyn FnMut(&Part, &Part) -> bool,
-    ) -> bool {
-        match (a, b) {
-            (PosedShape::Part(a), PosedShape::Part(b)) => visit(a, b),
-            (PosedShape::Part(_), _) => {
-                let probe = Probe::of(a, b.isometry(), self.direction);
-                b.each(&probe, self, &mut |part| self.pairs(a, part, visit))
-            }
-            _ => {
-                let probe = Probe::of(b, a.isometry(), -self.direction);
-                a.each(&probe, self, &mut |part| self.pairs(part, b, visit))
-            }
-        }
-    }
-}
-
-/// Where parts are looked for, in the coordinates of the whole.
-enum Probe {
-    Everywhere,
-    /// A box on its way.
-    Box {
-        center: DVec3,
-        half: DVec3,
-        direction: DVec3,
-    },
-    HalfSpace {
-        normal: DVec3,
-        offset: f64,
-        approach: f64,
-    },
-}
-
-impl Probe {
-    /// Where another shape is, that goes in a direction.
-    fn of(other: &PosedShape, whole: Isometry, direction: DVec3) -> Self {
-        if let PosedShape::Part(Part::HalfSpace { normal, offset }) = other {
-            return Self::HalfSpace {
-                normal: whole.direction_to_local(*normal),
-                offset: offset - normal.dot(whole.translation),
-                approach: normal.dot(direction).max(0.0),
-            };
-        }
-        let Some(bounds) = other.local_box() else {
-            return Self::Everywhere;
-        };
-        let [center, half] = whole.bounds_to_local(&other.isometry(), bounds);
-        Self::Box {
-            center,
-            half,
-            direction: whole.direction_to_local(direction),
-        }
-    }
-
-    /// Whether what is in a box may be near.
-    fn admits(&self, low: DVec3, high: DVec3, search: &Search) -> bool {
-        let margin = search.margin.get();
-        match *self {
-            Self::Everywhere => search.goes_on(),
-            Self::HalfSpace {
-                normal,
-                offset,
-                approach,
-            } => {
-                let lowest =
-                    DVec3::select(normal.cmpge(DVec3::ZERO), low, high).dot(normal) - offset;
-                lowest <= margin + approach * search.limit.get()
-            }
-            Self::Box {
-                center,
-                half,
-                direction,
-            } => {
-                let (low, high) = (low - half - center, high + half - center);
-                let away = low.max(-high).max(DVec3::ZERO);
-                let limit = search.limit.get();
-                if limit == 0.0 {
-                    return margin >= 0.0 && away.length_squared() <= margin * margin;
-                }
-                passes(low - margin, high + margin, direction, limit)
-            }
-        }
-    }
-
-    /// How far a box is from it.
-    fn distance(&self, bounds: Option<[DVec3; 2]>) -> f64 {
-        let Some([center, half]) = bounds else {
-            return 0.0;
-        };
-        match *self {
-            Self::Everywhere => 0.0,
-            Self::HalfSpace { normal, offset, .. } => {
-                (normal.dot(center) - normal.abs().dot(half) - offset).max(0.0)
-            }
-            Self::Box {
-                center: other,
-                half: reach,
-                ..
-            } => ((other - center).abs() - half - reach)
-                .max(DVec3::ZERO)
-                .length(),
-        }
-    }
-
-    /// Calls `visit` with boxes that cover what is near within bounds: one after the other along
-    /// the way.
-    fn each_piece(&self, bounds: Aabb, cell: f64, search: &Search, mut visit: impl FnMut(Aabb)) {
-        let (low, high) = (bounds.mins.as_dvec3(), bounds.maxs.as_dvec3());
-        let margin = search.margin.get();
-        let Self::Box {
-            center,
-            half,
-            direction,
-        } = *self
-        else {
-            return if search.goes_on() {
-                visit(bounds);
-            };
-        };
-        // What is as near as rounding, too.
-        let reach = half + margin + f64::from(f32::EPSILON) * (low.abs().max(high.abs()));
-        let Some([start, end]) = passage(
-            low - reach - center,
-            high + reach - center,
-            direction,
-            search.limit.get(),
-        ) else {
-            return;
-        };
-        let step = (4.0 * cell)
-            .max(2.0 * half.max_element())
-            .max((end - start) / MOST_PIECES);
-        let mut from = start;
-        while search.goes_on() && from <= search.limit.get() && from <= end {
-            let to = (from + step).min(end);
-            let ends = [from, to].map(|along| center + direction * along);
-            let piece_low = (ends[0].min(ends[1]) - reach).max(low).min(high);
-            let piece_high = (ends[0].max(ends[1]) + reach).min(high).max(low);
-            visit(Aabb::new(piece_low.as_vec3(), piece_high.as_vec3()));
-            if to >= end {
-                break;
-            }
-            from = to;
-        }
-    }
-}
-
-/// Does a way from the origin meet a box?
-fn passes(low: DVec3, high: DVec3, direction: DVec3, limit: f64) -> bool {
-    passage(low, high, direction, limit).is_some()
-}
-
-/// From where to where a way from the origin is in a box.
-fn passage(low: DVec3, high: DVec3, direction: DVec3, limit: f64) -> Option<[f64; 2]> {
-    let (mut start, mut end) = (0f64, limit);
-    for axis in 0..3 {
-        let (low, high, along) = (low[axis], high[axis], direction[axis]);
-        if along == 0.0 || limit == 0.0 {
-            if !(low <= 0.0 && high >= 0.0) {
-                return None;
-            }
-            continue;
-        }
-        let (one, other) = (low / along, high / along);
-        start = start.max(one.min(other));
-        end = end.min(one.max(other));
-    }
-    (start <= end).then_some([start, end])
 }
 
 /// The gap between two that have no parts; see [`gjk::gap`]. An error if nothing can be said about
@@ -571,14 +395,20 @@ pub fn nearest(a: &PosedShape, b: &PosedShape) -> Option<Gap> {
         return gap(a, b, f64::INFINITY, false).ok()?;
     }
     let sizes = [a.size(), b.size()].map(|size| if size.is_finite() { size } else { 0.0 });
-    let apart = Probe::of(b, a.isometry(), DVec3::ZERO).distance(a.local_box());
+    let apart = b.probe(a.isometry(), DVec3::ZERO).distance(a.local_box());
     let everything = apart + 4.0 * (sizes[0] + sizes[1]);
-    // What is found is the closest, if it is closer than where it was looked for.
-    let mut margin = apart + (0.25 * sizes[0].min(sizes[1])).max(1e-3 * sizes[0].max(sizes[1]));
+    // What is found is the closest, if it is closer than where it was looked for: everywhere, where
+    // near parts come first.
+    let mut margin = match (a, b) {
+        (PosedShape::Part(_), PosedShape::Mesh(_)) | (PosedShape::Mesh(_), PosedShape::Part(_)) => {
+            f64::INFINITY
+        }
+        _ => apart + (0.25 * sizes[0].min(sizes[1])).max(1e-3 * sizes[0].max(sizes[1])),
+    };
     loop {
-        let search = Search::within(margin);
+        let search = Search::nearest(margin);
         let mut best: Option<Gap> = None;
-        let is_known = search.pairs(a, b, &mut |a, b| {
+        let is_known = pairs(&search, a, b, &mut |a, b| {
             let limit = best.map_or(f64::INFINITY, |best| best.distance);
             let Ok(found) = gap(a, b, limit, false) else {
                 return false;

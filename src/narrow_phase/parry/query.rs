@@ -6,7 +6,8 @@ use bevy::math::{DVec3, Vec3, Vec3A, primitives::HalfSpace};
 use super::convert::{posed, turn};
 use super::convex::Convex;
 use super::gjk::Gap;
-use super::parts::{self, Part, PosedShape, Search};
+use super::parts::{self, Part, PosedShape};
+use super::probe::Search;
 use crate::narrow_phase::{
     answer::LocalContact,
     frame::{
@@ -45,16 +46,21 @@ fn touch(a: Placed, b: Placed, tolerance: f32) -> Option<bool> {
     let search = Search::within(tolerance);
     let mut found = false;
     let origin = a.transform.translation;
-    let is_known = search.pairs(&posed(a, origin)?, &posed(b, origin)?, &mut |a, b| {
-        let Ok(gap) = parts::gap(a, b, tolerance, false) else {
-            return false;
-        };
-        if gap.is_some() {
-            found = true;
-            search.end();
-        }
-        true
-    });
+    let is_known = parts::pairs(
+        &search,
+        &posed(a, origin)?,
+        &posed(b, origin)?,
+        &mut |a, b| {
+            let Ok(gap) = parts::gap(a, b, tolerance, false) else {
+                return false;
+            };
+            if gap.is_some() {
+                found = true;
+                search.end();
+            }
+            true
+        },
+    );
     (found || is_known).then_some(found)
 }
 
@@ -64,24 +70,29 @@ pub fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalContact> {
     let search = Search::within(tolerance);
     let mut deepest: Option<Gap> = None;
     let origin = a.transform.translation;
-    search.pairs(&posed(a, origin)?, &posed(b, origin)?, &mut |a, b| {
-        let Ok(found) = parts::gap(a, b, tolerance, true) else {
-            return false;
-        };
-        if let Some(gap) =
-            found.filter(|gap| deepest.is_none_or(|deepest| gap.distance < deepest.distance))
-        {
-            deepest = Some(gap);
-            // Beside a plane, what is further is less deep.
-            if matches!(
-                (a, b),
-                (Part::HalfSpace { .. }, _) | (_, Part::HalfSpace { .. })
-            ) {
-                search.margin.set(gap.distance);
+    parts::pairs(
+        &search,
+        &posed(a, origin)?,
+        &posed(b, origin)?,
+        &mut |a, b| {
+            let Ok(found) = parts::gap(a, b, tolerance, true) else {
+                return false;
+            };
+            if let Some(gap) =
+                found.filter(|gap| deepest.is_none_or(|deepest| gap.distance < deepest.distance))
+            {
+                deepest = Some(gap);
+                // Beside a plane, what is further is less deep.
+                if matches!(
+                    (a, b),
+                    (Part::HalfSpace { .. }, _) | (_, Part::HalfSpace { .. })
+                ) {
+                    search.margin.set(gap.distance);
+                }
             }
-        }
-        true
-    });
+            true
+        },
+    );
     deepest.map(|gap| LocalContact {
         normal: gap.normal.as_vec3a(),
         point: gap.between.as_vec3a(),
@@ -120,13 +131,13 @@ pub fn closest_points(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
     Some(points.map(DVec3::as_vec3a))
 }
 
-/// A point of a Rapier shape, if a closed mesh is around it, given that the surfaces do not meet:
+/// A point of a Rapier shape, if a mesh is around it, given that the surfaces do not meet:
 /// parts of meshes are surfaces, without an inside.
 pub fn enclosed(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec3A> {
     // The mesh second.
     let pair = match (pair.a.shape, pair.b.shape) {
-        (Shape::Rapier(_), Shape::Mesh(mesh)) if mesh.is_closed() => *pair,
-        (Shape::Mesh(mesh), Shape::Rapier(_)) if mesh.is_closed() => pair.swapped(),
+        (Shape::Rapier(_), Shape::Mesh(mesh)) if mesh.has_inside() => *pair,
+        (Shape::Mesh(mesh), Shape::Rapier(_)) if mesh.has_inside() => pair.swapped(),
         _ => return None,
     };
     // In the frame of the pair, by way of the centre of the box.

@@ -1,6 +1,7 @@
 //! Polygons cut into triangles, for shapes of Rapier.
 
 use bevy::math::Vec3;
+use smallvec::SmallVec;
 
 /// Cuts a simple polygon into triangles by clipping its ears; quadratic, at worst cubic, in its
 /// corners.
@@ -15,7 +16,7 @@ pub fn triangulate(
 ) {
     let at = |vertex: u32| vertices[vertex as usize];
     let turn = |a: u32, b: u32, c: u32| (at(b) - at(a)).cross(at(c) - at(b)).dot(normal);
-    let mut left = corners.to_vec();
+    let mut left = SmallVec::<[u32; 16]>::from_slice(corners);
     while left.len() > 3 {
         let count = left.len();
         let ear = |&i: &usize| {

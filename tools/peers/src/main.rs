@@ -1,11 +1,12 @@
 //! Measures this crate and its peers side by side: `cargo run --release -p peers --
-//! broad|app|queries`.
+//! broad|app|queries|meshes`.
 //!
 //! - `broad`: the broad phase alone. Every engine gets the same boxes, frame by frame, and gives
 //!   all pairs that overlap; engines take turns, in one process and on one thread. See [`broad`]
 //!   and [`engines`].
 //! - `app`: end to end in headless Bevy apps. See [`app`].
 //! - `queries`: rays, regions and nearest objects. See [`queries`].
+//! - `meshes`: exact tests against meshes. See [`meshes`].
 //!
 //! # What is fair
 //!
@@ -23,6 +24,7 @@ mod app;
 mod broad;
 mod engines;
 mod measure;
+mod meshes;
 #[path = "../../../examples/common/outcome.rs"]
 mod outcome;
 #[path = "../../common/plot.rs"]
@@ -51,6 +53,8 @@ enum Command {
     App(app::Arguments),
     /// Rays, regions and nearest objects.
     Queries(queries::Arguments),
+    /// Exact tests against meshes: rays, contacts, sweeps, distances, building.
+    Meshes(meshes::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -58,5 +62,6 @@ fn main() -> ExitCode {
         Command::Broad(arguments) => broad::run(&arguments),
         Command::App(arguments) => app::run(&arguments),
         Command::Queries(arguments) => queries::run(&arguments),
+        Command::Meshes(arguments) => meshes::run(&arguments),
     })
 }
