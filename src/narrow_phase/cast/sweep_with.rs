@@ -1,0 +1,147 @@
+//! Shapes on their way, by options.
+
+use bevy::math::{Dir3, Vec3};
+use bevy::transform::components::Transform;
+
+use super::{nearest_polygon::nearest_polygon, options::ShapeCastOptions};
+use crate::narrow_phase::{
+    answer::{Contact, Impact},
+    frame::{placed::Placed, workspace::Workspace},
+    settings::NarrowPhase,
+};
+
+/// The sine of the angle up to which a shape goes along what it touches: what it then sinks by more
+/// than rounding is met on the way.
+const ALONG: f32 = 1e-3;
+
+/// How far a shape is lifted off what it starts in touch with, in tolerances.
+const LIFT: f32 = 2.5;
+/// The same, as a share of the coordinates.
+const ROUNDING: f32 = 4.0 * f32::EPSILON;
+
+/// So often at most is a shape lifted off what it touches: off a floor, and off walls.
+const MOST_LIFTS: usize = 8;
+
+impl NarrowPhase {
+    /// Casts a shape that moves without turning against another, as [`sweep`](Self::sweep) does, but
+    /// by these options. With the default ones, it does the same, for the same price.
+    ///
+    /// What is [ignored at the start](ShapeCastOptions::ignore_start) is so by the normal of the
+    /// [contact](Self::contact): if the shape does not go against it, it counts as lifted off the
+    /// other by the depth of the contact and some tolerances, and goes on from there. So a shape
+    /// that stands on a floor meets the wall at its end, though both are one mesh, and no seams on
+    /// the way; and all else is met to within these tolerances.
+    ///
+    /// ```
+    /// use bevy::{math::{Dir3, Vec3}, transform::components::Transform};
+    /// use bevy_octree::narrow_phase::{NarrowPhase, Placed, Shape, ShapeCastOptions, Workspace};
+    ///
+    /// let (floor, ball) = (Shape::cuboid(9.0, 1.0, 9.0), Shape::sphere(0.5));
+    /// let (below, here) = (Transform::from_xyz(0.0, -1.0, 0.0), Transform::IDENTITY);
+    /// let (floor, ball) = (Placed::new(&floor, &below), Placed::new(&ball, &here));
+    /// let (tests, onward) = (NarrowPhase::default(), ShapeCastOptions::DEFAULT.ignore_start());
+    /// let mut workspace = Workspace::default();
+    /// let mut hit = |way, options| tests.sweep_with(ball, way, 9.0, floor, options, &mut workspace).map(|hit| hit.distance);
+    /// assert_eq!(hit(Dir3::X, &ShapeCastOptions::DEFAULT), Some(0.0));
+    /// assert_eq!(hit(Dir3::X, &onward), None);
+    /// assert_eq!(hit(Dir3::NEG_Y, &onward), Some(0.0)); // into it
+    /// ```
+    #[must_use]
+    pub fn sweep_with(
+        &self,
+        moving: Placed,
+        direction: Dir3,
+        max_distance: f32,
+        target: Placed,
+        options: &ShapeCastOptions,
+        workspace: &mut Workspace,
+    ) -> Option<Impact> {
+        let met = if options.ignores_start && direction.is_finite() {
+            self.sweep_off(moving, direction, max_distance, target, workspace)
+        } else {
+            self.sweep(moving, direction, max_distance, target, workspace)
+        }?;
+        Some(if options.finds_polygon {
+            on_polygon(met, target)
+        } else {
+            met
+        })
+    }
+
+    /// From where the shape touches nothing that it does not go into.
+    fn sweep_off(
+        &self,
+        moving: Placed,
+        direction: Dir3,
+        max_distance: f32,
+        target: Placed,
+        workspace: &mut Workspace,
+    ) -> Option<Impact> {
+        let sweep = |moving: Placed, distance: f32, workspace: &mut Workspace| {
+            self.sweep(moving, direction, distance, target, workspace)
+        };
+        let counters = workspace.counters;
+        if !self.intersects(moving, target, workspace) {
+            workspace.counters = counters;
+            return sweep(moving, max_distance, workspace);
+        }
+        let are_convex = [moving, target]
+            .iter()
+            .all(|one| one.shape.kind().is_convex());
+        let margin = LIFT * self.tolerance() + ROUNDING * moving.transform.translation.length();
+        let mut lifted = *moving.transform;
+        for _ in 0..MOST_LIFTS {
+            let now = Placed::new(moving.shape, &lifted);
+            let contact = self.contact_in_passing(now, target, |_| *direction, workspace);
+            let Some(Contact { normal, depth, .. }) = contact else {
+                break;
+            };
+            if normal.dot(*direction) > ALONG {
+                return sweep(moving, max_distance, workspace);
+            }
+            // Two that are convex, and part, do not meet again.
+            if are_convex {
+                return None;
+            }
+            lifted.translation -= normal * (depth + margin);
+        }
+        // How much nearer it is to what is ahead, by that.
+        let ahead = (lifted.translation - moving.transform.translation).dot(*direction);
+        let now = Placed::new(moving.shape, &lifted);
+        let met = sweep(now, max_distance - ahead, workspace)?;
+        Some(Impact {
+            distance: if met.distance > 0.0 {
+                (met.distance + ahead).max(0.0)
+            } else {
+                0.0
+            },
+            ..met
+        })
+    }
+}
+
+/// With the polygon that the point of an impact is on: of several, the one that faces most as the
+/// impact's normal does.
+fn on_polygon(met: Impact, target: Placed) -> Impact {
+    let found = target.shape.own_mesh().and_then(|mesh| {
+        let Transform {
+            translation,
+            rotation,
+            scale,
+        } = *target.transform;
+        let (turn, scale) = (rotation.as_dquat().normalize(), scale.as_dvec3());
+        let back = |v: Vec3| turn.inverse() * v.as_dvec3();
+        let point = turn.inverse() * (met.point.as_dvec3() - translation.as_dvec3());
+        let (polygon, normal) = nearest_polygon(mesh, point, scale, back(met.normal))?;
+        let normal = (turn * normal).as_vec3().try_normalize()?;
+        Some((polygon, normal))
+    });
+    found.map_or(met, |(polygon, face_normal): (u32, Vec3)| Impact {
+        face_normal,
+        polygon: Some(target.shape.source(polygon)),
+        ..met
+    })
+}
+
+#[cfg(test)]
+mod tests;
