@@ -3,7 +3,10 @@
 use crate::common;
 
 use bevy::{ecs::system::RunSystemOnce, prelude::*};
-use bevy_octree::{narrow_phase::Shape, prelude::*};
+use bevy_octree::{
+    narrow_phase::{Placed, Shape},
+    prelude::*,
+};
 use common::*;
 
 const ALL: SpatialQueryFilter = SpatialQueryFilter::DEFAULT;
@@ -142,6 +145,50 @@ fn hits_name_the_polygon() {
             hit.polygon
         };
         assert_eq!([polygon(0.7, 0.2), polygon(0.2, 0.7)], [Some(0), Some(1)]);
+    });
+}
+
+#[test]
+fn what_stands_on_the_ground_is_cast_along_it() {
+    let mut app = app(BroadPhaseMethod::default());
+    let at = Transform::from_translation;
+    let ground = CollisionShape::cuboid(20.0, 1.0, 20.0);
+    let ground = app.world_mut().spawn((ground, at(Vec3::Y * -0.5))).id();
+    let wall = app
+        .world_mut()
+        .spawn((CollisionShape::default(), at(Vec3::new(5.0, 0.5, 0.0))))
+        .id();
+    tick(&mut app, 1);
+    ask(&mut app, move |spatial| {
+        let (ball, start) = (Shape::sphere(0.5), at(Vec3::Y * 0.5));
+        let moving = Placed::new(&ball, &start);
+        let options = ShapeCastOptions::DEFAULT;
+        let cast = |way, options| {
+            let hit = spatial.cast_shape_with(moving, way, 9.0, &ALL, &options)?;
+            Some((hit.entity, hit.distance))
+        };
+        let same = spatial.cast_shape(&ball, &start, Dir3::X, 9.0, &ALL);
+        assert_eq!(
+            same.map(|hit| (hit.entity, hit.distance)),
+            Some((ground, 0.0))
+        );
+        assert_eq!(cast(Dir3::X, options), Some((ground, 0.0)));
+        assert_eq!(cast(Dir3::X, options.ignore_start()), Some((wall, 4.0)));
+        assert_eq!(cast(Dir3::Z, options.ignore_start()), None);
+        assert_eq!(cast(Dir3::Y, options.ignore_start()), None);
+        assert_eq!(
+            cast(Dir3::NEG_Y, options.ignore_start()),
+            Some((ground, 0.0))
+        );
+        let deeper = at(Vec3::Y * 0.25);
+        let hit =
+            spatial.cast_shape_with(Placed::new(&ball, &deeper), Dir3::Y, 9.0, &ALL, &options);
+        let hit = hit.unwrap();
+        assert!(
+            (hit.depth - 0.25).abs() < 1e-5
+                && hit.face_normal == Vec3::Y
+                && hit.normal == Vec3::NEG_Y
+        );
     });
 }
 

@@ -1,13 +1,18 @@
 //! Shapes on their way, by options.
 
-use bevy::math::{Dir3, Vec3};
+use bevy::math::{Dir3, Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
 use super::{nearest_polygon::nearest_polygon, options::ShapeCastOptions};
 use crate::narrow_phase::{
     answer::{Contact, Impact},
-    frame::{placed::Placed, workspace::Workspace},
+    frame::{
+        edge_polygon,
+        placed::{Placed, PlacedPair, in_order},
+        workspace::Workspace,
+    },
     settings::NarrowPhase,
+    shape::Kind,
 };
 
 /// The sine of the angle up to which a shape goes along what it touches: what it then sinks by more
@@ -21,6 +26,11 @@ const ROUNDING: f32 = 4.0 * f32::EPSILON;
 
 /// So often at most is a shape lifted off what it touches: off a floor, and off walls.
 const MOST_LIFTS: usize = 8;
+
+/// So many normals are tried where two meshes meet.
+const MOST_NORMALS: usize = 8;
+/// The cosine of the angle between normals that are as one.
+const ALIKE: f32 = 0.9999;
 
 impl NarrowPhase {
     /// Casts a shape that moves without turning against another, as [`sweep`](Self::sweep) does, but
@@ -88,6 +98,9 @@ impl NarrowPhase {
         let are_convex = [moving, target]
             .iter()
             .all(|one| one.shape.kind().is_convex());
+        let are_meshes = [moving, target]
+            .iter()
+            .all(|one| one.shape.kind() == Kind::Mesh);
         let margin = LIFT * self.tolerance() + ROUNDING * moving.transform.translation.length();
         let mut lifted = *moving.transform;
         for _ in 0..MOST_LIFTS {
@@ -96,14 +109,18 @@ impl NarrowPhase {
             let Some(Contact { normal, depth, .. }) = contact else {
                 break;
             };
-            if normal.dot(*direction) > ALONG {
-                return sweep(moving, max_distance, workspace);
+            let way_off = if are_meshes {
+                self.way_off(now, target, [margin, depth + margin], workspace)
+            } else {
+                Some(-normal * (depth + margin))
+            };
+            let goes_in = |way: Vec3| way.dot(*direction) < -ALONG * way.length();
+            match way_off {
+                // Two that are convex, and part, do not meet again.
+                Some(way) if are_convex && !goes_in(way) => return None,
+                Some(way) if !goes_in(way) => lifted.translation += way,
+                _ => return sweep(moving, max_distance, workspace),
             }
-            // Two that are convex, and part, do not meet again.
-            if are_convex {
-                return None;
-            }
-            lifted.translation -= normal * (depth + margin);
         }
         // How much nearer it is to what is ahead, by that.
         let ahead = (lifted.translation - moving.transform.translation).dot(*direction);
@@ -117,6 +134,48 @@ impl NarrowPhase {
             },
             ..met
         })
+    }
+
+    /// A way off another mesh, no shorter and not much longer than given: the shortest of those
+    /// along the normals of faces where the two meet. The contact of two meshes of any form has no
+    /// more than about that.
+    fn way_off(
+        &self,
+        moving: Placed,
+        target: Placed,
+        [shortest, longest]: [f32; 2],
+        workspace: &mut Workspace,
+    ) -> Option<Vec3> {
+        let (first, second, _) = in_order(moving, target);
+        let pair = PlacedPair::new(first, second, self.tolerance()).ok()?;
+        let (mut normals, mut count) = ([Vec3A::ZERO; MOST_NORMALS], 0);
+        edge_polygon::touches(&pair, workspace, |hit| {
+            let is_new = normals[..count]
+                .iter()
+                .all(|normal| normal.dot(hit.normal).abs() < ALIKE);
+            if is_new && count < MOST_NORMALS {
+                normals[count] = hit.normal;
+                count += 1;
+            }
+        });
+        let mut length = shortest;
+        loop {
+            for normal in &normals[..count] {
+                for way in [*normal * length, -*normal * length].map(Vec3::from) {
+                    let there = Transform {
+                        translation: moving.transform.translation + way,
+                        ..*moving.transform
+                    };
+                    if !self.intersects(Placed::new(moving.shape, &there), target, workspace) {
+                        return Some(way);
+                    }
+                }
+            }
+            if length > longest || !length.is_finite() {
+                return None;
+            }
+            length *= 2.0;
+        }
     }
 }
 
