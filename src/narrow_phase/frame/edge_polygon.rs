@@ -12,6 +12,7 @@ use super::oriented_box::OrientedBox;
 use super::placed::{Placed, PlacedPair};
 use super::surface::{ClosestPoint, PlacedFace, Surface};
 use super::workspace::Workspace;
+use crate::broad_phase::Overlap;
 use crate::narrow_phase::mesh::{cube::CUBE, polygon_mesh::PolygonMesh};
 
 /// Where an edge of one mesh comes as close to a polygon of the other as the tolerance.
@@ -269,29 +270,60 @@ fn one_way(
     ControlFlow::Continue(())
 }
 
+/// A mesh of so many parts, or fewer, is looked at part by part.
+const FEW_PARTS: usize = 8;
+
 /// A point of a part of one mesh that is inside the other. Given that their surfaces do not meet, a
 /// part is inside with all of its vertices or with none.
+///
+/// Both have to be in place. Of a mesh of many parts, those are looked at that the other may hold.
 pub fn nested(
     pair: &PlacedPair,
     meshes: [&PolygonMesh; 2],
     workspace: &Workspace,
 ) -> Option<Vec3A> {
     let [a, b] = &workspace.surfaces;
-    let within = |part: &PolygonMesh,
-                  placed: &Surface,
-                  mesh: &PolygonMesh,
-                  around: &Surface,
-                  bounds: &OrientedBox| {
-        if !mesh.has_inside() {
-            return None;
-        }
-        let vertices = part.shells().map(|vertex| placed.vertex(part, vertex));
-        let mut close = vertices.filter(|&vertex| {
-            let offset = (vertex - bounds.center).abs();
-            offset.cmple(bounds.reach()).all()
-        });
-        close.find(|&vertex| around.encloses(mesh, vertex))
+    within((meshes[0], a), (meshes[1], b, &pair.box_b))
+        .or_else(|| within((meshes[1], b), (meshes[0], a, &pair.box_a)))
+}
+
+/// A vertex of a part of a mesh that is inside another.
+fn within(
+    (parts, placed): (&PolygonMesh, &Surface),
+    (mesh, around, bounds): (&PolygonMesh, &Surface, &OrientedBox),
+) -> Option<Vec3A> {
+    if !mesh.has_inside() {
+        return None;
+    }
+    let inside = |vertex: u32| {
+        let vertex = placed.vertex(parts, vertex);
+        let offset = bounds.axes.transpose() * (vertex - bounds.center);
+        let is_close = offset.abs().cmple(bounds.half).all();
+        (is_close && around.encloses(mesh, vertex)).then_some(vertex)
     };
-    within(meshes[0], a, meshes[1], b, &pair.box_b)
-        .or_else(|| within(meshes[1], b, meshes[0], a, &pair.box_a))
+    let mut shells = parts.shells();
+    let Some(tree) = parts.tree().filter(|_| shells.len() > FEW_PARTS) else {
+        return shells.find_map(inside);
+    };
+    let reach = bounds.reach();
+    let region = LocalAabb {
+        min: bounds.center - reach,
+        max: bounds.center + reach,
+    };
+    let mut found = None;
+    tree.search(
+        &Overlap::new(placed.placing().back(&region)?),
+        0.0,
+        |polygon, _| {
+            if parts.is_representative(polygon) {
+                found = inside(parts.polygon(polygon as usize)[0]);
+            }
+            if found.is_some() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(0.0)
+            }
+        },
+    );
+    found
 }
