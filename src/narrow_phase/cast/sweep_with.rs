@@ -66,7 +66,7 @@ impl NarrowPhase {
         options: &ShapeCastOptions,
         workspace: &mut Workspace,
     ) -> Option<Impact> {
-        let met = if options.ignores_start && direction.is_finite() {
+        let met = if options.ignores_start && direction.is_finite() && max_distance >= 0.0 {
             self.sweep_off(moving, direction, max_distance, target, workspace)
         } else {
             self.sweep(moving, direction, max_distance, target, workspace)
@@ -106,21 +106,38 @@ impl NarrowPhase {
         for _ in 0..MOST_LIFTS {
             let now = Placed::new(moving.shape, &lifted);
             let contact = self.contact_in_passing(now, target, |_| *direction, workspace);
-            let Some(Contact { normal, depth, .. }) = contact else {
+            let Some(Contact {
+                normal,
+                point,
+                depth,
+            }) = contact
+            else {
                 break;
             };
             let way_off = if are_meshes {
-                self.way_off(now, target, [margin, depth + margin], workspace)
+                self.way_off(now, target, margin, workspace)
             } else {
                 Some(-normal * (depth + margin))
             };
-            let goes_in = |way: Vec3| way.dot(*direction) < -ALONG * way.length();
-            match way_off {
-                // Two that are convex, and part, do not meet again.
-                Some(way) if are_convex && !goes_in(way) => return None,
-                Some(way) if !goes_in(way) => lifted.translation += way,
-                _ => return sweep(moving, max_distance, workspace),
+            let Some(way) = way_off else {
+                return sweep(moving, max_distance, workspace);
+            };
+            let out = way.normalize();
+            if out.dot(*direction) < -ALONG {
+                return Some(Impact {
+                    distance: 0.0,
+                    point,
+                    normal: out,
+                    face_normal: out,
+                    polygon: None,
+                    depth: (way.length() - margin).max(0.0),
+                });
             }
+            // Two that are convex, and part, do not meet again.
+            if are_convex {
+                return None;
+            }
+            lifted.translation += way;
         }
         // How much nearer it is to what is ahead, by that.
         let ahead = (lifted.translation - moving.transform.translation).dot(*direction);
@@ -136,14 +153,13 @@ impl NarrowPhase {
         })
     }
 
-    /// A way off another mesh, no shorter and not much longer than given: the shortest of those
-    /// along the normals of faces where the two meet. The contact of two meshes of any form has no
-    /// more than about that.
+    /// A way off another mesh, no shorter than given: about the shortest of those along the normals
+    /// of faces where the two meet. The contact of two meshes of any form only has an estimate.
     fn way_off(
         &self,
         moving: Placed,
         target: Placed,
-        [shortest, longest]: [f32; 2],
+        shortest: f32,
         workspace: &mut Workspace,
     ) -> Option<Vec3> {
         let (first, second, _) = in_order(moving, target);
@@ -158,6 +174,7 @@ impl NarrowPhase {
                 count += 1;
             }
         });
+        let longest = pair.box_a.radius.min(pair.box_b.radius);
         let mut length = shortest;
         loop {
             for normal in &normals[..count] {

@@ -119,14 +119,8 @@ fn along_a_floor_to_its_wall() {
                 }
                 for way in [Vec3::NEG_Y, Vec3::new(1.0, -0.1, 0.3)] {
                     let hit = cast(way).unwrap();
-                    // Of two meshes of any form, the normal of the contact is about that.
-                    let about = if matches!(mover, Shape::Mesh(_)) {
-                        0.5
-                    } else {
-                        2e-2
-                    };
                     assert!(
-                        hit.distance == 0.0 && hit.normal.distance(turn * Vec3::Y) < about,
+                        hit.distance == 0.0 && hit.normal.distance(turn * Vec3::Y) < 2e-2,
                         "{hit:?} {text}"
                     );
                 }
