@@ -120,7 +120,7 @@ mod turned;
 
 pub use answer::{Contact, Impact, Passage, Proximity, TimedContact};
 pub use cast::moving::Moving;
-pub use cast::options::RayCastOptions;
+pub use cast::options::{RayCastOptions, ShapeCastOptions};
 pub use contact::manifold::{Manifold, ManifoldPoint};
 pub use error::{BoundsError, ShapeError, ToleranceError};
 pub(crate) use frame::approach::approach;
