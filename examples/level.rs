@@ -39,6 +39,15 @@ Options:
   -h, --help           Print help
 ";
 
+collision_layers! {
+    /// Bullets fly through what rolls: it would be too fast for the ground.
+    enum Layer {
+        Level,
+        Rolling,
+        Bullet,
+    }
+}
+
 /// Squares of the level along x and z, of a length unit each, cut into two triangles.
 const SQUARES: [u32; 2] = [250, 200];
 const TICK: f32 = 1.0 / 60.0;
@@ -203,20 +212,24 @@ impl Level {
             .add_systems(Update, fall.before(CollisionSystems::Motion))
             .add_systems(Update, roll.after(CollisionSystems::Response));
         let world = app.world_mut();
-        world.spawn((Ground, StaticShape, level));
+        let fixed = (
+            StaticShape,
+            CollisionLayers::new(Layer::Level, LayerMask::ALL),
+        );
+        world.spawn((Ground, fixed, level));
         let [width, depth] = SQUARES.map(|squares| squares as f32);
         for side in [-1.0, 1.0] {
             // Walls and a sky, for bullets; the ground is open below them.
             let wall = CollisionShape::cuboid(1.0, 200.0, depth + 10.0);
             let x = width / 2.0 + side * (width / 2.0 + 0.5);
-            world.spawn((StaticShape, wall, Transform::from_xyz(x, 0.0, depth / 2.0)));
+            world.spawn((fixed, wall, Transform::from_xyz(x, 0.0, depth / 2.0)));
             let wall = CollisionShape::cuboid(width + 10.0, 200.0, 1.0);
             let z = depth / 2.0 + side * (depth / 2.0 + 0.5);
-            world.spawn((StaticShape, wall, Transform::from_xyz(width / 2.0, 0.0, z)));
+            world.spawn((fixed, wall, Transform::from_xyz(width / 2.0, 0.0, z)));
         }
         let sky = CollisionShape::cuboid(width + 10.0, 1.0, depth + 10.0);
         let above = Transform::from_xyz(width / 2.0, SKY, depth / 2.0);
-        world.spawn((StaticShape, sky, above));
+        world.spawn((fixed, sky, above));
 
         let mut random = fastrand::Rng::with_seed(1);
         let mut place = |height: f32| {
@@ -225,22 +238,28 @@ impl Level {
             place.y = height - over_ground(place);
             (place, random.f32() * 6.3)
         };
+        let rolling = CollisionLayers::new(Layer::Rolling, Layer::Level | Layer::Rolling);
         for _ in 0..count.balls {
             let (place, _) = place(1.5);
             let ball = (CollisionShape::sphere(BALL), Rolls(BALL));
-            world.spawn((ball, mover(0.3), Transform::from_translation(place)));
+            world.spawn((
+                ball,
+                mover(0.3, rolling),
+                Transform::from_translation(place),
+            ));
         }
         for _ in 0..count.bricks {
             let (place, turn) = place(1.5);
             let brick = (CollisionShape::from_half_size(BRICK), Rolls(BRICK.y));
             let turned = Transform::from_translation(place)
                 .with_rotation(Quat::from_scaled_axis(Vec3::splat(turn)));
-            world.spawn((brick, mover(0.2), turned));
+            world.spawn((brick, mover(0.2, rolling), turned));
         }
         for _ in 0..count.bullets {
             let (place, turn) = place(4.0);
             let direction = Vec3::new(turn.cos(), -0.2, turn.sin()).normalize();
-            let bullet = (CollisionShape::sphere(BULLET), Swept::default());
+            let layers = CollisionLayers::new(Layer::Bullet, Layer::Level);
+            let bullet = (CollisionShape::sphere(BULLET), Swept::default(), layers);
             let flight = (
                 Velocity(direction * MUZZLE),
                 Bounce::Reflect { restitution: 1.0 },
@@ -300,8 +319,9 @@ impl Level {
     }
 }
 
-fn mover(restitution: f32) -> (Velocity, Bounce) {
-    (Velocity::default(), Bounce::Reflect { restitution })
+fn mover(restitution: f32, layers: CollisionLayers) -> impl Bundle {
+    let bounce = Bounce::Reflect { restitution };
+    (Velocity::default(), bounce, layers)
 }
 
 fn fall(mut rolling: Query<&mut Velocity, With<Rolls>>) {
