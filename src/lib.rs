@@ -171,8 +171,8 @@ pub mod prelude {
         schedule::CollisionSystems,
         settings::BroadPhaseSettings,
         spatial_query::{
-            PairHit, PointHit, RayHit, ShapeHit, SpatialQuery, SpatialQueryFilter,
-            update_spatial_index,
+            PairHit, PointHit, RayCastOptions, RayHit, RayPassage, ShapeHit, SpatialQuery,
+            SpatialQueryFilter, update_spatial_index,
         },
         swept::Swept,
         worlds::{CollisionWorld, InCollisionWorld},

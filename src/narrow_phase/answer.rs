@@ -60,6 +60,45 @@ pub struct Impact {
     /// A unit vector that points away from the shape that is met, and never along the way: against
     /// the way itself if it starts inside, where nothing better is known.
     pub normal: Vec3,
+    /// The unit normal of the face that is met: out of a solid, and of a polygon of a mesh [its
+    /// own](super::PolygonMesh::normals), whichever side is met. So a face that faces away from
+    /// what comes is one whose normal goes [along the way](Self::is_back_face). Where no face is
+    /// known, as inside a solid, it is as `normal`.
+    pub face_normal: Vec3,
+    /// Which polygon of a mesh is met: its number among those that the mesh was made from; of a
+    /// Bevy mesh, that of the triangle. One of them, where several are. `None` where none is known,
+    /// and for shapes without polygons of their own: cuboids, balls, all of Rapier's but meshes.
+    #[doc(alias("triangle", "primitive", "feature", "face id"))]
+    pub polygon: Option<u32>,
+}
+
+impl Impact {
+    /// Returns `true` if the face that is met faces away from what comes: a polygon met from
+    /// behind, or the wall of a solid from inside.
+    #[must_use]
+    pub fn is_back_face(&self) -> bool {
+        self.face_normal.dot(self.normal) < 0.0
+    }
+}
+
+/// Where a ray enters a solid, and where it leaves it.
+#[doc(alias("exit point", "thickness"))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passage {
+    /// Where it enters; `None` if it starts inside.
+    pub enter: Option<Impact>,
+    /// Where it leaves for the first time; `None` if it does not within its length, or what it
+    /// meets is a surface that bounds no solid.
+    pub leave: Option<Impact>,
+}
+
+impl Passage {
+    /// Returns how far the ray goes within the solid, if it leaves it.
+    #[must_use]
+    pub fn length(&self) -> Option<f32> {
+        let start = self.enter.map_or(0.0, |enter| enter.distance);
+        Some(self.leave?.distance - start)
+    }
 }
 
 /// When and where two shapes on their way meet.

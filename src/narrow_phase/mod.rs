@@ -118,8 +118,9 @@ mod stage;
 mod tests;
 mod turned;
 
-pub use answer::{Contact, Impact, Proximity, TimedContact};
+pub use answer::{Contact, Impact, Passage, Proximity, TimedContact};
 pub use cast::moving::Moving;
+pub use cast::options::RayCastOptions;
 pub use error::{BoundsError, ShapeError, ToleranceError};
 pub(crate) use frame::approach::approach;
 pub use frame::placed::Placed;

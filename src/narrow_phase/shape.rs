@@ -87,6 +87,15 @@ impl Shape {
         }
     }
 
+    /// The number of a polygon of its mesh in what that was made from.
+    pub(super) fn source(&self, polygon: u32) -> u32 {
+        match self {
+            Self::Convex(mesh) => mesh.source(polygon),
+            Self::Mesh(mesh) => mesh.source(polygon),
+            _ => polygon,
+        }
+    }
+
     /// Are its sizes finite? Those of meshes of ours always are.
     #[inline]
     pub(super) fn is_finite(&self) -> bool {

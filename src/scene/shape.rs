@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::narrow_phase::{Shape, ShapeError};
+use crate::narrow_phase::{PolygonMesh, Shape, ShapeError};
 
 /// The shape of an object, as a scene file writes it.
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
@@ -28,13 +28,17 @@ pub enum ShapeDescription {
         /// Each face as the indices of its corners, counter-clockwise seen from outside.
         polygons: Vec<Vec<u32>>,
     },
-    /// A solid of any form, from the corners and faces of its surface.
+    /// A solid or surface of any form, from the corners and faces of its surface.
     Mesh {
         /// The corners.
         vertices: Vec<Vec3>,
         /// Each face, a convex polygon, as the indices of its corners, counter-clockwise seen from
         /// outside.
         polygons: Vec<Vec<u32>>,
+        /// Has it no inside, however closed it is? It is a room that is walked in, then; see
+        /// [`PolygonMesh::surface_only`].
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        surface_only: bool,
     },
 }
 
@@ -50,7 +54,18 @@ impl ShapeDescription {
             Self::Cuboid { half_size } => Shape::try_from_half_size(*half_size),
             Self::Sphere { radius } => Shape::try_sphere(*radius),
             Self::Convex { vertices, polygons } => Shape::convex(vertices.as_slice(), polygons),
-            Self::Mesh { vertices, polygons } => Shape::mesh(vertices.as_slice(), polygons),
+            Self::Mesh {
+                vertices,
+                polygons,
+                surface_only,
+            } => {
+                let mesh = PolygonMesh::new(vertices.as_slice(), polygons)?;
+                Ok(if *surface_only {
+                    mesh.surface_only().into()
+                } else {
+                    mesh.into()
+                })
+            }
         }
     }
 }

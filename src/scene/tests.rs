@@ -82,7 +82,12 @@ fn what_is_written_reads_back() {
     let mesh = ShapeDescription::Mesh {
         vertices: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z],
         polygons: vec![vec![0, 2, 1], vec![0, 1, 3], vec![0, 3, 2], vec![1, 2, 3]],
+        surface_only: true,
     };
+    let Ok(Shape::Mesh(room)) = mesh.build() else {
+        panic!("it is a mesh")
+    };
+    assert!(room.is_closed() && !room.has_inside());
     let track = PositionTrack::new([(3, Vec3::ONE)]).unwrap();
     let scene = SceneDescription::new(
         "text with \"quotes\"\n",

@@ -16,5 +16,8 @@ pub use flush::update_spatial_index;
 pub use nearest::PointHit;
 pub use pairs::PairHit;
 pub use query::SpatialQuery;
-pub use rays::RayHit;
+pub use rays::{RayHit, RayPassage};
+
+#[doc(inline)]
+pub use crate::narrow_phase::RayCastOptions;
 pub use shape_cast::ShapeHit;

@@ -24,6 +24,12 @@ pub struct ShapeHit {
     pub point: Vec3,
     /// A unit vector from the entity to the moving shape, across the surfaces that touch.
     pub normal: Vec3,
+    /// The unit normal of the face of the entity that is touched, whichever side of it that is, or
+    /// as `normal`. See [`Impact::face_normal`].
+    pub face_normal: Vec3,
+    /// Which polygon of a mesh is touched: of a Bevy mesh, which triangle. See
+    /// [`Impact::polygon`].
+    pub polygon: Option<u32>,
 }
 
 /// # Moving shapes
@@ -61,6 +67,8 @@ impl SpatialQuery<'_> {
                 distance,
                 point,
                 normal,
+                face_normal,
+                polygon,
             } = sweep(body.placed(), best.limit())?;
             best.offer(
                 id,
@@ -70,6 +78,8 @@ impl SpatialQuery<'_> {
                     distance,
                     point,
                     normal,
+                    face_normal,
+                    polygon,
                 },
             )
         });

@@ -19,6 +19,7 @@ mod hook;
 mod interrupted_ticks;
 mod layering;
 mod lifecycle;
+mod mesh_floors;
 #[cfg(feature = "picking")]
 mod picking;
 mod plugin;

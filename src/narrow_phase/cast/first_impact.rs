@@ -6,7 +6,10 @@ use std::ops::ControlFlow;
 use bevy::math::{Vec3A, bounding::Aabb3d};
 
 use crate::narrow_phase::frame::{
-    closest, edge_polygon,
+    closest,
+    cuboid_mesh::{CuboidMesh, Found},
+    cuboid_triangle::{self, Met},
+    edge_polygon,
     near_faces::{Near, OnTheWay, for_each_near},
     placed::PlacedPair,
     surface::{PlacedFace, Surface, border, covers},
@@ -99,11 +102,77 @@ impl FirstImpact {
             direction: self.direction,
             margin: 2.0 * pair.tolerance,
         };
+        if let Some(both) = CuboidMesh::of(pair) {
+            self.cuboid_mesh(&both, &near, pair, workspace);
+            return self.found;
+        }
         for_each_near(&near, pair, workspace, self.limit, |surfaces| {
             self.surfaces(surfaces, pair.tolerance);
             ControlFlow::Continue(self.limit)
         })?;
         self.found
+    }
+
+    /// A cuboid and a mesh with a tree, of which the first of the pair moves.
+    fn cuboid_mesh(
+        &mut self,
+        both: &CuboidMesh,
+        near: &OnTheWay,
+        pair: &PlacedPair,
+        workspace: &mut Workspace,
+    ) {
+        // As seen from the triangles, the cuboid comes.
+        let towards = if both.cuboid_first { 1.0 } else { -1.0 };
+        let direction = both.direction_to_cuboid(self.direction * towards);
+        let (half, way) = (both.half(), direction.as_dvec3());
+        let mut is_placed = false;
+        let mut first: Option<(Met, [Vec3A; 3])> = None;
+        both.for_each(near, self.limit, |found| {
+            match found {
+                Found::Triangle(corners) => {
+                    let limit = f64::from(self.limit);
+                    let met = cuboid_triangle::sweep(
+                        half.as_dvec3(),
+                        corners.map(Vec3A::as_dvec3),
+                        way,
+                        limit,
+                    );
+                    if let Some(met) = met {
+                        self.limit = met.distance as f32;
+                        first = Some((met, corners));
+                    }
+                }
+                Found::Polygon(polygon) => {
+                    let surfaces = &mut workspace.surfaces;
+                    if !is_placed {
+                        is_placed = true;
+                        edge_polygon::place_both(pair, surfaces);
+                    }
+                    edge_polygon::select_polygon(both, polygon, pair.tolerance, surfaces);
+                    let before = self.limit;
+                    self.surfaces(surfaces, pair.tolerance);
+                    if self.limit < before {
+                        first = None;
+                    }
+                }
+            }
+            ControlFlow::Continue(self.limit)
+        });
+        let Some((met, corners)) = first else { return };
+        let distance = met.distance as f32;
+        // There, the triangle has come so far to the cuboid.
+        let corners = corners.map(|corner| corner - direction * distance);
+        let on_cuboid = cuboid_triangle::meeting(half, corners, pair.tolerance);
+        let normal = both.direction_to_frame(met.normal.normalize_or_zero().as_vec3a());
+        let moved = self.direction * distance;
+        let point = both.to_frame(on_cuboid);
+        // In the frame, the first shape has moved: a cuboid that is second has not.
+        let point = if both.cuboid_first {
+            point + moved
+        } else {
+            point
+        };
+        self.consider(distance, || point, normal);
     }
 
     /// Takes up an impact if it is the first so far.

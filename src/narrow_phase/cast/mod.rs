@@ -2,9 +2,14 @@
 //! move.
 
 mod advance;
+pub(super) mod chord;
+mod faces;
 mod first_impact;
+pub(super) mod local_ray;
 mod moments;
 pub(super) mod moving;
+pub(super) mod options;
+mod passage;
 mod ray;
 mod sweep;
 #[cfg(test)]

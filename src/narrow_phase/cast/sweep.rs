@@ -120,6 +120,8 @@ impl NarrowPhase {
             distance: in_all(found.distance),
             point: origin + nearer.translation + Vec3::from(found.point),
             normal: found.normal.into(),
+            face_normal: found.normal.into(),
+            polygon: None,
         })
     }
 
@@ -138,10 +140,13 @@ impl NarrowPhase {
                 normal
             }
         };
+        let normal = contact.map_or(-*direction, |contact| against(-contact.normal));
         Impact {
             distance: 0.0,
             point: contact.map_or(moving.transform.translation, |contact| contact.point),
-            normal: contact.map_or(-*direction, |contact| against(-contact.normal)),
+            normal,
+            face_normal: normal,
+            polygon: None,
         }
     }
 }

@@ -205,7 +205,14 @@ impl Planes {
                 ControlFlow::Continue(())
             });
         };
-        each(&mut |hit| self.suggest(hit.normal));
+        // Of a surface without an inside, either side may be the one that the other is on.
+        let is_two_sided = pair.case() == Case::Polygons;
+        each(&mut |hit| {
+            self.suggest(hit.normal);
+            if is_two_sided {
+                self.suggest(-hit.normal);
+            }
+        });
         if self.count == 1 {
             return self.normals[0];
         }

@@ -2,7 +2,7 @@
 
 use bevy::math::Vec3A;
 
-use super::{convex, sphere};
+use super::{convex, mesh, sphere};
 use crate::narrow_phase::{
     answer::{Contact, LocalContact},
     error::BoundsError,
@@ -126,8 +126,20 @@ fn cuboids(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact>
     })
 }
 
-/// Meshes of any form: the mean of all crossings.
+/// A mesh of any form, and another shape made of polygons.
 fn meshes(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
+    match (
+        pair.a.shape.kind().is_convex(),
+        pair.b.shape.kind().is_convex(),
+    ) {
+        (true, _) => mesh::contact(pair, workspace),
+        (_, true) => mesh::contact(&pair.swapped(), workspace).map(LocalContact::reversed),
+        _ => crossings(pair, workspace),
+    }
+}
+
+/// Meshes of any form: the mean of all crossings.
+fn crossings(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
     let (mut count, mut points, mut normals) = (0.0, Vec3A::ZERO, Vec3A::ZERO);
     edge_polygon::touches(pair, workspace, |Touch { point, normal, .. }| {
         count += 1.0;

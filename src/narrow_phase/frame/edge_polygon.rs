@@ -5,13 +5,15 @@ use std::ops::ControlFlow;
 
 use bevy::math::Vec3A;
 
+use super::cuboid_mesh::{self, CuboidMesh, Found};
 use super::local_aabb::LocalAabb;
 use super::near_faces::{Touching, for_each_near};
 use super::oriented_box::OrientedBox;
 use super::placed::{Placed, PlacedPair};
 use super::surface::{ClosestPoint, PlacedFace, Surface};
 use super::workspace::Workspace;
-use crate::narrow_phase::mesh::polygon_mesh::PolygonMesh;
+use crate::broad_phase::Overlap;
+use crate::narrow_phase::mesh::{cube::CUBE, polygon_mesh::PolygonMesh};
 
 /// Where an edge of one mesh comes as close to a polygon of the other as the tolerance.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +29,9 @@ pub struct Touch {
 
 /// Whether two shapes made of polygons are in contact. False if one is not.
 pub fn intersects(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
+    if let Some(both) = CuboidMesh::of(pair) {
+        return cuboid_intersects(&both, pair, workspace);
+    }
     let mut touch = false;
     let meshes = for_each_surface(pair, workspace, |surfaces| {
         let stop = |_| ControlFlow::Break(());
@@ -38,6 +43,53 @@ pub fn intersects(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
         }
     });
     touch || meshes.is_some_and(|meshes| nested(pair, meshes, workspace).is_some())
+}
+
+/// Whether a cuboid and a mesh with a tree are in contact.
+fn cuboid_intersects(both: &CuboidMesh, pair: &PlacedPair, workspace: &mut Workspace) -> bool {
+    let (half, tolerance) = (both.half(), pair.tolerance);
+    place_both(pair, &mut workspace.surfaces);
+    let mut touch = false;
+    both.for_each(&Touching(2.0 * tolerance), 0.0, |found| {
+        touch = match found {
+            Found::Triangle(corners) => cuboid_mesh::touches(half, corners, tolerance),
+            Found::Polygon(polygon) => {
+                let surfaces = &mut workspace.surfaces;
+                select_polygon(both, polygon, tolerance, surfaces);
+                for_each_touch(surfaces, tolerance, |_| ControlFlow::Break(())).is_break()
+            }
+        };
+        if touch {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(0.0)
+        }
+    });
+    touch || nested(pair, both.in_order(&*CUBE, both.mesh), workspace).is_some()
+}
+
+/// Puts both shapes in place, if they are made of polygons, with none of these selected.
+pub fn place_both(pair: &PlacedPair, surfaces: &mut [Surface; 2]) {
+    let of = [(pair.a, &pair.box_a), (pair.b, &pair.box_b)];
+    for (surface, (placed, bounds)) in surfaces.iter_mut().zip(of) {
+        if let Some(polygons) = placed.shape.polygons() {
+            surface.place(polygons, placed, bounds);
+        }
+    }
+}
+
+/// Selects all faces of the cuboid, if that has not been done, and a polygon of the mesh.
+pub fn select_polygon(
+    both: &CuboidMesh,
+    polygon: u32,
+    tolerance: f32,
+    surfaces: &mut [Surface; 2],
+) {
+    let [of_cuboid, of_mesh] = both.in_order(0, 1);
+    if surfaces[of_cuboid].faces.is_empty() {
+        surfaces[of_cuboid].select_all(&CUBE, tolerance);
+    }
+    surfaces[of_mesh].select(both.mesh, polygon, tolerance);
 }
 
 /// Calls `visit` with all points where the surfaces of two shapes made of polygons meet: once for
@@ -99,17 +151,17 @@ pub fn sphere_closest(
     Some((closest, surface.encloses(mesh, center)))
 }
 
-/// Whether a point is inside a closed mesh, the second of the pair.
+/// Whether a point is inside a mesh, the second of the pair.
 #[cfg_attr(
     not(feature = "rapier"),
     expect(dead_code, reason = "asked for shapes of Rapier's alone")
 )]
 pub fn encloses(pair: &PlacedPair, point: Vec3A, workspace: &mut Workspace) -> bool {
-    // An open one is not even put in place.
+    // One without an inside is not even put in place.
     pair.b
         .shape
         .polygons()
-        .is_some_and(|(mesh, _)| mesh.is_closed())
+        .is_some_and(|(mesh, _)| mesh.has_inside())
         && fill_second(pair, &LocalAabb::NOWHERE, workspace)
             .is_some_and(|(mesh, surface)| surface.encloses(mesh, point))
 }
@@ -218,26 +270,60 @@ fn one_way(
     ControlFlow::Continue(())
 }
 
+/// A mesh of so many parts, or fewer, is looked at part by part.
+const FEW_PARTS: usize = 8;
+
 /// A point of a part of one mesh that is inside the other. Given that their surfaces do not meet, a
 /// part is inside with all of its vertices or with none.
+///
+/// Both have to be in place. Of a mesh of many parts, those are looked at that the other may hold.
 pub fn nested(
     pair: &PlacedPair,
     meshes: [&PolygonMesh; 2],
     workspace: &Workspace,
 ) -> Option<Vec3A> {
     let [a, b] = &workspace.surfaces;
-    let within =
-        |part: &PolygonMesh, placed: &Surface, mesh, around: &Surface, bounds: &OrientedBox| {
-            let vertices = part
-                .shells()
-                .iter()
-                .map(|&vertex| placed.vertex(part, vertex));
-            let mut close = vertices.filter(|&vertex| {
-                let offset = (vertex - bounds.center).abs();
-                offset.cmple(bounds.reach()).all()
-            });
-            close.find(|&vertex| around.encloses(mesh, vertex))
-        };
-    within(meshes[0], a, meshes[1], b, &pair.box_b)
-        .or_else(|| within(meshes[1], b, meshes[0], a, &pair.box_a))
+    within((meshes[0], a), (meshes[1], b, &pair.box_b))
+        .or_else(|| within((meshes[1], b), (meshes[0], a, &pair.box_a)))
+}
+
+/// A vertex of a part of a mesh that is inside another.
+fn within(
+    (parts, placed): (&PolygonMesh, &Surface),
+    (mesh, around, bounds): (&PolygonMesh, &Surface, &OrientedBox),
+) -> Option<Vec3A> {
+    if !mesh.has_inside() {
+        return None;
+    }
+    let inside = |vertex: u32| {
+        let vertex = placed.vertex(parts, vertex);
+        let offset = bounds.axes.transpose() * (vertex - bounds.center);
+        let is_close = offset.abs().cmple(bounds.half).all();
+        (is_close && around.encloses(mesh, vertex)).then_some(vertex)
+    };
+    let mut shells = parts.shells();
+    let Some(tree) = parts.tree().filter(|_| shells.len() > FEW_PARTS) else {
+        return shells.find_map(inside);
+    };
+    let reach = bounds.reach();
+    let region = LocalAabb {
+        min: bounds.center - reach,
+        max: bounds.center + reach,
+    };
+    let mut found = None;
+    tree.search(
+        &Overlap::new(placed.placing().back(&region)?),
+        0.0,
+        |polygon, _| {
+            if parts.is_representative(polygon) {
+                found = inside(parts.polygon(polygon as usize)[0]);
+            }
+            if found.is_some() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(0.0)
+            }
+        },
+    );
+    found
 }

@@ -4,6 +4,8 @@ pub(super) mod approach;
 pub(super) mod case;
 pub(super) mod closest;
 pub(super) mod common_point;
+pub(super) mod cuboid_mesh;
+pub(super) mod cuboid_triangle;
 pub(super) mod edge_polygon;
 pub(super) mod local_aabb;
 pub(super) mod near_faces;

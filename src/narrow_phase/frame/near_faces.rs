@@ -150,7 +150,7 @@ pub fn for_each_near<'a, N: Near>(
 }
 
 /// The box of one of two meshes, in the space of the other.
-fn around(placings: &[Placing; 2], of: usize, margin: f32) -> Aabb3d {
+pub fn around(placings: &[Placing; 2], of: usize, margin: f32) -> Aabb3d {
     let (one, other) = (&placings[of], &placings[1 - of]);
     one.to(other)
         .with_margin(margin, other)

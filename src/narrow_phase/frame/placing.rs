@@ -62,6 +62,14 @@ impl Placing {
         self.center + self.axes * ((Vec3A::from(vertex) - self.middle) * self.scale)
     }
 
+    /// How vertices get to the frame: by what they are multiplied, from which point on, and where
+    /// that gets.
+    #[inline]
+    pub fn linear(&self) -> (Mat3A, Vec3A, Vec3A) {
+        let linear = self.axes * Mat3A::from_diagonal(self.scale.into());
+        (linear, self.middle, self.center)
+    }
+
     /// Normals scale with the cofactors, that is inversely, but without dividing by zero. A mirror
     /// would turn them inside out.
     #[inline]

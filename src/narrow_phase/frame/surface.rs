@@ -446,13 +446,13 @@ pub fn covers(corners: &[Vec3A], normal: Vec3A, point: Vec3A) -> bool {
 /// Sums the solid angles under which the polygons are seen from the point, by the formula of
 /// Van Oosterom and Strackee (1983). No direction is special, and so no ray can graze an edge.
 pub fn winds_around(mesh: &PolygonMesh, way_to: impl Fn(u32) -> Vec3A) -> bool {
-    if !mesh.is_closed() {
+    if !mesh.has_inside() {
         return false;
     }
     // The angles of a fan of triangles are signed, and add up for polygons that are not convex
     // too.
     let mut half_angles = 0.0;
-    for corners in mesh.polygons() {
+    mesh.for_each_solid(|corners| {
         let seen = |vertex: u32| unit(way_to(vertex));
         let a = seen(corners[0]);
         for pair in corners[1..].windows(2) {
@@ -460,7 +460,7 @@ pub fn winds_around(mesh: &PolygonMesh, way_to: impl Fn(u32) -> Vec3A) -> bool {
             let cosines = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
             half_angles += a.dot(b.cross(c)).atan2(cosines);
         }
-    }
+    });
     // Once around is 4π, or 2π in half angles.
     f32::abs(half_angles) > std::f32::consts::PI
 }

@@ -2,7 +2,7 @@
 
 use super::surface::Surface;
 use crate::broad_phase::linear_octree::JoinStack;
-use crate::narrow_phase::stage::StageCounters;
+use crate::narrow_phase::{contact::buffers::Buffers, stage::StageCounters};
 
 /// The memory that the tests write to: counters, and buffers for meshes. One per thread; reuse it.
 #[derive(Clone, Debug, Default)]
@@ -13,6 +13,8 @@ pub struct Workspace {
     pub(in crate::narrow_phase) surfaces: [Surface; 2],
     /// The parts of two trees that are still to be compared.
     pub(in crate::narrow_phase) stack: JoinStack,
+    /// What contacts are found with.
+    pub(in crate::narrow_phase) contact: Buffers,
     /// There was a pair of shapes about which nothing can be said; and somebody has been told.
     #[cfg(feature = "rapier")]
     unknown: [bool; 2],

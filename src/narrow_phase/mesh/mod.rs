@@ -2,7 +2,16 @@
 
 #[cfg(feature = "mesh")]
 mod bevy_mesh;
+mod cache;
 pub(super) mod convex_mesh;
 pub(super) mod cube;
+mod duplicates;
+mod edges;
+mod junctions;
+mod normal;
 pub(super) mod polygon_mesh;
+mod polygons;
+mod solids;
 pub(super) mod topology;
+#[cfg(any(feature = "mesh", test))]
+mod weld;

@@ -1,19 +1,20 @@
 //! Meshes of planar polygons, checked when they are built.
 
-use std::ops::Range;
+use bevy::math::{Vec3, Vec3A, bounding::Aabb3d};
 
-use bevy::math::{DVec3, Vec3, Vec3A, bounding::Aabb3d};
-
-use super::topology::Topology;
+use super::{
+    cache::Cache,
+    junctions::Junction,
+    normal::checked_normal,
+    polygons::Polygons,
+    topology::{Solid, Topology},
+};
 use crate::{
     broad_phase::linear_octree::StillOctree,
     narrow_phase::{error::ShapeError, length::length},
 };
 
-/// How far off its plane a corner may be, as a share of the polygon's size.
-const PLANARITY: f32 = 1e-4;
-/// The smallest area of a polygon, as a share of the square of its size.
-const SMALLEST_AREA: f32 = 1e-6;
+mod winding;
 
 /// A mesh of so many polygons, or fewer, has no tree: they are looked at as quickly one by one.
 const FEW: usize = 32;
@@ -22,11 +23,20 @@ const FEW: usize = 32;
 ///
 /// * A polygon is a list of three or more vertex indices, convex or not, in one plane, without
 ///   holes. One that crosses itself is not refused; its inside is then by the even-odd rule.
-/// * Neighbouring polygons are turned to the same orientation, where that can be done: the first
-///   polygon of each shell decides. Polygons keep their order; vertices are never moved or merged.
-/// * If every edge joins exactly two polygons, the mesh [is closed](Self::is_closed) and has an
-///   inside: the points around which its surface winds. The wall of a cavity must face the other
-///   way than the outer wall, or the cavity counts as filled.
+/// * Neighbouring polygons are turned to the same orientation, where that can be done: that of most
+///   of them. Polygons keep their order; vertices are never moved or merged.
+/// * What its closed parts enclose is [inside](Self::has_inside), whatever else is in the mesh: the
+///   points around which they wind. A part is closed if along each edge as many polygons run one
+///   way as the other, be they two, or four as where two boxes share an edge; a vertex on an edge
+///   that does not know it, as an exporter or a brush may leave it, cuts the edge in two. Polygons
+///   that are alone along an edge, as a flag on a wall, are no part of it, and copies of a polygon
+///   count once.
+/// * The wall of a cavity must face the other way than the outer wall, or the cavity counts as
+///   filled. Which way the outer wall faces does not matter.
+/// * A room to be walked in, all of it inside a closed surface, is a
+///   [surface only](Self::surface_only).
+/// * A tree of the polygons is built with the mesh, where there are many: that takes less than the
+///   checks do, and no test has to wait for it, or for others that build it.
 ///
 /// ```
 /// use bevy::math::Vec3;
@@ -42,30 +52,35 @@ const FEW: usize = 32;
 #[derive(Clone, Debug)]
 pub struct PolygonMesh {
     vertices: Vec<Vec3>,
-    /// The corners of all polygons, one polygon after the other.
-    corners: Vec<u32>,
-    /// Where each polygon ends in `corners`.
-    ends: Vec<u32>,
+    polygons: Polygons,
     /// A unit normal per polygon, by the right-hand rule.
     normals: Vec<Vec3>,
     edges: Vec<[u32; 2]>,
-    /// The polygons across the sides of all polygons, as `corners`.
+    /// The polygon across each side.
     across: Vec<u32>,
     /// Where polygons are; none in a mesh of few.
     tree: Option<StillOctree>,
-    /// A vertex of each connected part of the surface.
+    /// The first polygon of each connected part of the surface.
     shells: Vec<u32>,
+    solid: Solid,
+    /// Vertices on sides of polygons that bound solids, by side.
+    junctions: Vec<Junction>,
+    /// By polygon, its number in what the mesh was made from, if some of that was left out.
+    sources: Option<Box<[u32]>>,
     open_edge: Option<[u32; 2]>,
+    is_surface_only: bool,
     center: Vec3A,
     half_size: Vec3A,
     radius: f32,
+    pub(in crate::narrow_phase) cache: Cache,
 }
 
 impl PolygonMesh {
     /// Builds a mesh from vertices and polygons, each a list of vertex indices.
     ///
-    /// Linear in the number of corners. Vertices that no polygon names are kept, but are no part of
-    /// the surface.
+    /// Linear in the number of corners, but for vertices that very many polygons share, and those
+    /// that lie on edges of others. Vertices that no polygon names are kept, but are no part of the
+    /// surface.
     ///
     /// # Errors
     /// [`ShapeError::Empty`] without polygons, [`ShapeError::NonFiniteVertex`], and for a polygon
@@ -76,7 +91,17 @@ impl PolygonMesh {
         vertices: impl Into<Vec<Vec3>>,
         polygons: impl IntoIterator<Item = P>,
     ) -> Result<Self, ShapeError> {
-        let vertices = vertices.into();
+        Self::build(vertices.into(), polygons, |error| Some(error), 0.0)
+    }
+
+    /// The same; polygons are left out for which `refuse` makes nothing of an error. Vertices have
+    /// been moved by `slack` at most.
+    pub(in crate::narrow_phase) fn build<P: AsRef<[u32]>>(
+        vertices: Vec<Vec3>,
+        given: impl IntoIterator<Item = P>,
+        refuse: impl Fn(ShapeError) -> Option<ShapeError>,
+        slack: f64,
+    ) -> Result<Self, ShapeError> {
         if u32::try_from(vertices.len()).is_err() {
             return Err(ShapeError::TooLarge);
         }
@@ -84,33 +109,90 @@ impl PolygonMesh {
             let position = vertices[vertex];
             return Err(ShapeError::NonFiniteVertex { vertex, position });
         }
-        let (mut corners, mut ends, mut normals) = (Vec::new(), Vec::new(), Vec::new());
-        for (polygon, indices) in polygons.into_iter().enumerate() {
-            let indices = indices.as_ref();
-            normals.push(checked_normal(&vertices, polygon, indices)?);
-            corners.extend_from_slice(indices);
-            ends.push(u32::try_from(corners.len()).map_err(|_| ShapeError::TooLarge)?);
+        let given = given.into_iter();
+        let mut polygons = Polygons::with_capacity(given.size_hint().0);
+        let mut normals = Vec::with_capacity(given.size_hint().0);
+        let mut sources: Option<Vec<u32>> = None;
+        for (polygon, corners) in given.enumerate() {
+            let corners = corners.as_ref();
+            match checked_normal(&vertices, polygon, corners) {
+                Ok(normal) => {
+                    normals.push(normal);
+                    polygons.push(corners)?;
+                    if let Some(sources) = &mut sources {
+                        sources.push(polygon as u32);
+                    }
+                }
+                Err(error) => {
+                    if let Some(error) = refuse(error) {
+                        return Err(error);
+                    }
+                    // All before it were taken.
+                    sources.get_or_insert_with(|| (0..polygon as u32).collect());
+                }
+            }
         }
-        if ends.is_empty() {
+        if polygons.len() == 0 {
             return Err(ShapeError::Empty);
         }
+        polygons.shrink_to_fit();
+        normals.shrink_to_fit();
         let mut mesh = Self {
             vertices,
-            corners,
-            ends,
+            polygons,
             normals,
             edges: Vec::new(),
             across: Vec::new(),
             tree: None,
             shells: Vec::new(),
+            solid: Solid::None,
+            junctions: Vec::new(),
+            sources: sources.map(Vec::into_boxed_slice),
             open_edge: None,
+            is_surface_only: false,
             center: Vec3A::ZERO,
             half_size: Vec3A::ZERO,
             radius: 0.0,
+            cache: Cache::default(),
         };
-        mesh.connect();
         mesh.measure();
+        mesh.connect(slack);
         Ok(mesh)
+    }
+
+    /// Returns the same mesh as a surface without an inside: what is within it touches nothing but
+    /// its polygons.
+    ///
+    /// A level that is modelled as one closed surface, as a box turned inside out, is solid
+    /// otherwise, and whoever walks in it is in contact all the time.
+    ///
+    /// ```
+    /// use bevy::math::Vec3;
+    /// use bevy::transform::components::Transform;
+    /// use bevy_octree::narrow_phase::{NarrowPhase, Placed, PolygonMesh, Shape, Workspace};
+    ///
+    /// let corner = |i: u8| Vec3::from([0, 1, 2].map(|axis| f32::from(i >> axis & 1) * 20.0 - 10.0));
+    /// let walls = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    /// let solid = PolygonMesh::new((0..8).map(corner).collect::<Vec<_>>(), walls)?;
+    /// let room = solid.clone().surface_only();
+    /// assert!(solid.has_inside() && !room.has_inside());
+    ///
+    /// let meets_player = |mesh: PolygonMesh| {
+    ///     let (mesh, player) = (Shape::from(mesh), Shape::sphere(0.5));
+    ///     let here = Transform::IDENTITY;
+    ///     let (mesh, player) = (Placed::new(&mesh, &here), Placed::new(&player, &here));
+    ///     NarrowPhase::default().intersects(mesh, player, &mut Workspace::default())
+    /// };
+    /// assert!(meets_player(solid) && !meets_player(room));
+    /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
+    /// ```
+    #[doc(alias = "hollow")]
+    #[must_use]
+    pub fn surface_only(mut self) -> Self {
+        self.is_surface_only = true;
+        self.solid = Solid::None;
+        self.junctions = Vec::new();
+        self
     }
 
     /// Returns the vertices, as given.
@@ -122,14 +204,14 @@ impl PolygonMesh {
     /// Returns how many polygons there are; at least one.
     #[must_use]
     pub fn polygon_count(&self) -> usize {
-        self.ends.len()
+        self.polygons.len()
     }
 
     /// Returns the vertex indices of the polygons, in the order given; each polygon
     /// counter-clockwise around its [normal](Self::normals).
     #[must_use]
     pub fn polygons(&self) -> impl ExactSizeIterator<Item = &[u32]> {
-        (0..self.ends.len()).map(|polygon| self.polygon(polygon))
+        self.polygons.iter()
     }
 
     /// Returns the unit normals of the polygons.
@@ -144,24 +226,80 @@ impl PolygonMesh {
         &self.edges
     }
 
-    /// Returns `true` if every edge joins exactly two polygons which can be oriented alike, so that
-    /// the mesh has an inside.
+    /// Returns `true` if every polygon bounds a solid, so that nothing of the mesh is mere surface.
+    ///
+    /// Copies of polygons that do, and walls within a solid whose two sides are polygons with the
+    /// same corners, do no harm. Whether the mesh encloses anything at all is told by
+    /// [`has_inside`](Self::has_inside).
+    #[doc(alias = "watertight")]
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.open_edge.is_none()
     }
 
-    /// Returns an edge that keeps the mesh from being closed, if there is one.
+    /// Returns `true` if the mesh has an inside: some of its polygons bound a solid, and it is not a
+    /// [surface only](Self::surface_only).
+    #[doc(alias = "solid")]
+    #[must_use]
+    pub fn has_inside(&self) -> bool {
+        self.solid != Solid::None
+    }
+
+    /// Returns `true` if it was made a [surface only](Self::surface_only).
+    #[must_use]
+    pub const fn is_surface_only(&self) -> bool {
+        self.is_surface_only
+    }
+
+    /// Returns an edge that keeps the mesh from being [closed](Self::is_closed), if there is one: it
+    /// belongs to a polygon that bounds no solid.
     #[must_use]
     pub fn open_edge(&self) -> Option<[u32; 2]> {
         self.open_edge
+    }
+
+    /// Returns how much memory the mesh takes, without what Rapier's shapes make of it.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        let solid = match &self.solid {
+            Solid::Some(polygons) => polygons.memory_bytes(),
+            Solid::All | Solid::None => 0,
+        };
+        size_of::<Self>()
+            + (self.vertices.capacity() + self.normals.capacity()) * size_of::<Vec3>()
+            + self.polygons.memory_bytes()
+            + self.edges.capacity() * size_of::<[u32; 2]>()
+            + (self.across.capacity() + self.shells.capacity()) * size_of::<u32>()
+            + self.junctions.capacity() * size_of::<Junction>()
+            + solid
+            + self.tree.as_ref().map_or(0, StillOctree::memory_bytes)
     }
 
     /// The polygons across the sides of a polygon, of which side i is that from corner i to the
     /// next; [`NO_NEIGHBOR`](super::topology::NO_NEIGHBOR) where no other polygon shares the side,
     /// or more than one.
     pub(in crate::narrow_phase) fn across(&self, polygon: usize) -> &[u32] {
-        &self.across[self.corners_of(polygon)]
+        &self.across[self.polygons.sides(polygon)]
+    }
+
+    /// Which way the normals point, if the mesh is closed: 1 outwards, -1 inwards. `None` for an
+    /// open one.
+    pub(in crate::narrow_phase) fn outwards(&self) -> Option<f32> {
+        let volume = || -> f64 {
+            let at = |vertex: u32| {
+                (Vec3A::from(self.vertices[vertex as usize]) - self.center).as_dvec3()
+            };
+            let fan = |corners: &[u32]| -> f64 {
+                let triangles = corners[1..].windows(2);
+                triangles
+                    .map(|pair| at(corners[0]).dot(at(pair[0]).cross(at(pair[1]))))
+                    .sum()
+            };
+            self.polygons().map(fan).sum()
+        };
+        let sign = || if volume() < 0.0 { -1.0 } else { 1.0 };
+        self.is_closed()
+            .then(|| *self.cache.outwards.get_or_init(sign))
     }
 
     /// The tree of the polygons' boxes, in the mesh's own space, if there are enough of them.
@@ -176,92 +314,27 @@ impl PolygonMesh {
         self
     }
 
-    /// Returns `true` if the mesh, which is closed, winds around a point that is not on its surface.
-    ///
-    /// Counts how often a ray along x comes out of it more often than in. A side that two polygons
-    /// share is seen alike from both, so that none can slip through between them.
-    pub(in crate::narrow_phase) fn winds_around(&self, point: DVec3) -> bool {
-        if !self.is_closed() {
-            return false;
-        }
-        let mut winding = 0;
-        self.for_each_along_x(point, |polygon| winding += self.crossing(polygon, point));
-        winding != 0
+    /// The number of a polygon in what the mesh was made from.
+    pub(in crate::narrow_phase) fn source(&self, polygon: u32) -> u32 {
+        self.sources
+            .as_ref()
+            .map_or(polygon, |sources| sources[polygon as usize])
     }
 
-    /// Calls `found` with each polygon whose box a ray along x may meet.
-    fn for_each_along_x(&self, point: DVec3, mut found: impl FnMut(usize)) {
-        let Some(tree) = &self.tree else {
-            return (0..self.polygon_count()).for_each(found);
-        };
-        // As 32-bit floats, it may be a little off.
-        let near = point.as_vec3a();
-        let ray = Aabb3d {
-            min: near.map(f32::next_down),
-            max: near.map(f32::next_up).with_x(f32::MAX),
-        };
-        tree.for_each_overlapping(&ray, |polygon| found(polygon as usize));
-    }
-
-    /// Which way a ray along x, from a point on, crosses a polygon: 1 or -1; 0 if it does not.
-    fn crossing(&self, polygon: usize, point: DVec3) -> i32 {
-        let at = |vertex: &u32| self.vertices[*vertex as usize].as_dvec3();
-        let corners = self.polygon(polygon);
-        let mut winding = 0;
-        for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-            let (a, b) = (at(a), at(b));
-            if (a.y > point.y) != (b.y > point.y) {
-                // From the lower end up, whichever polygon asks.
-                let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
-                let share = (point.y - low.y) / (high.y - low.y);
-                if low.z + (high.z - low.z) * share > point.z {
-                    winding += if b.y > a.y { 1 } else { -1 };
-                }
-            }
-        }
-        if winding == 0 {
-            return 0;
-        }
-        let origin = at(&corners[0]);
-        let normal: DVec3 = corners[1..]
-            .windows(2)
-            .map(|pair| (at(&pair[0]) - origin).cross(at(&pair[1]) - origin))
-            .sum();
-        let (first, last) = corners.iter().map(at).fold(
-            (f64::INFINITY, f64::NEG_INFINITY),
-            |(first, last), corner| (first.min(corner.x), last.max(corner.x)),
-        );
-        let aside = (point - origin).with_x(0.0);
-        // Where it is along x cannot be told of one that is seen from its side.
-        let x = (origin.x - normal.dot(aside) / normal.x).clamp(first, last);
-        if x > point.x { winding } else { 0 }
-    }
-
-    /// Whether a triangle would be accepted as a polygon.
-    #[cfg(feature = "mesh")]
-    pub(in crate::narrow_phase) fn has_area(vertices: &[Vec3], triangle: [u32; 3]) -> bool {
-        use ShapeError::{RepeatedVertex, ZeroArea};
-        let checked = checked_normal(vertices, 0, &triangle);
-        !matches!(checked, Err(RepeatedVertex { .. } | ZeroArea { .. }))
-    }
-
+    #[inline]
     pub(in crate::narrow_phase) fn polygon(&self, polygon: usize) -> &[u32] {
-        debug_assert!(
-            polygon < self.ends.len(),
-            "polygon {polygon} of {}",
-            self.ends.len()
-        );
-        &self.corners[self.corners_of(polygon)]
-    }
-
-    fn corners_of(&self, polygon: usize) -> Range<usize> {
-        let start = polygon.checked_sub(1).map_or(0, |last| self.ends[last]);
-        start as usize..self.ends[polygon] as usize
+        self.polygons.get(polygon)
     }
 
     /// A vertex of each connected part of the surface.
-    pub(in crate::narrow_phase) fn shells(&self) -> &[u32] {
-        &self.shells
+    pub(in crate::narrow_phase) fn shells(&self) -> impl ExactSizeIterator<Item = u32> {
+        let first = |polygon: &u32| self.polygon(*polygon as usize)[0];
+        self.shells.iter().map(first)
+    }
+
+    /// Whether a polygon stands for its connected part of the surface: each has one that does.
+    pub(in crate::narrow_phase) fn is_representative(&self, polygon: u32) -> bool {
+        self.shells.binary_search(&polygon).is_ok()
     }
 
     pub(in crate::narrow_phase) fn local_bounds(&self) -> (Vec3A, Vec3A, f32) {
@@ -278,7 +351,17 @@ impl PolygonMesh {
         let mut turned = Self {
             vertices: self.vertices.iter().copied().map(vertex).collect(),
             normals: self.normals.iter().copied().map(normal).collect(),
-            ..self.clone()
+            polygons: self.polygons.clone(),
+            sources: self.sources.clone(),
+            edges: self.edges.clone(),
+            across: self.across.clone(),
+            // Measured anew.
+            tree: None,
+            shells: self.shells.clone(),
+            solid: self.solid.clone(),
+            junctions: self.junctions.clone(),
+            cache: Cache::default(),
+            ..*self
         };
         turned.measure();
         turned
@@ -286,38 +369,71 @@ impl PolygonMesh {
 
     /// Turns every polygon around.
     pub(in crate::narrow_phase) fn flip(&mut self) {
-        for polygon in 0..self.ends.len() {
+        self.cache = Cache::default();
+        for polygon in 0..self.polygon_count() {
             self.flip_polygon(polygon);
         }
     }
 
     fn flip_polygon(&mut self, polygon: usize) {
-        let corners = self.corners_of(polygon);
-        self.corners[corners.clone()].reverse();
+        let sides = self.polygons.sides(polygon);
+        self.polygons.flip(polygon);
         // The last side is the one that is still between the same two places.
-        self.across[corners.start..corners.end - 1].reverse();
+        let others = sides.start..sides.end - 1;
+        self.across[others.clone()].reverse();
         self.normals[polygon] = -self.normals[polygon];
+        if !self.junctions.is_empty() {
+            let place = |side: usize| {
+                self.junctions
+                    .partition_point(|junction| (junction.side as usize) < side)
+            };
+            let [start, last, end] = [sides.start, others.end, sides.end].map(place);
+            self.junctions[start..last].reverse();
+            self.junctions[last..end].reverse();
+            for junction in &mut self.junctions[start..end] {
+                junction.at = 1.0 - junction.at;
+                if (junction.side as usize) < others.end {
+                    junction.side = (others.start + others.end - 1) as u32 - junction.side;
+                }
+            }
+        }
     }
 
-    /// Finds edges and shells, and orients neighbours alike.
-    fn connect(&mut self) {
-        let topology = Topology::of(self.polygons());
-        self.across = topology.across;
-        for polygon in topology.flipped {
-            self.flip_polygon(polygon);
-        }
+    /// Finds edges and shells, orients neighbours alike, and finds out what bounds solids.
+    fn connect(&mut self, slack: f64) {
+        let topology = Topology::of(&self.vertices, &self.polygons, self.tree.as_ref(), slack);
         self.edges = topology.edges;
+        self.across = topology.across;
+        self.shells = topology.shells;
+        self.shells.shrink_to_fit();
+        self.solid = topology.solid;
+        self.junctions = topology.junctions;
+        self.junctions.shrink_to_fit();
         self.open_edge = topology.open_edge;
-        self.shells = topology
-            .shells
-            .iter()
-            .map(|&polygon| self.polygon(polygon)[0])
-            .collect();
+        for polygon in topology.flipped {
+            self.flip_polygon(polygon as usize);
+        }
+        // A wall that is not within a solid is a surface.
+        if self.open_edge.is_none() {
+            let outside = topology.walls.iter().find(|polygon| {
+                let corners = self.polygon(**polygon as usize);
+                let at = |vertex: &u32| self.vertices[*vertex as usize].as_dvec3();
+                // Within the polygon, if it is convex.
+                !self.winds_around((at(&corners[0]) + at(&corners[1]) + at(&corners[2])) / 3.0)
+            });
+            self.open_edge = outside.map(|polygon| {
+                let corners = self.polygon(*polygon as usize);
+                [corners[0].min(corners[1]), corners[0].max(corners[1])]
+            });
+        }
     }
 
     /// Finds the bounding box and, around its centre, the bounding sphere.
     fn measure(&mut self) {
-        let corners = || self.corners.iter().map(|&v| self.vertices[v as usize]);
+        let corners = || {
+            let all = self.polygons.corners().iter();
+            all.map(|&vertex| self.vertices[vertex as usize])
+        };
         let min = corners().fold(Vec3::INFINITY, Vec3::min);
         let max = corners().fold(Vec3::NEG_INFINITY, Vec3::max);
         // Halving first cannot overflow.
@@ -329,7 +445,7 @@ impl PolygonMesh {
         // Not (max - min) / 2, so that both ends are inside whatever the rounding.
         self.half_size = (max - center).max(center - min).into();
         self.radius = radius;
-        self.tree = (self.ends.len() > FEW).then(|| {
+        self.tree = (self.polygon_count() > FEW).then(|| {
             let boxes: Vec<_> = self
                 .polygons()
                 .map(|corners| self.bounds_of(corners))
@@ -349,61 +465,6 @@ impl PolygonMesh {
             });
         Aabb3d { min, max }
     }
-}
-
-/// Checks a polygon and returns its unit normal, by Newell's sums over the corners.
-fn checked_normal(vertices: &[Vec3], polygon: usize, indices: &[u32]) -> Result<Vec3, ShapeError> {
-    if indices.len() < 3 {
-        let corners = indices.len();
-        return Err(ShapeError::TooFewCorners { polygon, corners });
-    }
-    if let Some(&vertex) = indices.iter().find(|&&v| v as usize >= vertices.len()) {
-        let vertices = vertices.len();
-        return Err(ShapeError::IndexOutOfRange {
-            polygon,
-            vertex,
-            vertices,
-        });
-    }
-    let mut sorted = indices.to_vec();
-    sorted.sort_unstable();
-    if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-        let vertex = pair[0];
-        return Err(ShapeError::RepeatedVertex { polygon, vertex });
-    }
-
-    // Relative to a corner and to the polygon's size, so that neither cancellation nor underflow
-    // hide the area of a polygon that is small or far from the origin.
-    let origin = vertices[indices[0] as usize];
-    let relative = |index: &u32| vertices[*index as usize] - origin;
-    let size = indices
-        .iter()
-        .map(|index| relative(index).abs().max_element())
-        .fold(0.0, f32::max);
-    let area: Vec3 = indices
-        .windows(2)
-        .map(|pair| (relative(&pair[0]) / size).cross(relative(&pair[1]) / size))
-        .sum();
-    let Some(normal) = area
-        .try_normalize()
-        .filter(|_| area.length() > SMALLEST_AREA)
-    else {
-        return Err(ShapeError::ZeroArea { polygon });
-    };
-    let middle = indices.iter().map(relative).sum::<Vec3>() / indices.len() as f32;
-    let off_plane = |index: &u32| (relative(index) - middle).dot(normal).abs();
-    let worst = indices
-        .iter()
-        .max_by(|a, b| off_plane(a).total_cmp(&off_plane(b)))
-        .expect("there are three corners at least");
-    if off_plane(worst) > PLANARITY * size {
-        return Err(ShapeError::NotPlanar {
-            polygon,
-            vertex: *worst,
-            distance: off_plane(worst),
-        });
-    }
-    Ok(normal)
 }
 
 #[cfg(test)]

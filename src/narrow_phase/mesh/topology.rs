@@ -1,140 +1,260 @@
-//! How polygons hang together: edges, shells, orientation.
+//! How polygons hang together: neighbours, shells, orientation, and what bounds a solid.
+//!
+//! A polygon bounds a solid if it is part of a closed surface: one along each of whose edges as many
+//! polygons run one way as the other. Most meshes are decided by [`Shells`], from neighbour to
+//! neighbour: each shell whose edges all join two polygons is closed. What is left has edges of
+//! more than two polygons, or vertices that lie on the edges of others, and is for
+//! [`solids`](super::solids).
 
-use std::collections::HashMap;
+use bevy::math::Vec3;
 
-use smallvec::SmallVec;
+use super::{
+    duplicates::{self, Twin},
+    edges::{Bits, Edges},
+    junctions::{Junction, Junctions},
+    polygons::Polygons,
+    solids,
+};
+use crate::broad_phase::linear_octree::StillOctree;
 
-/// What is across a side which no other polygon shares, or more than one.
-pub const NO_NEIGHBOR: u32 = u32::MAX;
+pub use super::edges::NO_NEIGHBOR;
 
 /// What [`Topology::of`] finds out.
 pub struct Topology {
-    /// Each edge once, in the order of first use.
+    /// Each edge once.
     pub edges: Vec<[u32; 2]>,
-    /// The polygons across the sides of the polygons as given, one polygon after the other: side i
-    /// is that from corner i to the next.
+    /// For each side of the polygons as given, the polygon across.
     pub across: Vec<u32>,
-    /// A polygon of each connected part of the surface.
-    pub shells: Vec<usize>,
+    /// The first polygon of each part of the surface that hangs together, in their order.
+    pub shells: Vec<u32>,
     /// The polygons to turn around so that neighbours agree.
-    pub flipped: Vec<usize>,
-    /// An edge which does not join exactly two polygons that run along it in opposite directions.
+    pub flipped: Vec<u32>,
+    /// The polygons that bound solids.
+    pub solid: Solid,
+    /// The vertices that lie on sides of polygons that bound solids: by side, in the order in which
+    /// they lie on it.
+    pub junctions: Vec<Junction>,
+    /// Polygons of which one is the back of another.
+    pub walls: Vec<u32>,
+    /// An edge of a polygon that bounds no solid, walls and copies aside.
     pub open_edge: Option<[u32; 2]>,
 }
 
-/// A polygon along an edge, and whether it runs from the lower to the higher vertex.
-#[derive(Clone, Copy)]
-struct Use {
-    polygon: usize,
-    upwards: bool,
+/// Which polygons bound solids.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Solid {
+    All,
+    None,
+    Some(Bits),
+}
+
+impl Solid {
+    #[inline]
+    pub fn contains(&self, polygon: u32) -> bool {
+        match self {
+            Self::All => true,
+            Self::None => false,
+            Self::Some(polygons) => polygons.contains(polygon),
+        }
+    }
 }
 
 impl Topology {
-    /// Linear in the number of corners.
-    pub fn of<'a>(polygons: impl ExactSizeIterator<Item = &'a [u32]>) -> Self {
-        let count = polygons.len();
-        let mut edges = Vec::new();
-        let mut uses: Vec<SmallVec<[Use; 2]>> = Vec::new();
-        let mut edges_of: Vec<SmallVec<[usize; 4]>> = Vec::with_capacity(count);
-        let mut known = HashMap::new();
-        for (polygon, corners) in polygons.enumerate() {
-            let next = corners.iter().cycle().skip(1);
-            let along = corners.iter().zip(next).map(|(&from, &to)| {
-                let key = [from.min(to), from.max(to)];
-                let edge = *known.entry(key).or_insert_with(|| {
-                    edges.push(key);
-                    uses.push(SmallVec::new());
-                    edges.len() - 1
-                });
-                let upwards = from < to;
-                uses[edge].push(Use { polygon, upwards });
-                edge
-            });
-            edges_of.push(along.collect());
+    /// Linear in the number of corners, but for hubs, which are sorted, and for what lies on the
+    /// edges of others, which is searched for.
+    ///
+    /// A vertex is on an edge if it is nearer to it than rounding, and `slack`, explain.
+    pub fn of(
+        vertices: &[Vec3],
+        polygons: &Polygons,
+        tree: Option<&StillOctree>,
+        slack: f64,
+    ) -> Self {
+        let mut edges = Edges::of(polygons, vertices.len());
+        let mut shells = Shells::of(polygons, &edges);
+        let twins = duplicates::find(polygons, &edges);
+        let mut junctions = Junctions {
+            vertices,
+            polygons,
+            tree,
+            slack,
         }
-        debug_assert_eq!((uses.len(), edges_of.len()), (edges.len(), count));
-
-        // Walk over each shell from its first polygon, crossing only edges that join two.
-        let mut flip: Vec<Option<bool>> = vec![None; count];
-        let mut shells = Vec::new();
-        let mut front = Vec::new();
-        for start in 0..count {
-            if flip[start].is_some() {
-                continue;
-            }
-            shells.push(start);
-            flip[start] = Some(false);
-            front.push((start, false));
-            while let Some((polygon, flipped)) = front.pop() {
-                for &edge in &edges_of[polygon] {
-                    let &[one, two] = uses[edge].as_slice() else {
-                        continue;
-                    };
-                    let other = if one.polygon == polygon { two } else { one };
-                    if flip[other.polygon].is_none() {
-                        let other_flipped = flipped ^ (one.upwards == two.upwards);
-                        flip[other.polygon] = Some(other_flipped);
-                        front.push((other.polygon, other_flipped));
-                    }
+        .find(&edges.at_odd_edges);
+        let undecided = shells.undecided(&edges, &twins, !junctions.is_empty());
+        if !undecided.is_empty() {
+            let found = solids::find(polygons, &undecided, &junctions);
+            for (polygon, verdict) in undecided.iter().zip(found) {
+                if let Some(flip) = verdict {
+                    shells.solid[*polygon as usize] = true;
+                    shells.flip[*polygon as usize] = flip;
                 }
             }
         }
-
-        let other = |polygon: usize, edge: usize| match uses[edge].as_slice() {
-            [one, two] if one.polygon == polygon => two.polygon as u32,
-            [one, _] => one.polygon as u32,
-            _ => NO_NEIGHBOR,
-        };
-        let across = edges_of
-            .iter()
-            .enumerate()
-            .flat_map(|(polygon, edges)| edges.iter().map(move |&edge| (polygon, edge)))
-            .map(|(polygon, edge)| other(polygon, edge))
-            .collect();
-        let turned = |used: &Use| used.upwards ^ (flip[used.polygon] == Some(true));
-        let closes = |uses: &[Use]| matches!(uses, [one, two] if turned(one) != turned(two));
-        let open = uses.iter().position(|uses| !closes(uses));
-        Self {
-            open_edge: open.map(|edge| edges[edge]),
-            edges,
-            across,
-            shells,
-            flipped: (0..count)
-                .filter(|&polygon| flip[polygon] == Some(true))
-                .collect(),
+        for twin in &twins {
+            if let Some(first) = twin.of {
+                shells.flip[twin.polygon as usize] = shells.flip[first as usize];
+            }
         }
+        junctions.retain(|junction| shells.solid[polygons.owner(junction.side) as usize]);
+
+        let is_accounted_for = |polygon: u32| {
+            shells.solid[polygon as usize]
+                || twins
+                    .binary_search_by_key(&polygon, |twin| twin.polygon)
+                    .is_ok_and(|at| match twins[at].of {
+                        Some(first) => shells.solid[first as usize],
+                        None => true,
+                    })
+        };
+        let count = polygons.len() as u32;
+        let solids = shells.solid.iter().filter(|solid| **solid).count();
+        let solid = match solids {
+            0 => Solid::None,
+            all if all == polygons.len() => Solid::All,
+            _ => {
+                let mut bits = Bits::none(polygons.len());
+                (0..count)
+                    .filter(|polygon| shells.solid[*polygon as usize])
+                    .for_each(|polygon| bits.insert(polygon));
+                Solid::Some(bits)
+            }
+        };
+        let open = (0..count).find(|polygon| !is_accounted_for(*polygon));
+        let open_edge = open.map(|polygon| shells.open_edge(polygons, &edges, polygon));
+        let walls = twins.iter().filter(|twin| twin.of.is_none());
+        edges.across.shrink_to_fit();
+        Self {
+            edges: edges.ends,
+            across: edges.across,
+            flipped: (0..count)
+                .filter(|polygon| shells.flip[*polygon as usize])
+                .collect(),
+            walls: walls.map(|twin| twin.polygon).collect(),
+            shells: shells.firsts,
+            solid,
+            junctions,
+            open_edge,
+        }
+    }
+}
+
+/// The parts of a surface that hang together by edges that join two polygons.
+struct Shells {
+    /// The first polygon of each.
+    firsts: Vec<u32>,
+    /// Which polygons have to be turned around.
+    flip: Vec<bool>,
+    /// Which polygons are known to bound solids.
+    solid: Vec<bool>,
+    /// The polygons, shell by shell, and where each shell ends.
+    members: Vec<u32>,
+    ends: Vec<u32>,
+    /// Which shells have sides without a neighbour.
+    has_border: Vec<bool>,
+}
+
+impl Shells {
+    /// Walks over each shell from its first polygon, from neighbour to neighbour.
+    ///
+    /// Neighbours are turned alike, as most of them are.
+    fn of(polygons: &Polygons, edges: &Edges) -> Self {
+        let count = polygons.len();
+        let mut shells = Self {
+            firsts: Vec::new(),
+            flip: vec![false; count],
+            solid: vec![false; count],
+            members: Vec::with_capacity(count),
+            ends: Vec::new(),
+            has_border: Vec::new(),
+        };
+        let mut is_known = vec![false; count];
+        for start in 0..count {
+            if std::mem::replace(&mut is_known[start], true) {
+                continue;
+            }
+            let first = shells.members.len();
+            let (mut next, mut flipped) = (first, 0);
+            let (mut has_border, mut is_one_sided) = (false, false);
+            shells.members.push(start as u32);
+            while let Some(&polygon) = shells.members.get(next) {
+                next += 1;
+                let flip = shells.flip[polygon as usize];
+                flipped += usize::from(flip);
+                for side in polygons.sides(polygon as usize) {
+                    let other = edges.across[side] as usize;
+                    if other == NO_NEIGHBOR as usize {
+                        has_border = true;
+                        continue;
+                    }
+                    let flip = flip ^ edges.alike.contains(side as u32);
+                    if std::mem::replace(&mut is_known[other], true) {
+                        is_one_sided |= shells.flip[other] != flip;
+                    } else {
+                        shells.flip[other] = flip;
+                        shells.members.push(other as u32);
+                    }
+                }
+            }
+            let members = &shells.members[first..];
+            if 2 * flipped > members.len() {
+                for polygon in members {
+                    shells.flip[*polygon as usize] ^= true;
+                }
+            }
+            // Two polygons with the same sides have nothing between them.
+            if !has_border && !is_one_sided && members.len() > 2 {
+                for polygon in members {
+                    shells.solid[*polygon as usize] = true;
+                }
+            }
+            shells.firsts.push(start as u32);
+            shells.ends.push(shells.members.len() as u32);
+            shells.has_border.push(has_border);
+        }
+        shells
+    }
+
+    /// The polygons, in their order, of which neighbours alone cannot tell whether they bound a
+    /// solid: of shells with a border that others may close.
+    fn undecided(&self, edges: &Edges, twins: &[Twin], has_junctions: bool) -> Vec<u32> {
+        let mut undecided = Vec::new();
+        if edges.crowded.is_empty() && !has_junctions {
+            return undecided;
+        }
+        let mut begin = 0;
+        for (end, has_border) in self.ends.iter().zip(&self.has_border) {
+            let members = &self.members[begin..*end as usize];
+            begin = *end as usize;
+            if *has_border {
+                let members = members.iter().filter(|polygon| {
+                    let twin = twins.binary_search_by_key(*polygon, |twin| twin.polygon);
+                    twin.is_err()
+                });
+                undecided.extend(members);
+            }
+        }
+        undecided.sort_unstable();
+        undecided
+    }
+
+    /// An edge of a polygon that bounds no solid: one of those that keep it from it, if it has one.
+    fn open_edge(&self, polygons: &Polygons, edges: &Edges, first: u32) -> [u32; 2] {
+        let is_open = |polygon: u32, side: u32| {
+            let other = edges.across[side as usize];
+            other == NO_NEIGHBOR
+                || (self.flip[polygon as usize] ^ self.flip[other as usize])
+                    != edges.alike.contains(side)
+        };
+        let sides = |polygon: u32| polygons.sides(polygon as usize).map(|side| side as u32);
+        let open = (first..polygons.len() as u32)
+            .filter(|polygon| !self.solid[*polygon as usize])
+            .flat_map(|polygon| sides(polygon).map(move |side| (polygon, side)))
+            .find(|(polygon, side)| is_open(*polygon, *side));
+        let (_, side) = open.unwrap_or((first, polygons.sides(first as usize).start as u32));
+        let ends = [polygons.corners()[side as usize], polygons.end_of(side)];
+        [ends[0].min(ends[1]), ends[0].max(ends[1])]
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn topology(polygons: &[[u32; 3]]) -> Topology {
-        Topology::of(polygons.iter().map(|polygon| &polygon[..]))
-    }
-
-    #[test]
-    fn neighbours_are_turned_alike() {
-        // A tetrahedron whose third face is turned around, and one more beside it.
-        let one = [[0, 2, 1], [0, 1, 3], [2, 1, 3], [2, 0, 3]];
-        let two = one.map(|polygon| polygon.map(|vertex| vertex + 4));
-        let found = topology(&[one, two].concat());
-        assert_eq!((found.flipped, found.open_edge), (vec![2, 6], None));
-        assert_eq!((found.edges.len(), found.shells), (12, vec![0, 4]));
-    }
-
-    #[test]
-    fn edge_of_three_polygons_is_open() {
-        let found = topology(&[[0, 1, 2], [1, 0, 3], [0, 1, 4]]);
-        assert_eq!(found.open_edge, Some([0, 1]));
-        assert_eq!(found.shells.len(), 3);
-    }
-
-    #[test]
-    fn a_moebius_strip_is_open() {
-        // Five triangles in a ring, each sharing an edge with the next, with half a turn.
-        let found = topology(&[[0, 1, 2], [1, 2, 3], [2, 3, 4], [3, 4, 0], [4, 0, 1]]);
-        assert!(found.open_edge.is_some());
-    }
-}
+mod tests;

@@ -4,7 +4,8 @@ use bevy::math::{Dir3, Vec3, Vec3A, primitives::HalfSpace};
 use bevy::transform::components::Transform;
 
 use crate::narrow_phase::{
-    answer::{Impact, LocalContact},
+    answer::{Impact, LocalContact, Passage},
+    cast::options::RayCastOptions,
     frame::{
         placed::{Placed, PlacedPair},
         workspace::Workspace,
@@ -64,5 +65,27 @@ pub fn cast_ray(_: Placed, _origin: Vec3, _: Dir3, _max_distance: f32) -> Option
 
 #[inline]
 pub fn sweep(_: Placed, _: Dir3, _max_distance: f32, _: Placed) -> Option<Impact> {
+    None
+}
+
+#[inline]
+pub fn cast_ray_with(
+    _: Placed,
+    _origin: Vec3,
+    _: Dir3,
+    _max_distance: f32,
+    _: &RayCastOptions,
+) -> Option<Impact> {
+    None
+}
+
+#[inline]
+pub fn passage(
+    _: Placed,
+    _origin: Vec3,
+    _: Dir3,
+    _max_distance: f32,
+    _enter: Impact,
+) -> Option<Passage> {
     None
 }

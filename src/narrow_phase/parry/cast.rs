@@ -13,7 +13,7 @@ use super::probe::Search;
 use crate::narrow_phase::{
     answer::{Impact, against, slack},
     frame::placed::Placed,
-    shape::Shape,
+    shape::{Kind, Shape},
 };
 
 /// How near something on its way comes to what it is going to touch before the rest is taken as
@@ -28,7 +28,7 @@ pub fn cast_ray(
     max_distance: f32,
 ) -> Option<Impact> {
     let Some(body) = posed(target, origin) else {
-        return ray_by_itself(target, origin, direction, max_distance);
+        return ray_by_itself(target, origin, direction, max_distance, true);
     };
     let ray = PosedShape::Part(Part::Convex(Convex::point(DVec3::ZERO)));
     let from_shape = origin.as_dvec3() - target.transform.translation.as_dvec3();
@@ -42,18 +42,19 @@ pub fn cast_ray(
 }
 
 /// What a shape says of which nothing else is known.
-fn ray_by_itself(
+pub fn ray_by_itself(
     target: Placed,
     origin: Vec3,
     direction: Dir3,
     max_distance: f32,
+    solid: bool,
 ) -> Option<Impact> {
     let Shape::Rapier(shape) = target.shape else {
         return None;
     };
     let ray = query::Ray::new(origin - target.transform.translation, *direction);
     let met =
-        shape.cast_ray_and_get_normal(&turn(target), &ray, max_distance.min(f32::MAX), true)?;
+        shape.cast_ray_and_get_normal(&turn(target), &ray, max_distance.min(f32::MAX), solid)?;
     let distance = met.time_of_impact;
     // No normal inside.
     let normal = met
@@ -61,25 +62,31 @@ fn ray_by_itself(
         .try_normalize()
         .filter(|_| distance > 0.0)
         .unwrap_or(-*direction);
-    let normal = against(normal, direction);
     let is_within = distance >= 0.0 && distance <= max_distance;
     is_within.then(|| Impact {
         distance,
         point: origin + direction * distance,
-        normal,
+        normal: against(normal, direction),
+        face_normal: normal,
+        polygon: None,
     })
 }
 
 /// Where a shape on its way meets another that it does not touch at the start.
 pub fn sweep(moving: Placed, direction: Dir3, max_distance: f32, target: Placed) -> Option<Impact> {
     let origin = moving.transform.translation;
-    impact(
+    let met = impact(
         &posed(moving, origin)?,
         (origin, 0.0),
         direction,
         max_distance,
         &posed(target, origin)?,
-    )
+    );
+    // The triangles of a mesh of ours are parts of its polygons.
+    met.map(|met| Impact {
+        polygon: met.polygon.filter(|_| target.shape.kind() == Kind::Foreign),
+        ..met
+    })
 }
 
 /// Where a body on its way meets another. Both are given relative to an origin, beside which is how
@@ -103,6 +110,8 @@ fn impact(
         ..Search::within(near.max(touching))
     };
     let mut first: Option<(f64, Gap)> = None;
+    let (mut face, mut triangle) = (None, None);
+    let has_triangles = matches!(target, PosedShape::Tree { .. });
     parts::pairs(&search, moving, target, &mut |a, b| {
         let Ok(found) =
             parts::first_impact(a, b, way, search.limit.get(), [near.max(touching), near])
@@ -114,6 +123,8 @@ fn impact(
         {
             search.limit.set(distance);
             first = found;
+            face = b.face();
+            triangle = search.triangle.get().filter(|_| has_triangles);
         }
         true
     });
@@ -135,6 +146,8 @@ fn impact(
         distance,
         point,
         normal,
+        face_normal: face.map_or(normal, DVec3::as_vec3),
+        polygon: triangle,
     })
 }
 

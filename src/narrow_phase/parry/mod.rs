@@ -7,6 +7,7 @@
 mod cast;
 mod convert;
 mod convex;
+mod faces;
 mod gjk;
 mod own;
 mod own_mesh;
@@ -20,5 +21,6 @@ mod triangulate;
 mod tests;
 
 pub use cast::{cast_ray, sweep};
+pub use faces::{cast_ray_with, passage};
 pub use own::{as_own, with_own, with_own_cuboids};
 pub use query::{closest_point, closest_points, contact, enclosed, intersects, is_known, side};

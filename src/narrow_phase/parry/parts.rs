@@ -136,13 +136,19 @@ impl<'a> PosedShape<'a> {
     ) -> bool {
         match *self {
             Self::Part(_) => visit(self),
-            Self::Tree { parts, at, .. } => {
+            Self::Tree {
+                parts,
+                is_compound,
+                at,
+            } => {
                 let mut is_known = true;
                 let may_be = |node: &BvhNode| {
                     probe.admits(node.mins().as_dvec3(), node.maxs().as_dvec3(), search)
                 };
-                for part in parts.bvh().leaves(may_be) {
-                    parts.map_part_at(part, &mut |pose, part, _| {
+                for index in parts.bvh().leaves(may_be) {
+                    parts.map_part_at(index, &mut |pose, part, _| {
+                        let triangle = part.as_triangle().filter(|_| !is_compound);
+                        search.triangle.set(triangle.map(|_| index));
                         let part = PosedShape::of(part, at.of_part(pose));
                         is_known &= part.is_some_and(|part| visit(&part));
                     });
@@ -230,6 +236,15 @@ impl<'a> PosedShape<'a> {
 }
 
 impl Part<'_> {
+    /// The normal of a triangle.
+    pub fn face(&self) -> Option<DVec3> {
+        let Self::Convex(convex) = self else {
+            return None;
+        };
+        let [a, b, c] = convex.as_triangle()?;
+        (b - a).cross(c - a).try_normalize()
+    }
+
     fn moved(&self, by: DVec3) -> Self {
         match *self {
             Self::Convex(convex) => Self::Convex(convex.moved(by)),

@@ -20,6 +20,8 @@ pub struct Search {
     pub limit: Cell<f64>,
     /// Whether the margin shrinks to what is nearest, so that near parts come first.
     pub is_for_nearest: bool,
+    /// Which triangle of a mesh of Rapier's is visited.
+    pub triangle: Cell<Option<u32>>,
 }
 
 impl Search {
@@ -29,6 +31,7 @@ impl Search {
             direction: DVec3::ZERO,
             limit: Cell::new(0.0),
             is_for_nearest: false,
+            triangle: Cell::new(None),
         }
     }
 

@@ -131,13 +131,13 @@ pub fn closest_points(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
     Some(points.map(DVec3::as_vec3a))
 }
 
-/// A point of a Rapier shape, if a closed mesh is around it, given that the surfaces do not meet:
+/// A point of a Rapier shape, if a mesh is around it, given that the surfaces do not meet:
 /// parts of meshes are surfaces, without an inside.
 pub fn enclosed(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec3A> {
     // The mesh second.
     let pair = match (pair.a.shape, pair.b.shape) {
-        (Shape::Rapier(_), Shape::Mesh(mesh)) if mesh.is_closed() => *pair,
-        (Shape::Mesh(mesh), Shape::Rapier(_)) if mesh.is_closed() => pair.swapped(),
+        (Shape::Rapier(_), Shape::Mesh(mesh)) if mesh.has_inside() => *pair,
+        (Shape::Mesh(mesh), Shape::Rapier(_)) if mesh.has_inside() => pair.swapped(),
         _ => return None,
     };
     // In the frame of the pair, by way of the centre of the box.

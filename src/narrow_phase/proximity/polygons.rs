@@ -5,12 +5,15 @@ use std::ops::ControlFlow;
 use bevy::math::Vec3A;
 
 use crate::narrow_phase::frame::{
-    closest, edge_polygon,
+    closest,
+    cuboid_mesh::{CuboidMesh, Found},
+    cuboid_triangle, edge_polygon,
     near_faces::{Within, for_each_near},
     placed::PlacedPair,
     surface::{Surface, covers},
     workspace::Workspace,
 };
+use crate::narrow_phase::mesh::{cube::CUBE, polygon_mesh::PolygonMesh};
 
 /// The closest pair of points so far.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +40,19 @@ impl Nearest {
             *self = Self { points, squared };
         }
     }
+
+    /// Takes up the closest points of what is selected of two surfaces.
+    fn surfaces(&mut self, a: &Surface, b: &Surface) {
+        edges_to_faces(a, b, self, |on_edge, on_face| [on_edge, on_face]);
+        edges_to_faces(b, a, self, |on_edge, on_face| [on_face, on_edge]);
+        for edge in &a.edges {
+            for other in &b.edges {
+                if edge.bounds.gap_squared(&other.bounds) < self.squared {
+                    self.consider(closest::segments(edge.ends, other.ends).into());
+                }
+            }
+        }
+    }
 }
 
 /// The closest points of two shapes made of polygons: the same one twice, if they overlap. `None`
@@ -45,6 +61,9 @@ impl Nearest {
 /// Where no edge crosses a polygon, either one of the closest points is a corner, or both are on
 /// edges.
 pub fn closest_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+    if let Some(both) = CuboidMesh::of(pair) {
+        return of_cuboid(&both, pair, workspace);
+    }
     let (mut nearest, mut limit) = (Nearest::default(), f32::INFINITY);
     let meshes = for_each_near(&Within, pair, workspace, limit, |[a, b]| {
         if a.faces.len().min(b.faces.len()) > 1 && limit == f32::INFINITY {
@@ -52,23 +71,60 @@ pub fn closest_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[V
             let seed = seed(a, b, pair.box_a.center);
             seed.into_iter().for_each(|points| nearest.consider(points));
         }
-        edges_to_faces(a, b, &mut nearest, |on_edge, on_face| [on_edge, on_face]);
-        edges_to_faces(b, a, &mut nearest, |on_edge, on_face| [on_face, on_edge]);
-        for edge in &a.edges {
-            for other in &b.edges {
-                if edge.bounds.gap_squared(&other.bounds) < nearest.squared {
-                    nearest.consider(closest::segments(edge.ends, other.ends).into());
-                }
-            }
-        }
+        nearest.surfaces(a, b);
         limit = nearest.squared.sqrt();
         ControlFlow::Continue(limit)
     })?;
-    let touch = limit <= pair.tolerance;
-    match edge_polygon::nested(pair, meshes, workspace) {
-        Some(point) if !touch => Some([point; 2]),
-        _ => Some(nearest.points),
+    Some(nearest.or_nested(pair, meshes, workspace))
+}
+
+impl Nearest {
+    /// The closest points of two whose surfaces have been looked at: the same one twice, if one is
+    /// inside the other.
+    fn or_nested(
+        self,
+        pair: &PlacedPair,
+        meshes: [&PolygonMesh; 2],
+        workspace: &Workspace,
+    ) -> [Vec3A; 2] {
+        let nested = || edge_polygon::nested(pair, meshes, workspace);
+        let touch = self.squared <= pair.tolerance * pair.tolerance;
+        match if touch { None } else { nested() } {
+            Some(point) => [point; 2],
+            None => self.points,
+        }
     }
+}
+
+/// Those of a cuboid and a mesh with a tree.
+fn of_cuboid(
+    both: &CuboidMesh,
+    pair: &PlacedPair,
+    workspace: &mut Workspace,
+) -> Option<[Vec3A; 2]> {
+    edge_polygon::place_both(pair, &mut workspace.surfaces);
+    let mut nearest = Nearest::default();
+    let half = both.half();
+    both.for_each(&Within, f32::INFINITY, |found| {
+        match found {
+            Found::Triangle(corners) => {
+                if let Some(([on_cuboid, on_mesh], _)) =
+                    cuboid_triangle::closest(half, corners, nearest.squared)
+                {
+                    nearest.consider(both.in_order(on_cuboid, on_mesh).map(|p| both.to_frame(p)));
+                }
+            }
+            Found::Polygon(polygon) => {
+                let surfaces = &mut workspace.surfaces;
+                edge_polygon::select_polygon(both, polygon, pair.tolerance, surfaces);
+                let [a, b] = surfaces;
+                nearest.surfaces(a, b);
+            }
+        }
+        ControlFlow::Continue(nearest.squared.sqrt())
+    });
+    let meshes = both.in_order(&*CUBE, both.mesh);
+    Some(nearest.or_nested(pair, meshes, workspace))
 }
 
 /// Two points that are not far from each other, as a start.

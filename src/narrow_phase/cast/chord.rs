@@ -1,0 +1,139 @@
+//! Where the line of a ray passes through a convex solid, and what of that its options let it meet.
+
+use bevy::math::DVec3;
+
+use super::{
+    local_ray::{LocalRay, Met, vertex},
+    options::{Faces, RayCastOptions},
+};
+use crate::narrow_phase::shape::Shape;
+
+/// The sine of the angle below which something counts as going along what it starts on: more than
+/// the rounding of directions and normals as 32-bit floats.
+pub const ALONG_START: f64 = 1e-6;
+
+/// The line of a ray and a convex solid. Normals are of any length, in the coordinates of whoever
+/// asks.
+#[derive(Clone, Copy, Debug)]
+pub struct Chord {
+    /// How high the ray starts over the border, in the world; below zero inside.
+    pub height: f64,
+    /// If it starts on the border: the sine of the angle by which it rises over the face that it
+    /// starts on; the greatest, where these are several.
+    pub rise: f64,
+    /// That face.
+    pub start: Met,
+    /// Where the line enters, and where it leaves, maybe behind the start; `None` if it passes by.
+    pub ends: Option<[Met; 2]>,
+}
+
+impl Chord {
+    /// Where the ray meets the solid, by its options; it counts as on the border within `slack`.
+    pub fn met(self, options: &RayCastOptions, slack: f64) -> Option<Met> {
+        let leaves = self.ends.map(|[_, leaves]| leaves);
+        if self.height < -slack {
+            return match options.faces {
+                _ if options.meets_inside() => Some(Met::INSIDE),
+                Faces::Front => None,
+                Faces::Both | Faces::Back => leaves,
+            };
+        }
+        if self.height <= slack {
+            let goes_in = self.rise < -ALONG_START;
+            return match options.faces {
+                _ if options.ignores_start && !goes_in => None,
+                Faces::Back if goes_in => leaves,
+                Faces::Back => leaves.map(Met::ahead).or(Some(self.start)),
+                Faces::Front if options.hollow && !goes_in => None,
+                Faces::Both | Faces::Front => Some(self.start),
+            };
+        }
+        let met = match options.faces {
+            Faces::Both | Faces::Front => self.ends?[0],
+            Faces::Back => self.ends?[1],
+        };
+        (self.ends?[0].distance >= 0.0).then_some(met)
+    }
+}
+
+impl LocalRay {
+    /// That of a convex shape of ours.
+    pub fn chord(&self, shape: &Shape) -> Option<Chord> {
+        Some(match shape {
+            Shape::Cuboid { half_size } => {
+                let half = half_size.abs().as_dvec3();
+                let planes = (0..3).flat_map(|axis| {
+                    [DVec3::AXES[axis], -DVec3::AXES[axis]]
+                        .map(|unit| (unit, unit.dot(self.origin) - half[axis], None))
+                });
+                self.chord_of_planes(planes)
+            }
+            Shape::Convex(mesh) => {
+                let planes = mesh.polygons().zip(mesh.normals()).enumerate();
+                self.chord_of_planes(planes.map(|(polygon, (corners, normal))| {
+                    let normal = normal.as_dvec3();
+                    let height = normal.dot(self.origin - vertex(mesh, corners[0]));
+                    (normal, height, Some(polygon as u32))
+                }))
+            }
+            Shape::Sphere { radius } => self.chord_of_sphere(f64::from(radius.abs())),
+            _ => return None,
+        })
+    }
+
+    /// By normals, heights over the planes, and numbers.
+    fn chord_of_planes(&self, planes: impl Iterator<Item = (DVec3, f64, Option<u32>)>) -> Chord {
+        let nowhere = Met::crossing(0.0, DVec3::ZERO, None);
+        let (mut enters, mut leaves) = (
+            Met::crossing(f64::NEG_INFINITY, DVec3::ZERO, None),
+            Met::crossing(f64::INFINITY, DVec3::ZERO, None),
+        );
+        let (mut highest, mut rise, mut start) = (f64::NEG_INFINITY, f64::NEG_INFINITY, nowhere);
+        let mut passes = true;
+        for (normal, height, polygon) in planes {
+            let climb = normal.dot(self.direction);
+            let (height, steep) = (self.height(height, normal), self.height(climb, normal));
+            highest = highest.max(height);
+            if height.abs() <= self.slack && steep > rise {
+                (rise, start) = (steep, Met::crossing(0.0, normal, polygon));
+            }
+            let end = Met::crossing(-height / steep, normal, polygon);
+            if steep < 0.0 && end.distance >= enters.distance {
+                enters = end;
+            } else if steep > 0.0 && end.distance <= leaves.distance {
+                leaves = end;
+            } else if steep == 0.0 && height > self.slack {
+                passes = false;
+            }
+        }
+        // A closed solid has both.
+        passes &= enters.distance <= leaves.distance
+            && enters.distance.is_finite()
+            && leaves.distance.is_finite();
+        Chord {
+            height: highest,
+            rise,
+            start,
+            ends: passes.then_some([enters, leaves]),
+        }
+    }
+
+    fn chord_of_sphere(&self, radius: f64) -> Chord {
+        let scale = self.scale.x.abs();
+        let squared = self.direction.length_squared();
+        // From the point of the line that is closest to the centre.
+        let along = -self.origin.dot(self.direction);
+        let closest = self.origin + self.direction * (along / squared);
+        let room = radius * radius - closest.length_squared();
+        let end =
+            |distance: f64| Met::crossing(distance, self.origin + self.direction * distance, None);
+        let half = (room.max(0.0) * squared).sqrt();
+        let from_center = self.origin.length();
+        Chord {
+            height: (from_center - radius) * scale,
+            rise: -along / (from_center * squared.sqrt()),
+            start: end(0.0),
+            ends: (room >= 0.0).then(|| [along - half, along + half].map(|t| end(t / squared))),
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! A ray in the coordinates of a shape, and what it meets there.
+
+use bevy::math::{DVec3, Dir3, Vec3};
+
+use crate::narrow_phase::{
+    answer::{Impact, against, slack},
+    frame::{placed::Placed, surface::winds_around},
+    mesh::polygon_mesh::PolygonMesh,
+};
+
+/// How close to its border a point counts as on a polygon, as a share of the distances at hand:
+/// more than the rounding of 64-bit floats, so that no ray slips through where polygons join.
+pub const BORDER: f64 = 1e-9;
+/// The least scale along an axis, as a share of the greatest: a shape flattened by a scale of zero
+/// is so thick to rays.
+const FLAT: f64 = 1e-7;
+
+/// A ray in the coordinates of a shape, in which distances along it are those in the world. In
+/// double precision, so that neither the scale nor the way from afar costs exactness.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalRay {
+    pub origin: DVec3,
+    pub direction: DVec3,
+    pub scale: DVec3,
+    /// How far off a shape the ray may start and count as on it, in the world.
+    pub slack: f64,
+}
+
+/// Where a ray meets a shape, in the shape's coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct Met {
+    pub distance: f64,
+    /// The normal of the face that is met, out of a solid, not of unit length; `None` inside.
+    pub face: Option<DVec3>,
+    /// By its place in the mesh.
+    pub polygon: Option<u32>,
+    /// Is the face crossed there, so that its normal is that of the impact?
+    pub crosses: bool,
+}
+
+impl Met {
+    pub const INSIDE: Self = Self {
+        distance: 0.0,
+        face: None,
+        polygon: None,
+        crosses: false,
+    };
+
+    /// A face that is crossed.
+    pub fn crossing(distance: f64, face: DVec3, polygon: Option<u32>) -> Self {
+        Self {
+            distance,
+            face: Some(face),
+            polygon,
+            crosses: true,
+        }
+    }
+
+    /// A polygon that the ray runs along, or starts on.
+    pub fn touching(distance: f64, face: DVec3, polygon: Option<u32>) -> Self {
+        Self {
+            crosses: false,
+            ..Self::crossing(distance, face, polygon)
+        }
+    }
+
+    /// The same, not behind the start.
+    pub fn ahead(self) -> Self {
+        Self {
+            distance: self.distance.max(0.0),
+            ..self
+        }
+    }
+}
+
+impl LocalRay {
+    pub fn new(target: Placed, origin: Vec3, direction: Dir3) -> Option<Self> {
+        let scale = target
+            .shape
+            .effective_scale(target.transform.scale)
+            .as_dvec3();
+        let least = FLAT * scale.abs().max_element();
+        let scale = DVec3::select(
+            scale.abs().cmplt(DVec3::splat(least)),
+            DVec3::splat(least),
+            scale,
+        );
+        let back = target
+            .transform
+            .rotation
+            .normalize()
+            .as_dquat()
+            .normalize()
+            .inverse();
+        let from_center = origin.as_dvec3() - target.transform.translation.as_dvec3();
+        let (origin_in_shape, along) = (
+            back * from_center / scale,
+            back * direction.as_dvec3() / scale,
+        );
+        let slack = slack(origin, from_center);
+        let ray = Self {
+            origin: origin_in_shape,
+            direction: along,
+            scale,
+            slack,
+        };
+        (ray.origin.is_finite() && ray.direction.is_finite()).then_some(ray)
+    }
+
+    /// The impact in the world; `None` if it is further than that, or nowhere.
+    pub fn impact(
+        &self,
+        target: Placed,
+        (origin, direction): (Vec3, Dir3),
+        max_distance: f32,
+        met: Met,
+    ) -> Option<Impact> {
+        let distance = met.distance as f32;
+        let face = met.face.and_then(|face| self.to_world(face, target));
+        (distance <= max_distance && distance.is_finite()).then(|| Impact {
+            distance,
+            point: (origin.as_dvec3() + direction.as_dvec3() * met.distance).as_vec3(),
+            normal: face
+                .filter(|_| met.crosses)
+                .map_or(-*direction, |face| against(face, direction)),
+            face_normal: face.unwrap_or(-*direction),
+            polygon: met.polygon.map(|polygon| target.shape.source(polygon)),
+        })
+    }
+
+    /// Normals scale inversely.
+    fn to_world(self, normal: DVec3, target: Placed) -> Option<Vec3> {
+        let scaled = (normal / self.scale).normalize_or_zero().as_vec3();
+        (target.transform.rotation.normalize() * scaled).try_normalize()
+    }
+
+    /// How high the start is over a plane, in the world.
+    pub fn height(&self, height: f64, normal: DVec3) -> f64 {
+        height / (normal / self.scale).length()
+    }
+
+    pub fn is_inside(&self, mesh: &PolygonMesh) -> bool {
+        if mesh.tree().is_some() {
+            return mesh.winds_around(self.origin);
+        }
+        winds_around(mesh, |corner| {
+            (vertex(mesh, corner) - self.origin)
+                .normalize_or_zero()
+                .as_vec3a()
+        })
+    }
+
+    /// How far a ray in the plane of a polygon, but not on it, goes to its border.
+    pub fn border(
+        &self,
+        mesh: &PolygonMesh,
+        corners: &[u32],
+        normal: DVec3,
+        slack: f64,
+    ) -> Option<f64> {
+        let across = normal.cross(self.direction);
+        let distances = corners
+            .iter()
+            .zip(corners.iter().cycle().skip(1))
+            .filter_map(|(a, b)| {
+                let (a, b) = (
+                    vertex(mesh, *a) - self.origin,
+                    vertex(mesh, *b) - self.origin,
+                );
+                let [at_a, at_b] = [a, b].map(|end| end.dot(across));
+                let is_ahead = at_a.min(at_b) <= slack * across.length()
+                    && at_a.max(at_b) >= -slack * across.length();
+                // Those along the ray have neighbours that are not.
+                let share = (at_a / (at_a - at_b)).clamp(0.0, 1.0);
+                let met = a.lerp(b, share).dot(self.direction) / self.direction.length_squared();
+                (is_ahead && met >= 0.0).then_some(met)
+            });
+        distances.min_by(f64::total_cmp)
+    }
+}
+
+pub fn vertex(mesh: &PolygonMesh, index: u32) -> DVec3 {
+    mesh.vertices()[index as usize].as_dvec3()
+}
+
+/// Is a point in the plane of a polygon inside its border, by the even-odd rule, or on it?
+pub fn is_on_polygon(
+    mesh: &PolygonMesh,
+    corners: &[u32],
+    normal: DVec3,
+    point: DVec3,
+    slack: f64,
+) -> bool {
+    // Seen along the axis that shows most of it.
+    let (x, y) = match normal.abs().max_position() {
+        0 => (1, 2),
+        1 => (2, 0),
+        _ => (0, 1),
+    };
+    let mut inside = false;
+    for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+        let (a, b) = (vertex(mesh, *a), vertex(mesh, *b));
+        let (along, to_point) = (b - a, point - a);
+        let closest = a + along * (to_point.dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        if closest.distance_squared(point) <= slack * slack {
+            return true;
+        }
+        if (a[y] > point[y]) != (b[y] > point[y]) {
+            inside ^= a[x] + along[x] * ((point[y] - a[y]) / along[y]) > point[x];
+        }
+    }
+    inside
+}

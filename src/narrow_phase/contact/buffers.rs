@@ -1,0 +1,36 @@
+//! Memory of contacts that outlives a test.
+
+use bevy::math::Vec3A;
+
+use super::{
+    facet::{Beyond, WayOut},
+    hull::Hull,
+    patch::Patch,
+};
+
+/// What a polygon says about the contact of its mesh with a solid.
+#[derive(Clone, Copy, Debug)]
+pub struct Claim {
+    /// Where its corners begin and end.
+    pub corners: [u32; 2],
+    pub normal: Vec3A,
+    pub way: WayOut,
+}
+
+/// The memory that contacts write to.
+#[derive(Clone, Debug, Default)]
+pub struct Buffers {
+    pub hull: Hull,
+    /// Polygons that may be in touch, by index.
+    pub polygons: Vec<u32>,
+    /// The corners of those that are, in the frame of the solid.
+    pub corners: Vec<Vec3A>,
+    pub claims: Vec<Claim>,
+    /// The claims, by depth.
+    pub order: Vec<u32>,
+    /// What is beyond the sides of one polygon.
+    pub beyond: Vec<Beyond>,
+    /// A face of the solid.
+    pub face: Vec<Vec3A>,
+    pub patch: Patch,
+}

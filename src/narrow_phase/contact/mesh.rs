@@ -1,0 +1,344 @@
+//! A convex solid and a mesh of any form.
+//!
+//! Each polygon in touch says how far the solid has to go to be clear of it, along a normal that
+//! the surface has there: see [`Facet`]. What the deepest of them says counts, but for polygons
+//! that the way out of another clears as well, on a shorter way.
+
+use bevy::math::Vec3A;
+
+use super::{
+    body::Body,
+    buffers::{Buffers, Claim},
+    facet::{Beyond, Facet, WayOut, highest},
+    place::MeshPlace,
+};
+use crate::narrow_phase::{
+    answer::LocalContact,
+    frame::{closest, edge_polygon, placed::PlacedPair, workspace::Workspace},
+    mesh::{polygon_mesh::PolygonMesh, topology::NO_NEIGHBOR},
+    shape::Shape,
+};
+
+/// How much less another translation has to be to be preferred to that along a polygon's normal, as
+/// a share of the solid's size.
+const BIAS: f32 = 1e-4;
+
+/// So many ways out are tried on all polygons.
+const MOST_WAYS: usize = 8;
+
+/// The cosine of the angle up to which a polygon shares the normal of another.
+const ALIKE: f32 = 0.985;
+
+/// The cosine of the angle up to which a face lies flat.
+const ALONG: f32 = 0.9999;
+
+/// The contact of a convex solid, the first of the pair, and a mesh. Leaves the points where they
+/// meet, in the frame of the pair, in the workspace.
+pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
+    let Shape::Mesh(mesh) = pair.b.shape else {
+        return None;
+    };
+    let Workspace { contact, .. } = &mut *workspace;
+    let mut hull = std::mem::take(&mut contact.hull);
+    let (body, middle) = match pair.a.shape {
+        Shape::Convex(solid) => {
+            let scale = Vec3A::from(pair.a.transform.scale);
+            hull.fill(solid, scale);
+            (Body::Hull(&hull), solid.local_bounds().0)
+        }
+        _ => (Body::Cuboid(pair.box_a.half), Vec3A::ZERO),
+    };
+    let place = MeshPlace::new(pair.a, middle, pair.b, mesh.local_bounds().0);
+    let found = OnMesh {
+        pair,
+        body,
+        mesh,
+        place,
+    }
+    .contact(contact);
+    contact.hull = hull;
+    let Some(found) = found else {
+        return nested(pair, mesh, workspace);
+    };
+    let (axes, center) = (pair.box_a.axes, pair.box_a.center);
+    for point in &mut contact.patch.points {
+        point.point = center + axes * point.point;
+    }
+    Some(LocalContact {
+        normal: (axes * found.normal).normalize(),
+        point: center + axes * found.point,
+        depth: found.depth,
+    })
+}
+
+/// A solid inside a closed mesh, whose surface it does not touch: out through what is nearest to its
+/// centre.
+fn nested(
+    pair: &PlacedPair,
+    mesh: &PolygonMesh,
+    workspace: &mut Workspace,
+) -> Option<LocalContact> {
+    if !mesh.is_closed() {
+        return None;
+    }
+    let (closest, is_inside) = edge_polygon::sphere_closest(pair, workspace)?;
+    let solid = &pair.box_a;
+    let out = (closest.point - solid.center).try_normalize()?;
+    is_inside.then(|| LocalContact {
+        normal: -out,
+        point: solid.center,
+        depth: closest.distance + solid.extent(out),
+    })
+}
+
+struct OnMesh<'a> {
+    pair: &'a PlacedPair<'a>,
+    body: Body<'a>,
+    mesh: &'a PolygonMesh,
+    place: MeshPlace,
+}
+
+impl OnMesh<'_> {
+    /// In the frame of the solid.
+    fn contact(&self, buffers: &mut Buffers) -> Option<LocalContact> {
+        self.find_claims(buffers);
+        let bias = self.bias();
+        let deepest = settle(buffers, self.body, bias)?;
+        let way = buffers.claims[deepest].way;
+        buffers.patch.clear();
+        self.gather(deepest, buffers);
+        let size = self.pair.box_a.radius;
+        let point = buffers.patch.middle(size);
+        let point = point.unwrap_or_else(|| self.some_point(deepest, buffers));
+        Some(LocalContact {
+            normal: -way.direction,
+            point,
+            depth: way.depth.max(0.0),
+        })
+    }
+
+    fn bias(&self) -> f32 {
+        BIAS * self.pair.box_a.radius
+    }
+
+    /// What each polygon in touch says.
+    fn find_claims(&self, buffers: &mut Buffers) {
+        let Buffers {
+            polygons,
+            corners,
+            beyond,
+            claims,
+            ..
+        } = buffers;
+        let (mesh, tolerance) = (self.mesh, self.pair.tolerance);
+        let half = self.pair.box_a.half + 2.0 * tolerance;
+        polygons.clear();
+        self.place
+            .for_each_near(mesh, half, |polygon| polygons.push(polygon));
+        // In the order of the mesh, whatever that of the tree.
+        polygons.sort_unstable();
+        corners.clear();
+        claims.clear();
+        let outwards = mesh.outwards();
+        for &polygon in &*polygons {
+            let start = corners.len();
+            let vertices = mesh.polygon(polygon as usize).iter();
+            corners.extend(vertices.map(|v| self.place.place(mesh.vertices()[*v as usize])));
+            let own = &corners[start..];
+            let normal = self.place.normal(mesh.normals()[polygon as usize]);
+            if !self.body.touches_polygon(own, normal, tolerance) {
+                corners.truncate(start);
+                continue;
+            }
+            self.look_beyond(polygon, beyond);
+            let facet = Facet {
+                corners: own,
+                normal: normal * outwards.unwrap_or(1.0),
+                beyond,
+                is_solid: outwards.is_some(),
+            };
+            if let Some(way) = self.body.way_out(&facet, self.bias()) {
+                claims.push(Claim {
+                    corners: [start as u32, corners.len() as u32],
+                    normal,
+                    way,
+                });
+            }
+        }
+    }
+
+    /// What is beyond the sides of a polygon.
+    fn look_beyond(&self, polygon: u32, beyond: &mut Vec<Beyond>) {
+        let mesh = self.mesh;
+        let corners = mesh.polygon(polygon as usize);
+        beyond.clear();
+        beyond.extend(
+            mesh.across(polygon as usize)
+                .iter()
+                .enumerate()
+                .map(|(side, &other)| {
+                    if other == NO_NEIGHBOR {
+                        return None;
+                    }
+                    let from = corners[side];
+                    let others = mesh.polygon(other as usize);
+                    let at = others.iter().position(|vertex| *vertex == from)?;
+                    let to = corners[(side + 1) % corners.len()];
+                    // The neighbour runs along the side the other way, if the two are turned alike.
+                    let count = others.len();
+                    let (next, last) = ((at + 1) % count, (at + count - 1) % count);
+                    let [near_from, near_to] = if others[last] == to {
+                        [next, (last + count - 1) % count]
+                    } else {
+                        [last, (next + 1) % count]
+                    };
+                    Some(
+                        [near_from, near_to]
+                            .map(|i| self.place.place(mesh.vertices()[others[i] as usize])),
+                    )
+                }),
+        );
+    }
+
+    /// The points where the solid and the polygons meet that have the normal that counts.
+    fn gather(&self, deepest: usize, buffers: &mut Buffers) {
+        let Buffers {
+            corners,
+            claims,
+            patch,
+            face,
+            ..
+        } = buffers;
+        let tolerance = self.pair.tolerance;
+        let way = claims[deepest].way;
+        let direction = way.direction;
+        let corners_of =
+            |claim: &Claim| &corners[claim.corners[0] as usize..claim.corners[1] as usize];
+        let towards = |claim: &Claim| {
+            let along = claim.normal.dot(direction);
+            (claim.normal * 1f32.copysign(along), along.abs())
+        };
+        let against = self.body.face_towards(-direction, face);
+        if towards(&claims[deepest]).1 > ALONG {
+            // The solid's face over polygons.
+            for claim in claims.iter() {
+                let (up, along) = towards(claim);
+                if along < ALIKE {
+                    continue;
+                }
+                let own = corners_of(claim);
+                let plane = highest(own, up);
+                patch.piece.clone_from(face);
+                patch.cut_to(own, direction);
+                patch.cut(up, plane + tolerance);
+                patch.add(direction, |point| (plane - point.dot(up)) / along);
+            }
+        } else if -against.dot(direction) > ALONG {
+            // Polygons over the solid's face.
+            let plane = self.body.lowest(direction);
+            for claim in claims.iter() {
+                patch.piece.clear();
+                patch.piece.extend_from_slice(corners_of(claim));
+                patch.cut_to(face, direction);
+                patch.cut(-direction, tolerance - plane);
+                patch.add(-direction, |point| point.dot(direction) - plane);
+            }
+        } else {
+            // Edge on edge.
+            let top = |points: &[Vec3A], up: Vec3A| {
+                let [mut first, mut second] = [(f32::NEG_INFINITY, Vec3A::ZERO); 2];
+                for point in points {
+                    let height = point.dot(up);
+                    if height > first.0 {
+                        (second, first) = (first, (height, *point));
+                    } else if height > second.0 {
+                        second = (height, *point);
+                    }
+                }
+                [first.1, second.1]
+            };
+            let ours = top(face, -direction);
+            let theirs = top(corners_of(&claims[deepest]), direction);
+            let (on_solid, on_mesh) = closest::segments(ours, theirs);
+            patch.piece.clear();
+            patch.piece.push(on_solid.midpoint(on_mesh));
+            patch.add(Vec3A::ZERO, |_| way.depth);
+        }
+    }
+
+    /// A point of a polygon that is in the solid too, or nearly so.
+    fn some_point(&self, claim: usize, buffers: &mut Buffers) -> Vec3A {
+        let Buffers {
+            corners,
+            claims,
+            patch,
+            ..
+        } = buffers;
+        let [start, end] = claims[claim].corners;
+        patch.piece.clear();
+        patch
+            .piece
+            .extend_from_slice(&corners[start as usize..end as usize]);
+        let tolerance = self.pair.tolerance;
+        let mut best = patch.piece.iter().sum::<Vec3A>() / patch.piece.len() as f32;
+        self.body.for_each_plane(|normal, plane| {
+            patch.cut(normal, plane + tolerance);
+            if !patch.piece.is_empty() {
+                best = patch.piece.iter().sum::<Vec3A>() / patch.piece.len() as f32;
+            }
+        });
+        let depth = claims[claim].way.depth.max(0.0);
+        patch.piece.clear();
+        patch.piece.push(best);
+        patch.add(Vec3A::ZERO, |_| depth);
+        best
+    }
+}
+
+/// The claim that counts: the deepest, after each was replaced by a shorter way that another
+/// polygon has found, if that clears its polygon too.
+fn settle(buffers: &mut Buffers, body: Body, bias: f32) -> Option<usize> {
+    let Buffers {
+        corners,
+        claims,
+        order,
+        ..
+    } = buffers;
+    order.clear();
+    order.extend(0..claims.len() as u32);
+    order.sort_unstable_by(|a, b| {
+        let depth = |index: &u32| claims[*index as usize].way.depth;
+        depth(a).total_cmp(&depth(b)).then(a.cmp(b))
+    });
+    let mut ways: [(Vec3A, f32); MOST_WAYS] = [(Vec3A::ZERO, 0.0); MOST_WAYS];
+    let mut count = 0;
+    let mut deepest: Option<usize> = None;
+    for &index in &*order {
+        let claim = &mut claims[index as usize];
+        let own = &corners[claim.corners[0] as usize..claim.corners[1] as usize];
+        let mut is_new = count < MOST_WAYS;
+        for (direction, lowest) in &ways[..count] {
+            is_new &= direction.dot(claim.way.direction) < ALONG;
+            let depth = highest(own, *direction) - lowest;
+            if depth < claim.way.depth - bias {
+                claim.way = WayOut {
+                    direction: *direction,
+                    depth,
+                };
+                is_new = false;
+            }
+        }
+        if is_new {
+            ways[count] = (claim.way.direction, body.lowest(claim.way.direction));
+            count += 1;
+        }
+        let depth = claim.way.depth;
+        if deepest.is_none_or(|deepest| depth > claims[deepest].way.depth + bias) {
+            deepest = Some(index as usize);
+        }
+    }
+    deepest
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,273 @@
+//! Solids on floors, fans and folds of polygons.
+
+use bevy::math::{Quat, Vec3};
+use bevy::transform::components::Transform;
+
+use crate::narrow_phase::tests::{at, box_of, mesh_of};
+use crate::narrow_phase::*;
+
+/// As seen from the first, whichever is asked first.
+#[track_caller]
+fn contact(a: (&Shape, Transform), b: (&Shape, Transform)) -> Contact {
+    let (one, two) = (Placed::new(a.0, &a.1), Placed::new(b.0, &b.1));
+    let (tests, mut workspace) = (NarrowPhase::default(), Workspace::default());
+    let found = tests.contact(one, two, &mut workspace).unwrap();
+    let back = tests.contact(two, one, &mut workspace).unwrap();
+    assert_eq!(found, back.reversed());
+    assert!(tests.intersects(one, two, &mut workspace) && found.depth >= 0.0);
+    found
+}
+
+#[track_caller]
+fn assert_close(found: Contact, normal: Vec3, depth: f32, what: &str) {
+    assert!(
+        found.normal.distance(normal) < 1e-4 && (found.depth - depth).abs() < 1e-4,
+        "{what}: {found:?}, expected {normal} {depth}"
+    );
+}
+
+fn triangles(vertices: &[[f32; 3]], triangles: &[[u32; 3]]) -> Shape {
+    let vertices: Vec<_> = vertices.iter().copied().map(Vec3::from).collect();
+    Shape::mesh(vertices, triangles).unwrap()
+}
+
+/// Two triangles with normals upwards, from (0, 0, 0) to (8, 0, 8).
+fn square() -> Shape {
+    let corners = [[0., 0., 0.], [0., 0., 8.], [8., 0., 8.], [8., 0., 0.]];
+    triangles(&corners, &[[0, 1, 2], [0, 2, 3]])
+}
+
+fn square_downwards() -> Shape {
+    let corners = [[0., 0., 0.], [0., 0., 8.], [8., 0., 8.], [8., 0., 0.]];
+    triangles(&corners, &[[0, 2, 1], [0, 3, 2]])
+}
+
+/// A fan around a vertex off the middle, as triangulators make them.
+fn fan() -> Shape {
+    let corners = [
+        [3.9, 0., 4.1],
+        [0., 0., 0.],
+        [0., 0., 8.],
+        [8., 0., 8.],
+        [8., 0., 0.],
+    ];
+    triangles(&corners, &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]])
+}
+
+fn grid(n: u32, height: impl Fn(f32, f32) -> f32) -> Shape {
+    let mut vertices = Vec::new();
+    for z in 0..=n {
+        for x in 0..=n {
+            let [x, z] = [x as f32, z as f32];
+            vertices.push([x, height(x, z), z]);
+        }
+    }
+    let corner = |x: u32, z: u32| z * (n + 1) + x;
+    let squares = (0..n).flat_map(|z| (0..n).map(move |x| (x, z)));
+    let list: Vec<_> = squares
+        .flat_map(|(x, z)| {
+            let [a, b, c, d] = [
+                corner(x, z),
+                corner(x, z + 1),
+                corner(x + 1, z),
+                corner(x + 1, z + 1),
+            ];
+            [[a, b, c], [c, b, d]]
+        })
+        .collect();
+    triangles(&vertices, &list)
+}
+
+/// A box of 12 triangles.
+fn slab() -> Shape {
+    let corner = |bits: u32| {
+        [
+            8.0 * (bits & 1) as f32,
+            (bits >> 1 & 1) as f32 - 1.0,
+            8.0 * (bits >> 2) as f32,
+        ]
+    };
+    let corners: Vec<_> = (0..8).map(corner).collect();
+    let sides = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let halves = sides.map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    triangles(&corners, halves.as_flattened())
+}
+
+/// The cube as a convex mesh.
+fn convex_cube(half: f32) -> Shape {
+    let Shape::Mesh(mesh) = mesh_of(Vec3::splat(half)) else {
+        unreachable!()
+    };
+    ConvexMesh::new((*mesh).clone()).unwrap().into()
+}
+
+#[test]
+fn up_is_the_way_off_a_floor_whichever_way_it_is_wound() {
+    let solids = [box_of(0.5, 0.5, 0.5), convex_cube(0.5), Shape::sphere(0.5)];
+    let mirrored = at(0.0, 0.0, 0.0).with_scale(Vec3::new(1.0, -1.0, 1.0));
+    for (name, floor, place) in [
+        ("upwards", square(), at(0.0, 0.0, 0.0)),
+        ("downwards", square_downwards(), at(0.0, 0.0, 0.0)),
+        ("mirrored", square(), mirrored),
+        ("fan", fan(), at(0.0, 0.0, 0.0)),
+    ] {
+        for solid in &solids {
+            for (x, z) in [(3.0, 3.0), (4.3, 4.1), (6.0, 1.0)] {
+                let found = contact((&floor, place), (solid, at(x, 0.45, z)));
+                assert_close(found, Vec3::Y, 0.05, name);
+                let found = contact((&floor, place), (solid, at(x, -0.45, z)));
+                assert_close(found, Vec3::NEG_Y, 0.05, name);
+            }
+        }
+    }
+}
+
+#[test]
+fn wherever_a_flat_floor_is_joined() {
+    let floors = [
+        ("grid", grid(8, |_, _| 0.0)),
+        ("fan", fan()),
+        ("square", square()),
+        ("slab", slab()),
+    ];
+    let solids = [
+        ("cuboid", box_of(0.5, 0.5, 0.5)),
+        ("convex", convex_cube(0.5)),
+        ("ball", Shape::sphere(0.5)),
+    ];
+    let places = [
+        (4., 4.),
+        (4.3, 4.1),
+        (3.5, 4.5),
+        (2.2, 5.9),
+        (1.0, 1.0),
+        (7.1, 3.3),
+        (4.0, 2.7),
+    ];
+    for (floor_name, floor) in &floors {
+        for (name, solid) in &solids {
+            for (x, z) in places {
+                for turn in [0.0f32, 0.3] {
+                    let place = at(x, 0.45, z).with_rotation(Quat::from_rotation_y(turn));
+                    let found = contact((floor, at(0.0, 0.0, 0.0)), (solid, place));
+                    let what = format!("{name} on {floor_name} at ({x}, {z}), turned {turn}");
+                    assert_close(found, Vec3::Y, 0.05, &what);
+                    let middle = Vec3::new(x, -0.025, z);
+                    assert!(found.point.distance(middle) < 0.03, "{what}: {found:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_solid_sinks_into_a_closed_mesh_and_comes_out_where_it_went_in() {
+    let solids = [box_of(0.5, 0.5, 0.5), convex_cube(0.5)];
+    for solid in &solids {
+        // Deeper than half of it: the other way is through the slab.
+        for depth in [0.05, 0.3, 0.6, 0.9] {
+            let found = contact(
+                (&slab(), at(0.0, 0.0, 0.0)),
+                (solid, at(3.0, 0.5 - depth, 4.2)),
+            );
+            assert_close(found, Vec3::Y, depth, "sunk");
+        }
+        // A thin plate, which it reaches through.
+        let thin = at(0.0, 0.0, 0.0).with_scale(Vec3::new(1.0, 0.1, 1.0));
+        let found = contact((&slab(), thin), (solid, at(3.0, 0.2, 4.2)));
+        assert_close(found, Vec3::Y, 0.3, "through");
+        // Within, it touches no polygon.
+        let small = Transform::from_xyz(3.0, -0.3, 4.2).with_scale(Vec3::splat(0.1));
+        let found = contact((&slab(), at(0.0, 0.0, 0.0)), (solid, small));
+        assert_close(found, Vec3::Y, 0.35, "within");
+    }
+}
+
+/// A roof, and the same upside down: a valley.
+#[test]
+fn folds_have_normals_on_their_outer_side() {
+    let corners = [
+        [-4., -4., -4.],
+        [-4., -4., 4.],
+        [0., 0., -4.],
+        [0., 0., 4.],
+        [4., -4., -4.],
+        [4., -4., 4.],
+    ];
+    let list = [[0, 1, 2], [2, 1, 3], [2, 3, 4], [4, 3, 5]];
+    let roof = triangles(&corners, &list);
+    let backwards = triangles(&corners, &list.map(|[a, b, c]| [a, c, b]));
+    for solid in [box_of(0.5, 0.5, 0.5), convex_cube(0.5)] {
+        for roof in [&roof, &backwards] {
+            let here = at(0.0, 0.0, 0.0);
+            let found = contact((roof, here), (&solid, at(0.1, 0.45, 0.3)));
+            assert_close(found, Vec3::Y, 0.05, "on the ridge");
+            // Turned a little further than the ridge's normals go, were it flatter.
+            let turned = Quat::from_rotation_z(0.3);
+            let found = contact(
+                (roof, here),
+                (&solid, at(0.0, 0.45, 0.3).with_rotation(turned)),
+            );
+            let up = turned * Vec3::Y;
+            assert_close(found, up, 0.5 - 0.45 * 0.3f32.cos(), "tilted");
+            // Flat on one side, beyond the ridge.
+            let side = Quat::from_rotation_z(-std::f32::consts::FRAC_PI_4);
+            let normal = side * Vec3::Y;
+            let place = Transform::from_translation(normal * 0.45).with_rotation(side);
+            assert_close(contact((roof, here), (&solid, place)), normal, 0.05, "flat");
+            // In the valley, with its edge down, and beside its middle.
+            let valley = here.with_scale(Vec3::new(1.0, -1.0, 1.0));
+            let place = at(0.3, 0.7 + 0.2, 0.0);
+            let found = contact((roof, valley), (&solid, place));
+            let normal = Vec3::new(-1.0, 1.0, 0.0).normalize();
+            let depth = -(Vec3::new(0.8, 0.4, 0.0).dot(normal));
+            assert_close(found, normal, depth, "in the valley");
+        }
+    }
+}
+
+#[test]
+fn a_cube_of_triangles_is_as_good_as_a_cuboid() {
+    let cuboid = box_of(0.5, 0.5, 0.5);
+    let cube = Transform::from_xyz(-4.0, 0.5, -4.0);
+    let mut random = fastrand::Rng::with_seed(7);
+    let mut unit = || random.f32() * 2.0 - 1.0;
+    let (mut all, mut same) = (0, 0);
+    for _ in 0..2000 {
+        let turn = Quat::from_euler(
+            bevy::math::EulerRot::XYZ,
+            unit() * 3.0,
+            unit() * 3.0,
+            unit() * 3.0,
+        );
+        let place = Transform::from_xyz(unit() * 4.6, unit(), unit() * 4.6).with_rotation(turn);
+        let whole = box_of(4.0, 0.5, 4.0);
+        let tests = NarrowPhase::default();
+        let (a, b) = (
+            Placed::new(&whole, &Transform::IDENTITY),
+            Placed::new(&cuboid, &place),
+        );
+        let Some(exact) = tests.contact(a, b, &mut Workspace::default()) else {
+            continue;
+        };
+        for solid in [&cuboid, &convex_cube(0.5)] {
+            let found = contact((&slab(), cube), (solid, place));
+            all += 1;
+            // The deepest ways out are those of polygons that are not in touch.
+            if exact.depth < 0.5 {
+                // Two cuboids prefer normals of faces by more.
+                let off = exact.depth - found.depth;
+                assert!(-1e-3 < off && off < 7e-3, "{place:?}: {found:?}, {exact:?}");
+                same += 1;
+            }
+        }
+    }
+    assert!(same > all / 3, "{same} of {all}");
+}

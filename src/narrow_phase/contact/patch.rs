@@ -1,0 +1,100 @@
+//! Where two shapes lie on each other: a face of one, cut to what is over a face of the other
+//! (Sutherland and Hodgman, *Reentrant Polygon Clipping*, 1974).
+
+use bevy::math::Vec3A;
+
+use crate::narrow_phase::frame::surface::border;
+
+/// A point at which two overlap, halfway between the two, and how deep.
+#[derive(Clone, Copy, Debug)]
+pub struct PatchPoint {
+    pub point: Vec3A,
+    pub depth: f32,
+}
+
+/// All that two shapes share along a normal, piece by piece.
+#[derive(Clone, Debug, Default)]
+pub struct Patch {
+    pub points: Vec<PatchPoint>,
+    /// The sum of the middles of all pieces, by area, and that of the areas.
+    weighted: Vec3A,
+    area: f32,
+    /// What is being cut, and room for it.
+    pub piece: Vec<Vec3A>,
+    spare: Vec<Vec3A>,
+}
+
+impl Patch {
+    pub fn clear(&mut self) {
+        self.points.clear();
+        self.weighted = Vec3A::ZERO;
+        self.area = 0.0;
+    }
+
+    /// Cuts the piece to what is below a plane.
+    pub fn cut(&mut self, normal: Vec3A, plane: f32) {
+        let Self { piece, spare, .. } = self;
+        let height = |point: Vec3A| point.dot(normal) - plane;
+        if piece.iter().all(|point| height(*point) <= 0.0) {
+            return;
+        }
+        spare.clear();
+        for [from, to] in border(piece) {
+            let [at_from, at_to] = [height(from), height(to)];
+            if at_from <= 0.0 {
+                spare.push(from);
+            }
+            if (at_from < 0.0 && at_to > 0.0) || (at_from > 0.0 && at_to < 0.0) {
+                spare.push(from.lerp(to, at_from / (at_from - at_to)));
+            }
+        }
+        std::mem::swap(piece, spare);
+    }
+
+    /// Cuts the piece to what is over a polygon along an axis; over its hull, if it is not convex.
+    pub fn cut_to(&mut self, corners: &[Vec3A], axis: Vec3A) {
+        let middle = corners.iter().sum::<Vec3A>() / corners.len() as f32;
+        for [from, to] in border(corners) {
+            let across = (to - from).cross(axis);
+            let outwards = across * 1f32.copysign(across.dot(from - middle));
+            let plane = from.dot(outwards);
+            let slack = 1e-4 * (middle.dot(outwards) - plane).abs();
+            if corners.iter().all(|c| c.dot(outwards) <= plane + slack) {
+                self.cut(outwards, plane);
+            }
+        }
+    }
+
+    /// Takes the piece up: it is as deep as `depth` says beyond the other shape, against `axis`.
+    pub fn add(&mut self, axis: Vec3A, depth: impl Fn(Vec3A) -> f32) {
+        let piece = &self.piece;
+        let Some(first) = piece.first() else {
+            return;
+        };
+        let start = self.points.len();
+        self.points.extend(piece.iter().map(|&point| {
+            let depth = depth(point);
+            PatchPoint {
+                point: point + axis * (depth * 0.5),
+                depth: depth.max(0.0),
+            }
+        }));
+        let middles = &self.points[start..];
+        for pair in 1..piece.len().saturating_sub(1) {
+            let (u, v) = (piece[pair] - first, piece[pair + 1] - first);
+            let area = u.cross(v).dot(axis).abs();
+            let sum = middles[0].point + middles[pair].point + middles[pair + 1].point;
+            self.weighted += sum * (area / 3.0);
+            self.area += area;
+        }
+    }
+
+    /// The middle of all pieces: by area, or, if they have next to none, of their corners.
+    pub fn middle(&self, size: f32) -> Option<Vec3A> {
+        if self.area > 1e-6 * size * size {
+            return Some(self.weighted / self.area);
+        }
+        let sum: Vec3A = self.points.iter().map(|point| point.point).sum();
+        (!self.points.is_empty()).then(|| sum / self.points.len() as f32)
+    }
+}

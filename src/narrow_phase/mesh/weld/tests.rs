@@ -1,0 +1,282 @@
+use bevy::{math::Quat, transform::components::Transform};
+
+use super::*;
+use crate::narrow_phase::{Contact, NarrowPhase, Placed, Shape, Workspace};
+
+fn welded(positions: &[[f32; 3]]) -> Welded {
+    Welded::of(positions).unwrap()
+}
+
+/// A mesh of listed triangles.
+fn listed(positions: &[Vec3]) -> PolygonMesh {
+    let positions: Vec<_> = positions.iter().map(Vec3::to_array).collect();
+    let triangles = (0..positions.len() / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+    PolygonMesh::from_triangles(&positions, triangles).unwrap()
+}
+
+/// The twelve triangles of a box, listed; by their corners from 0 to 7.
+fn cuboid(min: Vec3, max: Vec3) -> Vec<Vec3> {
+    let corner = |i: usize| {
+        let pick = |axis: usize| {
+            if i >> axis & 1 == 1 {
+                max[axis]
+            } else {
+                min[axis]
+            }
+        };
+        Vec3::new(pick(0), pick(1), pick(2))
+    };
+    let faces = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]);
+    triangles.map(corner).collect()
+}
+
+fn ball_at(mesh: &PolygonMesh, radius: f32, at: Vec3) -> Option<Contact> {
+    let (mesh, ball) = (Shape::from(mesh.clone()), Shape::sphere(radius));
+    let (here, there) = (Transform::IDENTITY, Transform::from_translation(at));
+    let (mesh, ball) = (Placed::new(&mesh, &here), Placed::new(&ball, &there));
+    let (tests, mut workspace) = (NarrowPhase::default(), Workspace::default());
+    let contact = tests.contact(mesh, ball, &mut workspace);
+    assert_eq!(
+        tests.intersects(ball, mesh, &mut workspace),
+        contact.is_some()
+    );
+    contact
+}
+
+/// With a floor far below that makes it a mesh with a tree.
+fn with_tree(triangles: &[Vec3]) -> Vec<Vec3> {
+    let mut all = triangles.to_vec();
+    for i in 0..40 {
+        let corner = Vec3::new(i as f32, -20.0, 0.0);
+        all.extend([corner, corner + Vec3::Z * 0.7, corner + Vec3::X * 0.7]);
+    }
+    all
+}
+
+/// A ball is in contact in the middle of each box, and not beside them; whether there is a tree or
+/// not.
+fn assert_solid(triangles: &[Vec3], inside: &[Vec3], outside: &[Vec3]) {
+    for (mesh, name) in [
+        (listed(triangles), "few"),
+        (listed(&with_tree(triangles)), "many"),
+    ] {
+        for at in inside {
+            assert!(ball_at(&mesh, 0.1, *at).is_some(), "{name}: inside at {at}");
+        }
+        for at in outside {
+            assert!(
+                ball_at(&mesh, 0.1, *at).is_none(),
+                "{name}: outside at {at}"
+            );
+        }
+    }
+}
+
+const MIDDLE: Vec3 = Vec3::splat(0.5);
+
+#[test]
+fn boxes_that_share_an_edge_are_closed() {
+    let second = cuboid(Vec3::new(1.0, 1.0, 0.0), Vec3::new(2.0, 2.0, 1.0));
+    let both = [cuboid(Vec3::ZERO, Vec3::ONE), second].concat();
+    assert!(listed(&both).is_closed());
+    let inside = [MIDDLE, MIDDLE.with_x(1.5).with_y(1.5)];
+    assert_solid(&both, &inside, &[MIDDLE.with_x(1.5), MIDDLE.with_y(1.5)]);
+}
+
+#[test]
+fn bricks_face_to_face_are_closed() {
+    // With the wall between them cut along one diagonal, and along both.
+    for turn in [
+        Quat::IDENTITY,
+        Quat::from_rotation_x(std::f32::consts::FRAC_PI_2),
+    ] {
+        let mut second = cuboid(Vec3::X, Vec3::new(2.0, 1.0, 1.0));
+        for corner in &mut second {
+            *corner = (turn * (*corner - MIDDLE) + MIDDLE).round();
+        }
+        let both = [cuboid(Vec3::ZERO, Vec3::ONE), second].concat();
+        assert!(listed(&both).is_closed(), "{turn}");
+        let inside = [
+            MIDDLE,
+            MIDDLE.with_x(1.5),
+            MIDDLE.with_x(0.7),
+            MIDDLE.with_x(1.2),
+        ];
+        assert_solid(&both, &inside, &[MIDDLE.with_x(2.2), MIDDLE.with_x(-0.2)]);
+    }
+}
+
+/// A cube of which the top knows a vertex in the middle of its edge, and the back does not.
+fn cube_with_a_vertex_on_its_edge(with_sliver: bool) -> Vec<Vec3> {
+    let cube = cuboid(Vec3::ZERO, Vec3::ONE);
+    let is_top = |triangle: &[Vec3]| triangle.iter().all(|corner| corner.y == 1.0);
+    let mut all: Vec<Vec3> = cube
+        .chunks(3)
+        .filter(|triangle| !is_top(triangle))
+        .flatten()
+        .copied()
+        .collect();
+    let [a, b, c, d] =
+        [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]].map(|[x, z]| Vec3::new(x, 1.0, z));
+    let m = Vec3::new(0.5, 1.0, 0.0);
+    all.extend([a, b, m, b, c, m, c, d, m]);
+    if with_sliver {
+        all.extend([a, m, d]);
+    }
+    all
+}
+
+#[test]
+fn a_vertex_on_an_edge_leaves_no_gap() {
+    for with_sliver in [false, true] {
+        let cube = cube_with_a_vertex_on_its_edge(with_sliver);
+        assert!(listed(&cube).is_closed());
+        let outside = [MIDDLE.with_y(1.2), MIDDLE.with_x(1.2), MIDDLE.with_z(-0.2)];
+        assert_solid(&cube, &[MIDDLE, Vec3::splat(0.2)], &outside);
+        // Wherever it is, and whichever way it is turned; and nothing slips through.
+        let mut rng = fastrand::Rng::with_seed(3);
+        let mut random = || Vec3::from([(); 3].map(|()| rng.f32()));
+        for _ in 0..50 {
+            let turn = Quat::from_scaled_axis(random() * 3.0);
+            let (scale, offset) = (0.1 + 10.0 * random().x, (random() - 0.5) * 100.0);
+            let place = |at: Vec3| turn * (at - MIDDLE) * scale + offset;
+            let moved: Vec<_> = cube.iter().map(|corner| place(*corner)).collect();
+            let mesh = listed(&with_tree(&moved));
+            assert!(mesh.has_inside() && !mesh.is_closed());
+            for _ in 0..50 {
+                let inside = place(random() * 0.9 + 0.05).as_dvec3();
+                assert!(mesh.winds_around(inside));
+                let outside = place(random() * 0.9 + 0.05 + Vec3::Y).as_dvec3();
+                assert!(!mesh.winds_around(outside));
+            }
+            // In the very plane of the edge, where rays along x pass it.
+            for i in 1..100 {
+                let near = place(Vec3::new(i as f32 / 100.0, 1.0 + 1e-3, 0.0));
+                assert!(!mesh.winds_around(near.as_dvec3()));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_solid_is_solid_whatever_is_beside_it() {
+    let far = Vec3::X * 5.0;
+    let mut all = cuboid(Vec3::ZERO, Vec3::ONE);
+    all.extend([far, far + Vec3::X, far + Vec3::Y]);
+    let mesh = listed(&all);
+    assert!(mesh.has_inside() && !mesh.is_closed());
+    let edge = mesh
+        .open_edge()
+        .unwrap()
+        .map(|end| mesh.vertices()[end as usize]);
+    assert!(edge.iter().all(|end| end.x >= 5.0), "{edge:?}");
+    assert_solid(&all, &[MIDDLE], &[MIDDLE + Vec3::X, far + 0.2 + Vec3::Z]);
+    assert!(ball_at(&mesh.surface_only(), 0.1, MIDDLE).is_none());
+}
+
+#[test]
+fn a_box_turned_inside_out_is_solid_unless_it_is_a_surface_only() {
+    let mut all = cuboid(Vec3::NEG_ONE, Vec3::ONE);
+    all.chunks_mut(3).for_each(|triangle| triangle.swap(0, 1));
+    for all in [all.clone(), with_tree(&all)] {
+        let solid = listed(&all);
+        assert!(ball_at(&solid, 0.1, Vec3::new(0.2, 0.1, -0.3)).is_some());
+        assert!(ball_at(&solid, 0.1, Vec3::new(1.2, 0.1, -0.3)).is_none());
+        let room = solid.surface_only();
+        assert!(room.is_surface_only() && !room.has_inside());
+        assert!(ball_at(&room, 0.1, Vec3::new(0.2, 0.1, -0.3)).is_none());
+        assert!(ball_at(&room, 0.1, Vec3::new(0.95, 0.1, -0.3)).is_some());
+    }
+}
+
+#[test]
+fn equal_positions_are_one_vertex() {
+    let p = Vec3::new(0.53843, 0.0, 1.0);
+    let mesh = listed(&[p, Vec3::Y, Vec3::ZERO, p, Vec3::ZERO, Vec3::NEG_Y]);
+    assert_eq!(mesh.vertices().len(), 4);
+    let mut rng = fastrand::Rng::with_seed(1);
+    for _ in 0..20_000 {
+        let scale = 10f32.powi(rng.i32(-30..30));
+        let one = [(); 3].map(|()| (rng.f32() - 0.5) * scale);
+        let other = [(); 3].map(|()| (rng.f32() - 0.5) * scale);
+        let found = welded(&[one, other, one, other, one]);
+        let same = u32::from(found.vertices.len() > 1);
+        assert_eq!(found.indices, [0, same, 0, same, 0]);
+    }
+    assert_eq!(
+        welded(&[[f32::MAX; 3], [f32::MIN; 3], [f32::MAX; 3]]).indices,
+        [0, 1, 0]
+    );
+    assert_eq!(welded(&[[0.0; 3], [-0.0; 3]]).indices, [0, 0]);
+}
+
+#[test]
+fn small_things_far_from_the_origin_stay() {
+    for (far, side) in [(1000.0, 0.02), (10_000.0, 0.2), (10_000.0, 0.05)] {
+        let min = Vec3::X * far;
+        let crate_alone = cuboid(min, min + side);
+        let mesh = listed(&crate_alone);
+        assert_eq!(
+            (mesh.polygon_count(), mesh.is_closed()),
+            (12, true),
+            "{side} at {far}"
+        );
+        // In a level as large as it is far away.
+        let floor = cuboid(Vec3::new(0.0, -1.0, -1.0), Vec3::new(far, 0.0, 1.0));
+        let raised = crate_alone.iter().map(|corner| corner + Vec3::Y * 0.5);
+        let mesh = listed(&floor.into_iter().chain(raised).collect::<Vec<_>>());
+        assert_eq!(
+            (mesh.polygon_count(), mesh.is_closed()),
+            (24, true),
+            "{side} at {far}"
+        );
+    }
+    for scale in [1e-6, 1e6, 1e-25, 1e25] {
+        let mesh = listed(&cuboid(Vec3::splat(-scale), Vec3::splat(scale)));
+        assert_eq!(
+            (mesh.polygon_count(), mesh.is_closed()),
+            (12, true),
+            "{scale}"
+        );
+    }
+}
+
+#[test]
+fn seams_of_a_full_turn_close() {
+    // A cylinder whose last corner is at the sine of a full turn.
+    let mut rng = fastrand::Rng::with_seed(5);
+    for count in [8_u16, 33, 100, 400] {
+        let (radius, height) = (0.2 + 2.0 * rng.f32(), 0.2 + 2.0 * rng.f32());
+        let step = std::f32::consts::TAU / f32::from(count);
+        let at = |i: u16, y: f32| {
+            let (sin, cos) = (f32::from(i) * step).sin_cos();
+            Vec3::new(cos * radius, y, sin * radius)
+        };
+        let mut all = Vec::new();
+        for i in 0..count {
+            let [a, b, c, d] = [at(i, 0.0), at(i, height), at(i + 1, height), at(i + 1, 0.0)];
+            all.extend([a, b, c, a, c, d, a, d, Vec3::ZERO, c, b, Vec3::Y * height]);
+        }
+        let mesh = listed(&all);
+        assert!(mesh.is_closed(), "{count}");
+        assert_eq!(mesh.vertices().len(), 2 * usize::from(count) + 2);
+    }
+}
+
+#[test]
+fn what_is_not_finite_is_named_as_given() {
+    let positions = [[0.0; 3], [0.0; 3], [1.0, f32::NAN, 0.0]];
+    let error = PolygonMesh::from_triangles(&positions, [[0, 1, 2]]).unwrap_err();
+    assert!(
+        matches!(error, ShapeError::NonFiniteVertex { vertex: 2, .. }),
+        "{error}"
+    );
+}
