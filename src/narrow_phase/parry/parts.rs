@@ -107,7 +107,7 @@ impl<'a> PosedShape<'a> {
     }
 
     /// Where it is, and that it goes in a direction, as seen from another.
-    fn probe(&self, whole: Isometry, direction: DVec3) -> Probe {
+    pub fn probe(&self, whole: Isometry, direction: DVec3) -> Probe {
         if let Self::Part(Part::HalfSpace { normal, offset }) = self {
             return Probe::HalfSpace {
                 normal: whole.direction_to_local(*normal),
@@ -128,7 +128,7 @@ impl<'a> PosedShape<'a> {
 
     /// Calls `visit` with all parts that a probe admits, and again with their parts. False if there
     /// is one about which nothing can be said.
-    fn each(
+    pub fn each(
         &self,
         probe: &Probe,
         search: &Search,
@@ -157,7 +157,8 @@ impl<'a> PosedShape<'a> {
             }
             Self::Mesh(mesh) => {
                 let mut is_known = true;
-                mesh.each(probe, search, &mut |corners| {
+                mesh.each(probe, search, &mut |polygon, corners| {
+                    search.triangle.set(Some(mesh.mesh.source(polygon)));
                     let part = Convex::triangle(corners, Isometry::IDENTITY);
                     is_known &= visit(&PosedShape::Part(Part::Convex(part)));
                 });
