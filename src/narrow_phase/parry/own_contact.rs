@@ -12,7 +12,7 @@ use smallvec::SmallVec;
 use super::convex::{Convex, Isometry};
 use super::gjk::{self, Gap};
 use super::own_mesh::OwnMesh;
-use super::parts::{Part, PosedShape};
+use super::parts::{self, Part, PosedShape};
 use super::probe::Search;
 use crate::narrow_phase::mesh::topology::NO_NEIGHBOR;
 
@@ -54,6 +54,26 @@ pub fn contact(body: &Convex, mesh: &OwnMesh, tolerance: f64) -> Option<Gap> {
     );
     let [_, half] = body.local_box();
     settle(body, &mut claims, BIAS * half.length())
+}
+
+/// The way out of a closed mesh, of a shape inside that does not touch it: through what is nearest.
+pub fn from_inside(body: &Convex, mesh: &OwnMesh) -> Option<Gap> {
+    if !mesh.mesh.is_closed() {
+        return None;
+    }
+    let [body_shape, mesh_shape] = [
+        PosedShape::Part(Part::Convex(*body)),
+        PosedShape::Mesh(*mesh),
+    ];
+    let gap = parts::nearest(&body_shape, &mesh_shape)?;
+    let out = gap.normal;
+    let depth = gap.points[1].dot(out) - lowest(body, out);
+    Some(Gap {
+        distance: -depth,
+        normal: -out,
+        between: gap.points[0],
+        ..gap
+    })
 }
 
 /// The same gap, if its normal is one of the surface; otherwise that along the triangle's own.

@@ -66,16 +66,21 @@ fn touch(a: Placed, b: Placed, tolerance: f32) -> Option<bool> {
     (found || is_known).then_some(found)
 }
 
-/// The contact of two shapes: where they are deepest in each other.
+/// The contact of two shapes that [touch](intersects), or of which a mesh is around the other: where
+/// they are deepest in each other.
 pub fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalContact> {
     let tolerance = f64::from(tolerance);
     let origin = a.transform.translation;
     let (a, b) = (posed(a, origin)?, posed(b, origin)?);
+    let in_mesh = |other: &PosedShape, mesh: &OwnMesh| {
+        deepest_in_mesh(other, mesh, tolerance).or_else(|| match other {
+            PosedShape::Part(Part::Convex(convex)) => own_contact::from_inside(convex, mesh),
+            _ => None,
+        })
+    };
     let deepest = match (&a, &b) {
-        (PosedShape::Mesh(mesh), other) => {
-            deepest_in_mesh(other, mesh, tolerance).map(Gap::reversed)
-        }
-        (other, PosedShape::Mesh(mesh)) => deepest_in_mesh(other, mesh, tolerance),
+        (PosedShape::Mesh(mesh), other) => in_mesh(other, mesh).map(Gap::reversed),
+        (other, PosedShape::Mesh(mesh)) => in_mesh(other, mesh),
         _ => deepest(&a, &b, tolerance),
     };
     deepest.map(|gap| LocalContact {

@@ -181,8 +181,8 @@ fn what_is_in_a_solid_goes_out_of_it() {
         ("cone", SharedShape::cone(0.3, 0.2)),
     ] {
         let shape: Shape = shape.into();
-        // Its middle inside or outside, something of it through the right side.
-        for x in [0.95, 0.98, 1.02, 1.05] {
+        // Wholly inside, or its middle inside or outside and something of it through the right side.
+        for x in [0.7, 0.95, 0.98, 1.02, 1.05] {
             let at = Transform::from_xyz(x, 0.2, 0.1);
             let found = contact((&cube, here), (&shape, at)).unwrap();
             let width = match &shape {
