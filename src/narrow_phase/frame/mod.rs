@@ -15,4 +15,5 @@ pub(super) mod placing;
 pub(super) mod separation;
 pub(super) mod smaller;
 pub(super) mod surface;
+pub(super) mod triangles;
 pub(super) mod workspace;

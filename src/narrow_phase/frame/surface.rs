@@ -9,6 +9,7 @@ use super::local_aabb::LocalAabb;
 use super::oriented_box::OrientedBox;
 use super::placed::Placed;
 use super::placing::Placing;
+use super::triangles::Triangles;
 use crate::broad_phase::ScaledDistance;
 use crate::narrow_phase::{length::unit, mesh::polygon_mesh::PolygonMesh};
 
@@ -270,8 +271,9 @@ impl Surface {
         is_near
     }
 
-    /// Calls `found` with polygons whose boxes are within the limit of a point of the frame, near
-    /// ones first, their closest points and how far these are; it tells the limit from then on.
+    /// Calls `found` with polygons that are within the limit of a point of the frame, and perhaps
+    /// more, near ones first, their closest points and how far these are; it tells the limit from
+    /// then on.
     fn search_near(
         &mut self,
         mesh: &PolygonMesh,
@@ -286,19 +288,54 @@ impl Surface {
             max: point,
         });
         let measure = ScaledDistance::new(at, placing.scale());
+        // Where all axes have one scale, what is closest in the space of the mesh is so here.
+        let uniform = placing.uniform_scale();
+        let (from, scale) = match uniform {
+            Some(scale) => ((at.min + at.max) * 0.5, scale),
+            None => (point, 1.0),
+        };
         let vertices = mesh.vertices();
-        tree.search(&measure, limit, |polygon, _| {
-            let closest = if let &[a, b, c] = mesh.polygon(polygon as usize) {
-                let corners = [a, b, c].map(|vertex| placing.place(vertices[vertex as usize]));
-                closest::point_triangle(point, corners)
-            } else {
-                self.select(mesh, polygon, 0.0);
-                match self.closest_point_of(&self.faces[0], point) {
-                    Some(closest) => closest,
-                    None => return ControlFlow::Continue(limit),
+        let corner = |vertex: u32| {
+            let vertex = vertices[vertex as usize];
+            match uniform {
+                Some(_) => Vec3A::from(vertex),
+                None => placing.place(vertex),
+            }
+        };
+        let mut limit = limit;
+        tree.search_blocks(&measure, limit, |polygons| {
+            let (mut triangles, mut others) = (Triangles::default(), 0u32);
+            for (lane, polygon) in polygons.iter().enumerate() {
+                match mesh.polygon(*polygon as usize) {
+                    &[a, b, c] => triangles.set(lane, [a, b, c].map(corner)),
+                    _ => others |= 1 << lane,
                 }
-            };
-            found(polygon, closest, closest.distance(point))
+            }
+            let squares = triangles.distances_squared(tree.level(), from);
+            let mut left = ((1 << polygons.len()) - 1) & !others;
+            loop {
+                // A little less, for rounding.
+                let reach = limit / scale;
+                let reach = reach * reach * (1.0 + 1e-4);
+                let Some(lane) = nearest(&squares, left, reach) else {
+                    break;
+                };
+                left &= !(1 << lane);
+                let closest = closest::point_triangle(from, triangles.get(lane));
+                let distance = closest.distance(from) * scale;
+                let closest = match uniform {
+                    Some(_) => placing.place(closest.into()),
+                    None => closest,
+                };
+                limit = found(polygons[lane], closest, distance)?;
+            }
+            for lane in (0..polygons.len()).filter(|lane| others & 1 << lane != 0) {
+                self.select(mesh, polygons[lane], 0.0);
+                if let Some(closest) = self.closest_point_of(&self.faces[0], point) {
+                    limit = found(polygons[lane], closest, closest.distance(point))?;
+                }
+            }
+            ControlFlow::Continue(limit)
         });
     }
 
@@ -404,6 +441,19 @@ impl Surface {
         }
         winds_around(mesh, |vertex| self.vertex(mesh, vertex) - point)
     }
+}
+
+/// The lane of the least number, of those that are listed and no more than `most`.
+#[inline]
+fn nearest(squares: &[f32; 8], lanes: u32, most: f32) -> Option<usize> {
+    let mut best: Option<usize> = None;
+    for (lane, square) in squares.iter().enumerate() {
+        let is_listed = lanes & 1 << lane != 0 && *square <= most;
+        if is_listed && best.is_none_or(|best| *square < squares[best]) {
+            best = Some(lane);
+        }
+    }
+    best
 }
 
 /// The sides of a polygon of a mesh, each with the polygon across it.
