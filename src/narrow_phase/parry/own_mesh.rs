@@ -249,3 +249,6 @@ impl OwnMesh<'_> {
 fn up(value: f64) -> f32 {
     (value as f32).next_up()
 }
+
+#[cfg(test)]
+mod tests;
