@@ -239,3 +239,6 @@ impl Ray {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;
