@@ -21,6 +21,7 @@ mod hook;
 mod interrupted_ticks;
 mod layering;
 mod lifecycle;
+mod manifolds;
 mod mesh_floors;
 #[cfg(feature = "picking")]
 mod picking;

@@ -30,8 +30,7 @@ impl NarrowPhase {
     /// or that is negative or NaN.
     ///
     /// Two shapes made of polygons: linear in the pairs of their edges; a sphere and one of these:
-    /// linear in its edges; two spheres: O(1). Allocates nothing once the workspace is warm, but
-    /// when a mesh first meets a shape of Rapier's.
+    /// linear in its edges; two spheres: O(1). Allocates nothing once the workspace is warm.
     ///
     /// ```
     /// use bevy::{math::{Dir3, Vec3}, transform::components::Transform};
