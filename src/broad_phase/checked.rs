@@ -95,8 +95,7 @@ fn make_a_pair(proxies: &Proxies, a: ProxyId, b: ProxyId) -> bool {
         _ => kinds.moving_static,
     };
     let (a_hears, b_hears) = (b.memberships & a.filters > 0, a.memberships & b.filters > 0);
-    let is_wanted =
-        (a_hears && b_hears) || (a_hears && a.is_detector) || (b_hears && b.is_detector);
+    let is_wanted = (a_hears && (b_hears || a.is_detector)) || (b_hears && b.is_detector);
     is_sought && a.world == b.world && is_wanted
 }
 

@@ -86,6 +86,7 @@ fn both_must_admit() {
     assert!(detector.admits(&on(4, 0)) && on(4, 0).admits(&detector));
     assert!(!detector.admits(&on(2, u32::MAX)) && !on(2, u32::MAX).admits(&detector));
     assert!(!detector.admits(&detector));
+    assert_eq!(size_of::<PairFilter>(), 16, "detectors take no room");
     let elsewhere = PairFilter { world: 7, ..any };
     assert!(elsewhere.admits(&elsewhere) && !elsewhere.admits(&any) && !any.admits(&elsewhere));
 }

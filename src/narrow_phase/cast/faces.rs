@@ -6,12 +6,17 @@ use std::ops::ControlFlow;
 use bevy::math::{DVec3, Vec3A, bounding::Aabb3d};
 
 use super::{
-    chord::ALONG_START,
-    local_ray::{BORDER, LocalRay, Met, is_on_polygon, vertex},
-    options::{Faces, RayCastOptions},
+    local_ray::{BORDER, LocalRay, is_on_polygon, vertex},
     ray::{ALONG, First},
 };
-use crate::{broad_phase::Sweep, narrow_phase::mesh::polygon_mesh::PolygonMesh};
+use crate::{
+    broad_phase::Sweep,
+    narrow_phase::{
+        cast_options::{Faces, RayCastOptions},
+        frame::chord::{ALONG_START, Met},
+        mesh::polygon_mesh::PolygonMesh,
+    },
+};
 
 /// So far ahead, by what is uncertain of a start, is looked whether a ray goes into a solid.
 const AHEAD: f64 = 16.0;

@@ -2,14 +2,13 @@
 //! move.
 
 mod advance;
-pub(super) mod chord;
+mod chord;
 mod faces;
 mod first_impact;
-pub(super) mod local_ray;
+mod local_ray;
 mod moments;
 pub(super) mod moving;
 mod nearest_polygon;
-pub(super) mod options;
 mod passage;
 mod ray;
 mod sweep;

@@ -2,14 +2,11 @@
 
 use bevy::math::{Dir3, Vec3};
 
-use super::{
-    local_ray::{LocalRay, Met},
-    options::RayCastOptions,
-    ray::is_askable,
-};
+use super::{local_ray::LocalRay, ray::is_askable};
 use crate::narrow_phase::{
     answer::{Impact, Passage},
-    frame::placed::Placed,
+    cast_options::RayCastOptions,
+    frame::{chord::Met, placed::Placed},
     mesh::polygon_mesh::PolygonMesh,
     parry,
     settings::NarrowPhase,

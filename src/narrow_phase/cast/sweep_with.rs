@@ -3,9 +3,10 @@
 use bevy::math::{Dir3, Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
-use super::{nearest_polygon::nearest_polygon, options::ShapeCastOptions};
+use super::nearest_polygon::nearest_polygon;
 use crate::narrow_phase::{
     answer::{Contact, Impact},
+    cast_options::ShapeCastOptions,
     frame::{
         edge_polygon,
         placed::{Placed, PlacedPair, in_order},

@@ -2,6 +2,7 @@
 
 pub(super) mod approach;
 pub(super) mod case;
+pub(super) mod chord;
 pub(super) mod closest;
 pub(super) mod common_point;
 pub(super) mod cuboid_mesh;

@@ -12,12 +12,11 @@ use super::parts::{self, Part, PosedShape};
 use super::probe::Search;
 use crate::narrow_phase::{
     answer::{Impact, Passage, against, slack},
-    cast::{
-        chord::{ALONG_START, Chord},
-        local_ray::Met,
-        options::{Faces, RayCastOptions},
+    cast_options::{Faces, RayCastOptions},
+    frame::{
+        chord::{ALONG_START, Chord, Met},
+        placed::Placed,
     },
-    frame::placed::Placed,
 };
 
 /// How near something on its way comes to what it is going to touch before the rest is taken as
@@ -240,3 +239,6 @@ impl Ray {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,7 +5,7 @@ use bevy::reflect::Reflect;
 /// Which faces of a shape a ray meets, by the way that they face.
 ///
 /// A face of a solid faces out of it: a ray meets front faces where it enters, and back faces where
-/// it leaves. A polygon of a mesh faces as its [normal](super::super::PolygonMesh::normals) says,
+/// it leaves. A polygon of a mesh faces as its [normal](super::PolygonMesh::normals) says,
 /// whether the mesh is closed or not, and mirrored or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[type_path = "bevy_octree"]
@@ -48,7 +48,7 @@ pub enum Faces {
 /// assert_eq!(cast(1.0, RayCastOptions::DEFAULT.ignore_start()), None);
 /// ```
 ///
-/// [`cast_ray`]: super::super::NarrowPhase::cast_ray
+/// [`cast_ray`]: super::NarrowPhase::cast_ray
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[type_path = "bevy_octree"]
 pub struct RayCastOptions {
@@ -135,7 +135,7 @@ impl RayCastOptions {
 ///
 /// Begin with [`DEFAULT`](Self::DEFAULT), or `default()`, and refine it.
 ///
-/// [`sweep`]: super::super::NarrowPhase::sweep
+/// [`sweep`]: super::NarrowPhase::sweep
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[type_path = "bevy_octree"]
 pub struct ShapeCastOptions {
@@ -165,7 +165,7 @@ impl ShapeCastOptions {
     /// Tells which polygon of a mesh is met, and as [`Impact::face_normal`] the normal of that:
     /// costs a search for the one that the point of impact is on.
     ///
-    /// [`Impact::face_normal`]: super::super::Impact::face_normal
+    /// [`Impact::face_normal`]: super::Impact::face_normal
     #[must_use]
     #[doc(alias("triangle", "feature"))]
     pub const fn find_polygon(self) -> Self {
