@@ -344,6 +344,11 @@ impl PolygonMesh {
         &self.shells
     }
 
+    /// Whether the mesh is one solid, in one piece.
+    pub(in crate::narrow_phase) fn is_one_solid(&self) -> bool {
+        self.shells.len() == 1 && self.is_closed() && self.has_inside()
+    }
+
     /// Whether a polygon stands for its connected part of the surface: each has one that does.
     pub(in crate::narrow_phase) fn is_representative(&self, polygon: u32) -> bool {
         self.shells.binary_search(&polygon).is_ok()
