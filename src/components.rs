@@ -13,12 +13,6 @@ use crate::{
     way::SweptWay,
 };
 
-#[cfg(feature = "mesh")]
-mod mesh_shape;
-
-#[cfg(feature = "mesh")]
-pub use mesh_shape::{MeshForm, ShapeFromMesh};
-
 /// The shape of an entity.
 ///
 /// An entity that has one takes part in collision detection; one that loses it, or is despawned, no
@@ -303,6 +297,4 @@ pub(crate) fn register(app: &mut App) {
     app.register_type::<CollisionShape>()
         .register_type::<WorldAabb>()
         .register_type::<BroadPhaseProxy>();
-    #[cfg(feature = "mesh")]
-    mesh_shape::register(app);
 }

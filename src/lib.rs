@@ -101,6 +101,8 @@ pub mod filters;
 mod frame;
 mod hierarchy;
 mod maintenance;
+#[cfg(feature = "mesh")]
+pub mod mesh_shape;
 pub mod motion;
 pub mod narrow_phase;
 pub mod octree;
@@ -148,6 +150,8 @@ pub mod plugins {
 pub mod prelude {
     #[cfg(feature = "debug_draw")]
     pub use crate::debug_draw::{CollisionDebugPlugin, CollisionGizmos, DebugDraw, QueryGizmos};
+    #[cfg(feature = "mesh")]
+    pub use crate::mesh_shape::{MeshForm, ShapeFromMesh};
     #[cfg(feature = "picking")]
     pub use crate::picking::{CollisionPickable, CollisionPickingPlugin};
     #[cfg(feature = "rapier")]

@@ -94,7 +94,7 @@ impl PolygonMesh {
         vertices: impl Into<Vec<Vec3>>,
         polygons: impl IntoIterator<Item = P>,
     ) -> Result<Self, ShapeError> {
-        Self::build(vertices.into(), polygons, |error| Some(error), 0.0)
+        Self::build(vertices.into(), polygons, Some, 0.0)
     }
 
     /// The same; polygons are left out for which `refuse` makes nothing of an error. Vertices have

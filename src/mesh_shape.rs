@@ -9,8 +9,8 @@ use bevy::{
     tasks::{AsyncComputeTaskPool, Task, TaskPool, futures::check_ready},
 };
 
-use super::CollisionShape;
 use crate::{
+    components::CollisionShape,
     narrow_phase::{ConvexMesh, PolygonMesh, Shape, ShapeError},
     schedule::{CollisionSystems, add_to_tick},
 };
@@ -32,7 +32,7 @@ use crate::{
 ///
 /// ```
 /// use bevy::{asset::AssetPlugin, mesh::MeshPlugin, prelude::*};
-/// use bevy_octree::{components::{MeshForm, ShapeFromMesh}, prelude::*};
+/// use bevy_octree::{mesh_shape::{MeshForm, ShapeFromMesh}, prelude::*};
 ///
 /// let mut app = App::new();
 /// app.add_plugins((MinimalPlugins, AssetPlugin::default(), MeshPlugin, OctreePlugins::new(Update)));
@@ -97,7 +97,7 @@ struct Built {
     doubt: Option<String>,
 }
 
-pub(super) fn register(app: &mut App) {
+pub(crate) fn register(app: &mut App) {
     app.register_type::<ShapeFromMesh>()
         .register_type::<MeshForm>()
         .init_resource::<MeshShapes>();
