@@ -49,6 +49,12 @@ impl Placing {
         self.scale
     }
 
+    /// The scale along all axes, whatever its sign, if it is the same and not zero.
+    pub fn uniform_scale(&self) -> Option<f32> {
+        let scale = self.scale.abs();
+        (scale.x == scale.y && scale.y == scale.z && scale.x > 0.0).then_some(scale.x)
+    }
+
     /// The box of the mesh in its own space.
     pub fn bounds(&self) -> Aabb3d {
         Aabb3d {

@@ -234,19 +234,22 @@ impl Surface {
                 .closest_point(point)
                 .filter(|found| found.distance <= limit);
         };
-        let mut best: Option<(Vec3A, f32, u32)> = None;
-        self.search_near(mesh, point, limit, |polygon, closest, distance| {
+        let mut best: Option<(f32, u32)> = None;
+        let most = limit * limit;
+        self.search_near(mesh, point, most, |polygon, squared| {
             // Of several that are as close, the first in the order of the mesh.
-            let is_closer = best.is_none_or(|(_, least, of)| (distance, polygon) < (least, of));
-            if is_closer && distance <= limit {
-                best = Some((closest, distance, polygon));
+            if best.is_none_or(|best| (squared, polygon) < best) && squared <= most {
+                best = Some((squared, polygon));
             }
-            ControlFlow::Continue(best.map_or(limit, |(_, distance, _)| distance))
+            ControlFlow::Continue(best.map_or(most, |(squared, _)| squared))
         });
-        best.map(|(point, distance, polygon)| ClosestPoint {
-            point,
-            distance,
-            normal: self.placing.normal(mesh.normals()[polygon as usize]),
+        let (squared, polygon) = best?;
+        self.select(mesh, polygon, 0.0);
+        let face = &self.faces[0];
+        Some(ClosestPoint {
+            point: self.closest_point_of(face, point)?,
+            distance: squared.sqrt(),
+            normal: face.normal,
         })
     }
 
@@ -258,26 +261,26 @@ impl Surface {
                 .closest_point(point)
                 .is_some_and(|found| found.distance <= limit);
         }
-        let mut is_near = false;
-        self.search_near(mesh, point, limit, |_, _, distance| {
-            is_near = distance <= limit;
+        let (mut is_near, most) = (false, limit * limit);
+        self.search_near(mesh, point, most, |_, squared| {
+            is_near = squared <= most;
             if is_near {
                 ControlFlow::Break(())
             } else {
-                ControlFlow::Continue(limit)
+                ControlFlow::Continue(most)
             }
         });
         is_near
     }
 
     /// Calls `found` with polygons whose boxes are within the limit of a point of the frame, near
-    /// ones first, their closest points and how far these are; it tells the limit from then on.
+    /// ones first, and how far they are; it tells the limit from then on. Both are squared.
     fn search_near(
         &mut self,
         mesh: &PolygonMesh,
         point: Vec3A,
         limit: f32,
-        mut found: impl FnMut(u32, Vec3A, f32) -> ControlFlow<(), f32>,
+        mut found: impl FnMut(u32, f32) -> ControlFlow<(), f32>,
     ) {
         let Some(tree) = mesh.tree() else { return };
         let placing = self.placing;
@@ -286,25 +289,48 @@ impl Surface {
             max: point,
         });
         let measure = ScaledDistance::new(at, placing.scale());
+        // Where all axes have one scale, what is closest in the space of the mesh is so here.
+        let uniform = placing.uniform_scale();
+        let (from, scale) = match uniform {
+            Some(scale) => ((at.min + at.max) * 0.5, scale),
+            None => (point, 1.0),
+        };
         let vertices = mesh.vertices();
+        let corner = |vertex: u32| {
+            let vertex = vertices[vertex as usize];
+            match uniform {
+                Some(_) => Vec3A::from(vertex),
+                None => placing.place(vertex),
+            }
+        };
+        let square = scale * scale;
         tree.search(&measure, limit, |polygon, _| {
-            let closest = if let &[a, b, c] = mesh.polygon(polygon as usize) {
-                let corners = [a, b, c].map(|vertex| placing.place(vertices[vertex as usize]));
-                closest::point_triangle(point, corners)
+            let squared = if let &[a, b, c] = mesh.polygon(polygon as usize) {
+                let closest = closest::point_triangle(from, [a, b, c].map(corner));
+                closest.distance_squared(from) * square
             } else {
                 self.select(mesh, polygon, 0.0);
-                match self.closest_point_of(&self.faces[0], point) {
-                    Some(closest) => closest,
-                    None => return ControlFlow::Continue(limit),
-                }
+                self.closest_point_of(&self.faces[0], point)
+                    .map_or(f32::INFINITY, |closest| closest.distance_squared(point))
             };
-            found(polygon, closest, closest.distance(point))
+            found(polygon, squared)
         });
     }
 
     /// A vertex of the mesh, in place.
     pub fn vertex(&self, mesh: &PolygonMesh, vertex: u32) -> Vec3A {
         self.placing.place(mesh.vertices()[vertex as usize])
+    }
+
+    /// The same as [`touch`](Self::touch) of a segment.
+    pub fn touch_segment(
+        &self,
+        face: &PlacedFace,
+        ends: [Vec3A; 2],
+        tolerance: f32,
+    ) -> Option<Vec3A> {
+        let bounds = LocalAabb::around(ends.into_iter(), tolerance);
+        self.touch(face, &PlacedEdge { ends, bounds }, tolerance)
     }
 
     /// The corners of a face, in place.
