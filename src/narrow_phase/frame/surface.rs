@@ -42,6 +42,8 @@ pub struct ClosestPoint {
     pub distance: f32,
     /// That of the face, or of one of the faces, that it is on.
     pub normal: Vec3A,
+    /// The number of that face in the mesh.
+    pub polygon: u32,
 }
 
 /// A mesh in place: the edges and polygons within a region.
@@ -248,6 +250,7 @@ impl Surface {
             point,
             distance,
             normal: self.placing.normal(mesh.normals()[polygon as usize]),
+            polygon,
         })
     }
 
@@ -417,6 +420,7 @@ impl Surface {
                     point: closest,
                     distance: closest.distance(point),
                     normal: face.normal,
+                    polygon: face.polygon,
                 })
         });
         candidates.min_by(|a, b| a.distance.total_cmp(&b.distance))
