@@ -163,8 +163,8 @@ pub mod prelude {
         },
         counters::CollisionCounters,
         filters::{
-            CollisionLayer, CollisionLayers, IgnoreCollisions, LayerMask, PairHook, PairHookPlugin,
-            Sensor, StaticShape,
+            CollisionLayer, CollisionLayers, Detector, IgnoreCollisions, LayerMask, PairHook,
+            PairHookPlugin, Sensor, StaticShape,
         },
         motion::{MovedElsewhere, PositionTrack, Velocity},
         plugin::OctreePlugins,
@@ -172,8 +172,8 @@ pub mod prelude {
         schedule::CollisionSystems,
         settings::BroadPhaseSettings,
         spatial_query::{
-            PairHit, PointHit, RayCastOptions, RayHit, RayPassage, ShapeHit, SpatialQuery,
-            SpatialQueryFilter, update_spatial_index,
+            PairHit, PointHit, RayCastOptions, RayHit, RayPassage, ShapeCastOptions, ShapeHit,
+            SpatialQuery, SpatialQueryFilter, update_spatial_index,
         },
         swept::Swept,
         worlds::{CollisionWorld, InCollisionWorld},

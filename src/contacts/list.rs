@@ -94,7 +94,8 @@ impl Contacts {
         Some(self.collision(contact).seen_from(a))
     }
 
-    /// Returns the contacts of an entity, as seen from it, in the order of all. O(log n) for each.
+    /// Returns the contacts of an entity, as seen from it, in the order of all; not those with a
+    /// [detector](crate::filters::Detector) that it does not hear of. O(log n) for each.
     pub fn of(&self, entity: Entity) -> impl Iterator<Item = Collision> {
         let id = self.handles().get(&entity);
         let contacts = id
@@ -199,7 +200,7 @@ impl Contacts {
             .filter(|contact| entities.iter().all(|entity| contact.is_of(*entity)))
     }
 
-    /// The contacts of an entity, in the order of their pairs. O(1) for each, and O(contacts +
+    /// The contacts that an entity hears of, in the order of their pairs. O(1) for each, and O(contacts +
     /// objects) for the first call in a tick.
     pub(super) fn of_handle(
         &self,
@@ -212,7 +213,7 @@ impl Contacts {
             .iter()
             .map(|index| &self.pairs[*index as usize]);
         // The handle may have been another's.
-        all.filter(move |contact| contact.is_of(entity))
+        all.filter(move |contact| contact.is_heard_by(entity))
     }
 
     /// Where the two lie on each other, as seen from one of them, if somebody asked. O(log n).

@@ -85,8 +85,8 @@
 //! half-spaces, and all shapes of ours.
 //!
 //! Meshes and height fields of Rapier are surfaces, without an inside; a closed mesh of ours has
-//! one for them too. A mesh of ours is cut into triangles when it first meets such a shape, once
-//! for all its scales.
+//! one for them too. A mesh of ours is searched by its own tree, at any scale, and met triangle by
+//! triangle: by balls and capsules in closed form.
 //!
 //! Nothing is known of how two half-spaces meet, nor of shapes of somebody else's making
 //! (`ShapeType::Custom`) that have neither a support map nor parts, but of how rays and points meet
@@ -120,7 +120,7 @@ mod turned;
 
 pub use answer::{Contact, Impact, Passage, Proximity, TimedContact};
 pub use cast::moving::Moving;
-pub use cast::options::RayCastOptions;
+pub use cast::options::{RayCastOptions, ShapeCastOptions};
 pub use contact::manifold::{Manifold, ManifoldPoint};
 pub use error::{BoundsError, ShapeError, ToleranceError};
 pub(crate) use frame::approach::approach;

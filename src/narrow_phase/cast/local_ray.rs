@@ -125,6 +125,7 @@ impl LocalRay {
                 .map_or(-*direction, |face| against(face, direction)),
             face_normal: face.unwrap_or(-*direction),
             polygon: met.polygon.map(|polygon| target.shape.source(polygon)),
+            depth: 0.0,
         })
     }
 

@@ -8,10 +8,12 @@ mod first_impact;
 pub(super) mod local_ray;
 mod moments;
 pub(super) mod moving;
+mod nearest_polygon;
 pub(super) mod options;
 mod passage;
 mod ray;
 mod sweep;
+mod sweep_with;
 #[cfg(test)]
 pub(super) mod tests;
 mod time_of_impact;

@@ -129,3 +129,49 @@ impl RayCastOptions {
         }
     }
 }
+
+/// Says what a shape on its way meets of another, and what is told of it. By default, that is what
+/// [`sweep`] does: shapes in contact at the start meet at once, whichever way they go.
+///
+/// Begin with [`DEFAULT`](Self::DEFAULT), or `default()`, and refine it.
+///
+/// [`sweep`]: super::super::NarrowPhase::sweep
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[type_path = "bevy_octree"]
+pub struct ShapeCastOptions {
+    pub(in crate::narrow_phase) ignores_start: bool,
+    pub(in crate::narrow_phase) finds_polygon: bool,
+}
+
+impl ShapeCastOptions {
+    /// The options of a shape that meets what it touches.
+    pub const DEFAULT: Self = Self {
+        ignores_start: false,
+        finds_polygon: false,
+    };
+
+    /// Ignores what the shape starts in touch with, as far as it goes away from it or along it, by
+    /// the normal of the contact: a thing on the ground may be cast along the ground. What it goes
+    /// into is met at once, at a distance of 0; the rest of a mesh or compound, as ever.
+    #[must_use]
+    #[doc(alias("ignore origin penetration", "initial overlap", "stop at penetration"))]
+    pub const fn ignore_start(self) -> Self {
+        Self {
+            ignores_start: true,
+            ..self
+        }
+    }
+
+    /// Tells which polygon of a mesh is met, and as [`Impact::face_normal`] the normal of that:
+    /// costs a search for the one that the point of impact is on.
+    ///
+    /// [`Impact::face_normal`]: super::super::Impact::face_normal
+    #[must_use]
+    #[doc(alias("triangle", "feature"))]
+    pub const fn find_polygon(self) -> Self {
+        Self {
+            finds_polygon: true,
+            ..self
+        }
+    }
+}

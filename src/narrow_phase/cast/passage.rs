@@ -115,7 +115,7 @@ impl LocalRay {
             None => None,
         };
         let leave = mesh
-            .is_closed()
+            .has_inside()
             .then(|| self.leave(mesh, enters, together))
             .flatten();
         Some(Passage {
@@ -131,7 +131,7 @@ impl LocalRay {
         (TOGETHER * size / self.direction.length()).max(f64::MIN_POSITIVE)
     }
 
-    /// Where the ray leaves a closed mesh that it enters at a place, or starts in: the first wall
+    /// Where the ray leaves a mesh with an inside that it enters at a place, or starts in: the first wall
     /// behind which it is outside.
     fn leave(&self, mesh: &PolygonMesh, enters: Option<Met>, together: f64) -> Option<Met> {
         let reach = self.reach(mesh);

@@ -30,8 +30,7 @@ impl NarrowPhase {
     /// or that is negative or NaN.
     ///
     /// Two shapes made of polygons: linear in the pairs of their edges; a sphere and one of these:
-    /// linear in its edges; two spheres: O(1). Allocates nothing once the workspace is warm, but
-    /// when a mesh first meets a shape of Rapier's.
+    /// linear in its edges; two spheres: O(1). Allocates nothing once the workspace is warm.
     ///
     /// ```
     /// use bevy::{math::{Dir3, Vec3}, transform::components::Transform};
@@ -122,6 +121,7 @@ impl NarrowPhase {
             normal: found.normal.into(),
             face_normal: found.normal.into(),
             polygon: None,
+            depth: 0.0,
         })
     }
 
@@ -145,8 +145,9 @@ impl NarrowPhase {
             distance: 0.0,
             point: contact.map_or(moving.transform.translation, |contact| contact.point),
             normal,
-            face_normal: normal,
+            face_normal: contact.map_or(normal, |contact| -contact.normal),
             polygon: None,
+            depth: contact.map_or(0.0, |contact| contact.depth),
         }
     }
 }

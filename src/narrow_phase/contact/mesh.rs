@@ -70,7 +70,7 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
     })
 }
 
-/// A solid inside a closed mesh, whose surface it does not touch: out through what is nearest to its
+/// A solid inside a mesh, whose surface it does not touch: out through what is nearest to its
 /// centre.
 pub fn nested(
     pair: &PlacedPair,
@@ -154,12 +154,11 @@ impl OnMesh<'_> {
                     self.place.place(mesh.vertices()[vertex as usize])
                 })
             };
-            let outwards = mesh.outwards(polygon);
             let facet = Facet {
                 corners: own,
-                normal: normal * outwards.unwrap_or(1.0),
+                normal,
                 beyond: &beyond,
-                is_solid: outwards.is_some(),
+                is_solid: mesh.bounds_solid(polygon as usize),
             };
             if let Some(way) = self.body.way_out(&facet, self.bias()) {
                 claims.push(Claim {

@@ -162,8 +162,8 @@ struct Side<'a> {
 impl Side<'_> {
     /// The normal of a face; and whether only that way is outside.
     fn normal(&self, face: &PlacedFace) -> (Vec3A, bool) {
-        let outwards = self.mesh.outwards(face.polygon);
-        (face.normal * outwards.unwrap_or(1.0), outwards.is_some())
+        let is_solid = self.mesh.bounds_solid(face.polygon as usize);
+        (face.normal, is_solid)
     }
 
     /// How far the mesh reaches along a direction on the summit that is nearest to a polygon; or

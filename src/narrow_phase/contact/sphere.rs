@@ -58,12 +58,16 @@ pub fn sphere_other(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Loca
 /// the normal of the polygon there, -1 against it. Outwards, off a solid; off a surface, to the side
 /// that the centre is on.
 fn side(pair: &PlacedPair, closest: &ClosestPoint) -> f32 {
-    let outwards = match pair.b.shape {
-        Shape::Mesh(mesh) => mesh.outwards(closest.polygon),
-        _ => Some(1.0),
+    let bounds_solid = match pair.b.shape {
+        Shape::Mesh(mesh) => mesh.bounds_solid(closest.polygon as usize),
+        _ => true,
     };
     let height = (pair.box_a.center - closest.point).dot(closest.normal);
-    outwards.unwrap_or(1f32.copysign(height))
+    if bounds_solid || height >= 0.0 {
+        1.0
+    } else {
+        -1.0
+    }
 }
 
 /// The point on a cuboid closest to the centre of a sphere, its normal, and whether the centre is

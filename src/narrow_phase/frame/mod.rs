@@ -15,5 +15,4 @@ pub(super) mod placing;
 pub(super) mod separation;
 pub(super) mod smaller;
 pub(super) mod surface;
-pub(super) mod triangles;
 pub(super) mod workspace;

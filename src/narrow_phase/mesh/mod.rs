@@ -2,12 +2,10 @@
 
 #[cfg(feature = "mesh")]
 mod bevy_mesh;
-mod cache;
 pub(super) mod convex_mesh;
 pub(super) mod cube;
 mod duplicates;
 mod edges;
-mod facing;
 mod junctions;
 mod normal;
 pub(super) mod polygon_mesh;

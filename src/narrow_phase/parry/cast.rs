@@ -13,7 +13,7 @@ use super::probe::Search;
 use crate::narrow_phase::{
     answer::{Impact, against, slack},
     frame::placed::Placed,
-    shape::{Kind, Shape},
+    shape::Shape,
 };
 
 /// How near something on its way comes to what it is going to touch before the rest is taken as
@@ -69,24 +69,20 @@ pub fn ray_by_itself(
         normal: against(normal, direction),
         face_normal: normal,
         polygon: None,
+        depth: 0.0,
     })
 }
 
 /// Where a shape on its way meets another that it does not touch at the start.
 pub fn sweep(moving: Placed, direction: Dir3, max_distance: f32, target: Placed) -> Option<Impact> {
     let origin = moving.transform.translation;
-    let met = impact(
+    impact(
         &posed(moving, origin)?,
         (origin, 0.0),
         direction,
         max_distance,
         &posed(target, origin)?,
-    );
-    // The triangles of a mesh of ours are parts of its polygons.
-    met.map(|met| Impact {
-        polygon: met.polygon.filter(|_| target.shape.kind() == Kind::Foreign),
-        ..met
-    })
+    )
 }
 
 /// Where a body on its way meets another. Both are given relative to an origin, beside which is how
@@ -111,7 +107,7 @@ fn impact(
     };
     let mut first: Option<(f64, Gap)> = None;
     let (mut face, mut triangle) = (None, None);
-    let has_triangles = matches!(target, PosedShape::Tree { .. });
+    let has_triangles = matches!(target, PosedShape::Tree { .. } | PosedShape::Mesh(_));
     parts::pairs(&search, moving, target, &mut |a, b| {
         let Ok(found) =
             parts::first_impact(a, b, way, search.limit.get(), [near.max(touching), near])
@@ -148,6 +144,7 @@ fn impact(
         normal,
         face_normal: face.map_or(normal, DVec3::as_vec3),
         polygon: triangle,
+        depth: 0.0,
     })
 }
 

@@ -110,6 +110,7 @@ fn impact(origin: Vec3, direction: Dir3, max_distance: f32, met: Met) -> Option<
         normal: face.map_or(-*direction, |face| against(face, direction)),
         face_normal: face.unwrap_or(-*direction),
         polygon: met.polygon,
+        depth: 0.0,
     })
 }
 

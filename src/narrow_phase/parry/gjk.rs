@@ -50,7 +50,7 @@ impl Gap {
     }
 
     /// From cores to shapes with a radius around them.
-    fn grown(self, [a, b]: [f64; 2]) -> Self {
+    pub fn grown(self, [a, b]: [f64; 2]) -> Self {
         let Self {
             distance,
             normal,

@@ -10,6 +10,7 @@ mod convex;
 mod faces;
 mod gjk;
 mod own;
+mod own_contact;
 mod own_mesh;
 mod parts;
 mod probe;

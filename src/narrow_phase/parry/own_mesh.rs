@@ -37,9 +37,10 @@ impl OwnMesh<'_> {
         ]
     }
 
-    /// Calls `visit` with the corners of all triangles that a probe admits, in place: near ones
-    /// first if what is nearest is looked for, and first ones first on a way.
-    pub fn each(&self, probe: &Probe, search: &Search, visit: &mut dyn FnMut([DVec3; 3])) {
+    /// Calls `visit` with the corners of all triangles that a probe admits, in place, and which
+    /// polygon each is of: near ones first if what is nearest is looked for, and first ones first on
+    /// a way. They face out of a solid, and otherwise as the polygons of the mesh do.
+    pub fn each(&self, probe: &Probe, search: &Search, visit: &mut dyn FnMut(u32, [DVec3; 3])) {
         let Some(tree) = self.mesh.tree() else {
             return self.each_admitted(probe, search, visit);
         };
@@ -92,7 +93,7 @@ impl OwnMesh<'_> {
         tree: &StillOctree,
         [center, half, direction]: [DVec3; 3],
         search: &Search,
-        visit: &mut dyn FnMut([DVec3; 3]),
+        visit: &mut dyn FnMut(u32, [DVec3; 3]),
     ) {
         let [middle, reach] = self.local_box();
         let rounding = ROUNDING * (middle.abs() + reach + half).max_element();
@@ -124,7 +125,7 @@ impl OwnMesh<'_> {
         measure: &impl Measure,
         limit: impl Fn() -> f32,
         search: &Search,
-        visit: &mut dyn FnMut([DVec3; 3]),
+        visit: &mut dyn FnMut(u32, [DVec3; 3]),
     ) {
         tree.search(measure, limit(), |polygon, _| {
             self.triangles(polygon as usize, visit);
@@ -137,7 +138,12 @@ impl OwnMesh<'_> {
     }
 
     /// One polygon after the other.
-    fn each_admitted(&self, probe: &Probe, search: &Search, visit: &mut dyn FnMut([DVec3; 3])) {
+    fn each_admitted(
+        &self,
+        probe: &Probe,
+        search: &Search,
+        visit: &mut dyn FnMut(u32, [DVec3; 3]),
+    ) {
         for polygon in 0..self.mesh.polygon_count() {
             if !search.goes_on() {
                 return;
@@ -154,17 +160,31 @@ impl OwnMesh<'_> {
     }
 
     /// Calls `visit` with the triangles that a polygon consists of, in place.
-    fn triangles(&self, polygon: usize, visit: &mut dyn FnMut([DVec3; 3])) {
-        let place = |corner: u32| self.at.to_world(self.scaled(corner));
+    fn triangles(&self, polygon: usize, visit: &mut dyn FnMut(u32, [DVec3; 3])) {
+        let index = polygon as u32;
+        let is_turned = self.is_turned();
+        let mut visit = |corners: [u32; 3]| {
+            let [a, b, c] = corners.map(|corner| self.place(corner));
+            visit(index, if is_turned { [a, c, b] } else { [a, b, c] });
+        };
         match *self.mesh.polygon(polygon) {
-            [a, b, c] => visit([a, b, c].map(place)),
+            [a, b, c] => visit([a, b, c]),
             ref corners => {
                 let normal = self.mesh.normals()[polygon];
-                triangulate(self.mesh.vertices(), corners, normal, |corners| {
-                    visit(corners.map(place));
-                });
+                triangulate(self.mesh.vertices(), corners, normal, visit);
             }
         }
+    }
+
+    /// Do polygons as the mesh has them face the other way in place: into a solid, or to where
+    /// their own normals do not point?
+    fn is_turned(&self) -> bool {
+        self.scale.x * self.scale.y * self.scale.z < 0.0
+    }
+
+    /// A vertex in place.
+    pub fn place(&self, vertex: u32) -> DVec3 {
+        self.at.to_world(self.scaled(vertex))
     }
 
     fn scaled(&self, vertex: u32) -> DVec3 {
@@ -228,3 +248,6 @@ impl OwnMesh<'_> {
 fn up(value: f64) -> f32 {
     (value as f32).next_up()
 }
+
+#[cfg(test)]
+mod tests;

@@ -10,6 +10,7 @@ use super::convex::{Convex, Isometry};
 use super::gjk::{self, Gap};
 use super::own_mesh::OwnMesh;
 use super::probe::{Probe, Search};
+use super::segment_triangle::{self, near_from};
 
 /// So often may one on its way look how far the other is: more often only if they no more than
 /// graze each other.
@@ -106,7 +107,7 @@ impl<'a> PosedShape<'a> {
     }
 
     /// Where it is, and that it goes in a direction, as seen from another.
-    fn probe(&self, whole: Isometry, direction: DVec3) -> Probe {
+    pub fn probe(&self, whole: Isometry, direction: DVec3) -> Probe {
         if let Self::Part(Part::HalfSpace { normal, offset }) = self {
             return Probe::HalfSpace {
                 normal: whole.direction_to_local(*normal),
@@ -127,7 +128,7 @@ impl<'a> PosedShape<'a> {
 
     /// Calls `visit` with all parts that a probe admits, and again with their parts. False if there
     /// is one about which nothing can be said.
-    fn each(
+    pub fn each(
         &self,
         probe: &Probe,
         search: &Search,
@@ -156,7 +157,8 @@ impl<'a> PosedShape<'a> {
             }
             Self::Mesh(mesh) => {
                 let mut is_known = true;
-                mesh.each(probe, search, &mut |corners| {
+                mesh.each(probe, search, &mut |polygon, corners| {
+                    search.triangle.set(Some(mesh.mesh.source(polygon)));
                     let part = Convex::triangle(corners, Isometry::IDENTITY);
                     is_known &= visit(&PosedShape::Part(Part::Convex(part)));
                 });
@@ -322,11 +324,49 @@ pub fn first_impact(
     {
         return Ok(found.filter(|(distance, _)| *distance <= limit));
     }
-    let (mut time, mut last) = (0.0, None);
+    if let (Part::Convex(a), Part::Convex(b)) = (a, b) {
+        let radii = [a.radius, b.radius];
+        let reach = a.radius + b.radius;
+        let beyond = f64::INFINITY;
+        if let (Some(segment), Some(corners)) = (a.core_segment(), b.core_triangle()) {
+            let start = near_from(segment, corners, direction, [reach, near[0]], limit);
+            let gap_at = |time: f64| {
+                let segment = segment.map(|end| end + direction * time);
+                let gap = segment_triangle::gap(segment, corners, beyond, false)?;
+                Some(gap.grown(radii))
+            };
+            return Ok(start.and_then(|start| first_zero(direction, start, limit, near, gap_at)));
+        }
+        if let (Some(corners), Some(segment)) = (a.core_triangle(), b.core_segment()) {
+            let start = near_from(segment, corners, -direction, [reach, near[0]], limit);
+            let gap_at = |time: f64| {
+                let corners = corners.map(|corner| corner + direction * time);
+                let gap = segment_triangle::gap(segment, corners, beyond, false)?;
+                Some(gap.reversed().grown(radii))
+            };
+            return Ok(start.and_then(|start| first_zero(direction, start, limit, near, gap_at)));
+        }
+    }
+    if matches!((a, b), (Part::HalfSpace { .. }, Part::HalfSpace { .. })) {
+        return Err(Unknown);
+    }
+    Ok(first_zero(direction, 0.0, limit, near, |time| {
+        gap(&a.moved(direction * time), b, f64::INFINITY, false).ok()?
+    }))
+}
+
+/// When the gap of one that goes in a direction and another is first no more than nothing, and how
+/// they then are to each other. They have not met before `start`.
+fn first_zero(
+    direction: DVec3,
+    start: f64,
+    limit: f64,
+    near: [f64; 2],
+    gap_at: impl Fn(f64) -> Option<Gap>,
+) -> Option<(f64, Gap)> {
+    let (mut time, mut last) = (start, None);
     for _ in 0..MOST_STEPS {
-        let Some(gap) = gap(&a.moved(direction * time), b, f64::INFINITY, false)? else {
-            break;
-        };
+        let gap = gap_at(time)?;
         let closing = gap.normal.dot(direction);
         if gap.distance <= near[usize::from(time > 0.0)] {
             // What is left of the way, but for rounding; the normal of what overlaps is that of the
@@ -341,18 +381,18 @@ pub fn first_impact(
             } else {
                 last.unwrap_or(gap)
             };
-            return Ok(Some(((time + rest).min(limit), gap)));
+            return Some(((time + rest).min(limit), gap));
         }
         if closing <= 0.0 {
-            break;
+            return None;
         }
         time += gap.distance / closing;
         last = Some(gap);
         if time > limit || time.is_nan() {
-            break;
+            return None;
         }
     }
-    Ok(None)
+    None
 }
 
 /// Where a ray meets a triangle. `None` if it starts near its plane, or runs along it: then the

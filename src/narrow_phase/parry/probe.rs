@@ -20,7 +20,7 @@ pub struct Search {
     pub limit: Cell<f64>,
     /// Whether the margin shrinks to what is nearest, so that near parts come first.
     pub is_for_nearest: bool,
-    /// Which triangle of a mesh of Rapier's is visited.
+    /// Which triangle of a mesh of Rapier's is visited, or which polygon of one of ours.
     pub triangle: Cell<Option<u32>>,
 }
 

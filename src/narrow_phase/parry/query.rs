@@ -6,6 +6,8 @@ use bevy::math::{DVec3, Vec3, Vec3A, primitives::HalfSpace};
 use super::convert::{posed, turn};
 use super::convex::Convex;
 use super::gjk::Gap;
+use super::own_contact;
+use super::own_mesh::OwnMesh;
 use super::parts::{self, Part, PosedShape};
 use super::probe::Search;
 use crate::narrow_phase::{
@@ -64,40 +66,76 @@ fn touch(a: Placed, b: Placed, tolerance: f32) -> Option<bool> {
     (found || is_known).then_some(found)
 }
 
-/// The contact of two shapes: where they are deepest in each other.
+/// The contact of two shapes that [touch](intersects), or of which a mesh is around the other: where
+/// they are deepest in each other.
 pub fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalContact> {
     let tolerance = f64::from(tolerance);
-    let search = Search::within(tolerance);
-    let mut deepest: Option<Gap> = None;
     let origin = a.transform.translation;
-    parts::pairs(
-        &search,
-        &posed(a, origin)?,
-        &posed(b, origin)?,
-        &mut |a, b| {
-            let Ok(found) = parts::gap(a, b, tolerance, true) else {
-                return false;
-            };
-            if let Some(gap) =
-                found.filter(|gap| deepest.is_none_or(|deepest| gap.distance < deepest.distance))
-            {
-                deepest = Some(gap);
-                // Beside a plane, what is further is less deep.
-                if matches!(
-                    (a, b),
-                    (Part::HalfSpace { .. }, _) | (_, Part::HalfSpace { .. })
-                ) {
-                    search.margin.set(gap.distance);
-                }
-            }
-            true
-        },
-    );
+    let (a, b) = (posed(a, origin)?, posed(b, origin)?);
+    let in_mesh = |other: &PosedShape, mesh: &OwnMesh| {
+        deepest_in_mesh(other, mesh, tolerance).or_else(|| match other {
+            PosedShape::Part(Part::Convex(convex)) => own_contact::from_inside(convex, mesh),
+            _ => None,
+        })
+    };
+    let deepest = match (&a, &b) {
+        (PosedShape::Mesh(mesh), other) => in_mesh(other, mesh).map(Gap::reversed),
+        (other, PosedShape::Mesh(mesh)) => in_mesh(other, mesh),
+        _ => deepest(&a, &b, tolerance),
+    };
     deepest.map(|gap| LocalContact {
         normal: gap.normal.as_vec3a(),
         point: gap.between.as_vec3a(),
         depth: (-gap.distance).max(0.0) as f32,
     })
+}
+
+/// Where those parts of two shapes meet that are deepest in each other.
+fn deepest(a: &PosedShape, b: &PosedShape, tolerance: f64) -> Option<Gap> {
+    let search = Search::within(tolerance);
+    let mut deepest: Option<Gap> = None;
+    parts::pairs(&search, a, b, &mut |a, b| {
+        let Ok(found) = parts::gap(a, b, tolerance, true) else {
+            return false;
+        };
+        if let Some(gap) =
+            found.filter(|gap| deepest.is_none_or(|deepest| gap.distance < deepest.distance))
+        {
+            deepest = Some(gap);
+            // Beside a plane, what is further is less deep.
+            if matches!(
+                (a, b),
+                (Part::HalfSpace { .. }, _) | (_, Part::HalfSpace { .. })
+            ) {
+                search.margin.set(gap.distance);
+            }
+        }
+        true
+    });
+    deepest
+}
+
+/// Where that part of a shape meets a mesh of ours that is deepest in it.
+fn deepest_in_mesh(shape: &PosedShape, mesh: &OwnMesh, tolerance: f64) -> Option<Gap> {
+    match shape {
+        PosedShape::Part(Part::Convex(convex)) => own_contact::contact(convex, mesh, tolerance),
+        PosedShape::Part(Part::HalfSpace { .. }) => {
+            deepest(shape, &PosedShape::Mesh(*mesh), tolerance)
+        }
+        _ => {
+            let probe = PosedShape::Mesh(*mesh).probe(shape.isometry(), DVec3::ZERO);
+            let mut deepest: Option<Gap> = None;
+            shape.each(&probe, &Search::within(tolerance), &mut |part| {
+                if let Some(gap) = deepest_in_mesh(part, mesh, tolerance)
+                    && deepest.is_none_or(|deepest| gap.distance < deepest.distance)
+                {
+                    deepest = Some(gap);
+                }
+                true
+            });
+            deepest
+        }
+    }
 }
 
 /// The point of a shape that is closest to another; that one itself, if it is inside.

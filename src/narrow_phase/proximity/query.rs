@@ -86,8 +86,7 @@ impl NarrowPhase {
     /// a sphere and a cuboid: O(1); a sphere and a mesh: linear in its polygons; two meshes: linear
     /// in their polygons where they are far from each other, and in the pairs of those that are
     /// close to the other mesh. Height fields and voxels: linear in the cells that are as near, in
-    /// each direction, as what is closest. Allocates nothing once the workspace is warm, but when a
-    /// mesh first meets a shape of Rapier's.
+    /// each direction, as what is closest. Allocates nothing once the workspace is warm.
     ///
     /// ```
     /// use bevy::{math::Vec3, transform::components::Transform};

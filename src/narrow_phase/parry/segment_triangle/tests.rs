@@ -101,3 +101,31 @@ fn what_lies_on_a_triangle_is_pushed_to_its_front() {
     let found = through(DVec3::new(1.0, 0.1, 0.0), 0.5, 0.5);
     assert!(found.normal == DVec3::Y && (found.distance + 0.1).abs() < 1e-12);
 }
+
+#[test]
+fn nothing_touches_a_triangle_before_it_is_near_its_plane() {
+    let mut random = fastrand::Rng::with_seed(2);
+    let (mut early, mut never) = (0, 0);
+    for _ in 0..20_000 {
+        let corners = [0; 3].map(|_| point(&mut random, false));
+        let segment = [0; 2].map(|_| point(&mut random, false) * 2.0);
+        let direction = point(&mut random, false).normalize();
+        let radius = random.f64() * 0.5;
+        let from = near_from(segment, corners, direction, [radius, 1e-9], 6.0);
+        early += usize::from(from.is_some_and(|from| from > 0.0));
+        never += usize::from(from.is_none());
+        for step in 0..60 {
+            let time = f64::from(step) * 0.1;
+            if from.is_some_and(|from| from <= time) {
+                break;
+            }
+            let moved = segment.map(|end| end + direction * time);
+            let found = gap(moved, corners, f64::INFINITY, false).unwrap();
+            assert!(
+                found.distance > radius,
+                "{segment:?} {corners:?} {direction} {time}"
+            );
+        }
+    }
+    assert!(early > 1000 && never > 1000, "{early} {never}");
+}
