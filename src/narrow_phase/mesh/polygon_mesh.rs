@@ -339,11 +339,6 @@ impl PolygonMesh {
         self.shells.iter().map(first)
     }
 
-    /// The first polygon of each connected part of the surface.
-    pub(in crate::narrow_phase) fn shell_polygons(&self) -> &[u32] {
-        &self.shells
-    }
-
     /// Whether a polygon stands for its connected part of the surface: each has one that does.
     pub(in crate::narrow_phase) fn is_representative(&self, polygon: u32) -> bool {
         self.shells.binary_search(&polygon).is_ok()

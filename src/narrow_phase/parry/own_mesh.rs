@@ -176,8 +176,7 @@ impl OwnMesh<'_> {
         }
     }
 
-    /// Do polygons as the mesh has them face the other way in place: into a solid, or to where
-    /// their own normals do not point?
+    /// Do polygons as the mesh has them face the other way in place?
     fn is_turned(&self) -> bool {
         self.scale.x * self.scale.y * self.scale.z < 0.0
     }
