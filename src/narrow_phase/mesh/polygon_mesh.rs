@@ -363,11 +363,6 @@ impl PolygonMesh {
         self.shells.iter().map(first)
     }
 
-    /// The first polygon of each connected part of the surface.
-    pub(in crate::narrow_phase) fn shell_polygons(&self) -> &[u32] {
-        &self.shells
-    }
-
     /// Whether the mesh is one solid, in one piece.
     pub(in crate::narrow_phase) fn is_one_solid(&self) -> bool {
         self.shells.len() == 1 && self.is_closed() && self.has_inside()
