@@ -20,7 +20,7 @@ struct Nearest {
 }
 
 /// The polygon that is nearest to a point, of a mesh at a scale, and its normal: of several as near,
-/// the one that faces a direction most, on either side if the mesh is open.
+/// the one that faces a direction most, on either side if it bounds no solid.
 ///
 /// O(log n) in a mesh with a tree.
 pub fn nearest_polygon(
@@ -32,12 +32,15 @@ pub fn nearest_polygon(
     let (center, half, radius) = mesh.local_bounds();
     let size = f64::from(radius) * scale.abs().max_element();
     let as_near = AS_NEAR * (size + point.length());
-    let is_solid = mesh.is_closed();
     let mut best: Option<Nearest> = None;
     let mut look = |polygon: u32| -> f64 {
         let (distance, normal) = distance(mesh, polygon, point, scale);
         let facing = normal.dot(towards);
-        let facing = if is_solid { facing } else { facing.abs() };
+        let facing = if mesh.bounds_solid(polygon as usize) {
+            facing
+        } else {
+            facing.abs()
+        };
         let is_better = best.as_ref().is_none_or(|best| {
             let is_as_near = (distance - best.distance).abs() <= as_near;
             let rank = (facing - best.facing).abs() <= 1e-6;
