@@ -222,19 +222,23 @@ impl Ray {
             // From a little before it: where the two all but touch, rounding has its way.
             let before = start + way * (distance - BEFORE * size);
             let before = Part::Convex(Convex::point(before));
-            let gap = parts::gap(&before, part, f64::INFINITY, false).ok().flatten();
+            let gap = parts::gap(&before, part, f64::INFINITY, false)
+                .ok()
+                .flatten();
             let gap = gap.filter(|gap| gap.distance > 0.0).unwrap_or(there);
             Some((distance, -gap.normal))
         };
         let far = 2.0 * size + near;
         let enters = from(self.direction, along - far);
         let leaves = from(-self.direction, along + far);
-        let ends = enters.zip(leaves).map(|((enters, face), (leaves, behind))| {
-            [
-                Met::crossing(along - far + enters, face, None),
-                Met::crossing(along + far - leaves, behind, None),
-            ]
-        });
+        let ends = enters
+            .zip(leaves)
+            .map(|((enters, face), (leaves, behind))| {
+                [
+                    Met::crossing(along - far + enters, face, None),
+                    Met::crossing(along + far - leaves, behind, None),
+                ]
+            });
         let outwards = -gap.normal;
         Some(Chord {
             height: gap.distance,
