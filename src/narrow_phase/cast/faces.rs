@@ -43,6 +43,8 @@ struct Start {
     along: Option<DVec3>,
     /// The one of the others that it goes through the steepest.
     across: Option<Crossing>,
+    /// Does one of them bound a solid?
+    is_of_solid: bool,
 }
 
 /// The reach of questions about one mesh.
@@ -81,7 +83,9 @@ impl LocalRay {
                     _ => Some(met),
                 };
             }
-        } else if is_solid && mesh.winds_around(self.origin) {
+        }
+        let is_on_border = start.as_ref().is_some_and(|start| start.is_of_solid);
+        if is_solid && !is_on_border && mesh.winds_around(self.origin) {
             return Some(Met::INSIDE);
         }
         let meets_start = is_solid && start.is_none() && !options.ignores_start;
@@ -155,12 +159,14 @@ impl LocalRay {
             origin: self.origin,
             along: None,
             across: None,
+            is_of_solid: false,
         };
         let mut look = |polygon: u32| {
             let crossing = self.crossing(mesh, polygon, reach);
             if !crossing.starts_on {
                 return;
             }
+            start.is_of_solid |= mesh.bounds_solid(polygon as usize);
             if crossing.steep.abs() <= ALONG_START {
                 start.along = Some(crossing.normal);
             } else if start

@@ -100,7 +100,16 @@ impl LocalRay {
         impact: impl Fn(Met) -> Option<Impact>,
     ) -> Option<Passage> {
         let (reach, together) = (self.reach(mesh), self.together(mesh));
-        let starts_on = self.first(mesh, reach, 0.0, |_, distance| distance == 0.0);
+        let bounds = |met: &Met| {
+            met.polygon
+                .is_some_and(|polygon| mesh.bounds_solid(polygon as usize))
+        };
+        let on = |solid: bool| {
+            self.first(mesh, reach, 0.0, |crossing, distance| {
+                distance == 0.0 && mesh.bounds_solid(crossing.polygon as usize) == solid
+            })
+        };
+        let starts_on = on(true).or_else(|| on(false));
         let is_inside = starts_on.is_none() && mesh.winds_around(self.origin);
         let enters = if is_inside {
             None
@@ -111,8 +120,9 @@ impl LocalRay {
             Some(met) => Some(impact(met)?),
             None => None,
         };
-        let leave = mesh
-            .has_inside()
+        // Behind what bounds no solid, there is none.
+        let is_solid = is_inside || enters.as_ref().is_some_and(bounds);
+        let leave = is_solid
             .then(|| self.leave(mesh, enters, together))
             .flatten();
         Some(Passage {
@@ -128,8 +138,8 @@ impl LocalRay {
         (TOGETHER * size / self.direction.length()).max(f64::MIN_POSITIVE)
     }
 
-    /// Where the ray leaves a mesh with an inside that it enters at a place, or starts in: the first wall
-    /// behind which it is outside.
+    /// Where the ray leaves a solid that it enters at a place, or starts in: at the first wall behind
+    /// which it is outside.
     fn leave(&self, mesh: &PolygonMesh, enters: Option<Met>, together: f64) -> Option<Met> {
         let reach = self.reach(mesh);
         let after = |place: f64| {

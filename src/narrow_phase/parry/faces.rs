@@ -22,6 +22,8 @@ use crate::narrow_phase::{
 /// How near something on its way comes to what it is going to touch before the rest is taken as
 /// straight, as a share of the sizes.
 const NEAR: f64 = 1e-7;
+/// So far before something is met, as a share of its size, its normal is looked at.
+const BEFORE: f64 = 1e-5;
 
 /// A ray from the origin, with what is uncertain of its start.
 struct Ray {
@@ -216,17 +218,27 @@ impl Ray {
             let start = self.direction * start;
             let point = Part::Convex(Convex::point(start));
             let found = parts::first_impact(&point, part, way, 8.0 * size + near, [near; 2]);
-            found.ok().flatten()
+            let (distance, there) = found.ok().flatten()?;
+            // From a little before it: where the two all but touch, rounding has its way.
+            let before = start + way * (distance - BEFORE * size);
+            let before = Part::Convex(Convex::point(before));
+            let gap = parts::gap(&before, part, f64::INFINITY, false)
+                .ok()
+                .flatten();
+            let gap = gap.filter(|gap| gap.distance > 0.0).unwrap_or(there);
+            Some((distance, -gap.normal))
         };
         let far = 2.0 * size + near;
         let enters = from(self.direction, along - far);
         let leaves = from(-self.direction, along + far);
-        let ends = enters.zip(leaves).map(|((enters, at), (leaves, away))| {
-            [
-                Met::crossing(along - far + enters, -at.normal, None),
-                Met::crossing(along + far - leaves, -away.normal, None),
-            ]
-        });
+        let ends = enters
+            .zip(leaves)
+            .map(|((enters, face), (leaves, behind))| {
+                [
+                    Met::crossing(along - far + enters, face, None),
+                    Met::crossing(along + far - leaves, behind, None),
+                ]
+            });
         let outwards = -gap.normal;
         Some(Chord {
             height: gap.distance,

@@ -536,3 +536,38 @@ fn triangles_are_those_of_the_mesh_as_it_was_given() {
     };
     assert_eq!([hit(0.7, 0.2), hit(0.2, 0.7)], [Some(0), Some(2)]);
 }
+
+/// A cube, and one loose triangle before it, and another inside.
+#[test]
+fn loose_polygons_beside_a_solid_are_mere_surfaces() {
+    let cube = mesh_of(Vec3::ONE);
+    let (mesh, _) = cube.polygons().unwrap();
+    let mut corners = mesh.vertices().to_vec();
+    let mut polygons: Vec<_> = mesh.polygons().map(<[u32]>::to_vec).collect();
+    for x in [-3.0, 0.25] {
+        let first = corners.len() as u32;
+        corners.extend([[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]].map(|[y, z]| Vec3::new(x, y, z)));
+        polygons.push(vec![first, first + 1, first + 2]);
+    }
+    let shape = Shape::mesh(corners, polygons).unwrap();
+    let (tests, here) = (NarrowPhase::default(), Transform::IDENTITY);
+    let target = Placed::new(&shape, &here);
+    let ends = |x: f32| {
+        let passage = tests
+            .cast_ray_through(target, Vec3::X * x, Dir3::X, 10.0)
+            .unwrap();
+        [passage.enter, passage.leave].map(|end| end.map(|end| end.distance))
+    };
+    assert_eq!(ends(-4.0), [Some(1.0), None]);
+    assert_eq!(ends(-2.0), [Some(1.0), Some(3.0)]);
+    assert_eq!(ends(0.5), [None, Some(0.5)]);
+    assert_eq!(ends(-1.0), [Some(0.0), Some(2.0)]);
+    let cast = |x: f32, options| {
+        let hit = tests.cast_ray_with(target, Vec3::X * x, Dir3::X, 10.0, &options);
+        hit.map(|hit| hit.distance)
+    };
+    assert_eq!(cast(-3.0, DEFAULT.ignore_start()), Some(2.0));
+    assert_eq!(cast(-1.0, DEFAULT.ignore_start()), Some(0.0));
+    assert_eq!(cast(0.25, DEFAULT.ignore_start()), Some(0.0));
+    assert_eq!(cast(1.0, DEFAULT.ignore_start()), None);
+}

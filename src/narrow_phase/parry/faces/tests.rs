@@ -65,7 +65,8 @@ fn solids_are_left_where_they_end() {
             );
             assert_eq!(away(start.midpoint(leave.distance)), 0.0, "{passage:?}");
             assert!(
-                leave.is_back_face() && passage.enter.is_none_or(|enter| !enter.is_back_face())
+                leave.is_back_face() && passage.enter.is_none_or(|enter| !enter.is_back_face()),
+                "{passage:?} {direction:?} {shape:?}"
             );
             let is_same = |hit: Option<Impact>, end: Option<Impact>| match (hit, end) {
                 (Some(hit), Some(end)) => (hit.distance - end.distance).abs() < 1e-4,
