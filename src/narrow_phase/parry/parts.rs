@@ -7,7 +7,8 @@ use bevy_rapier3d::parry::partitioning::BvhNode;
 use bevy_rapier3d::parry::shape::{self, CompositeShape, HeightField, Voxels};
 
 use super::convex::{Convex, Isometry};
-use super::gjk::{self, Gap};
+use super::gap::Gap;
+use super::gjk;
 use super::own_mesh::OwnMesh;
 use super::probe::{Probe, Search};
 use super::segment_triangle;

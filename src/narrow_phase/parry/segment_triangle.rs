@@ -2,7 +2,7 @@
 
 use bevy::math::DVec3;
 
-use super::gjk::Gap;
+use super::gap::Gap;
 
 /// How small a distance tells no direction any more, as a share of the lengths at hand.
 const NOTHING: f64 = 1e-14;
