@@ -36,6 +36,7 @@
 //! | [`CollisionLayers`](filters::CollisionLayers) | says which others it may meet; [more of the kind](filters) |
 //! | [`InCollisionWorld`](worlds::InCollisionWorld) | puts it in a world of its own, apart from all others |
 //! | [`CollisionEventsEnabled`](contacts::CollisionEventsEnabled) | has its observers told of its contacts |
+//! | [`ManifoldsEnabled`](contacts::ManifoldsEnabled) | has the points found at which it lies on others |
 //! | [`CollidingEntities`](contacts::CollidingEntities) | lists the entities that it touches |
 //! | [`Cube`](scene::Cube) | shape, velocity and bounce in one: a moving cube |
 //!
@@ -158,12 +159,12 @@ pub mod prelude {
         components::CollisionShape,
         contacts::{
             CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled,
-            CollisionStarted, Collisions, Contacts, EventScope,
+            CollisionStarted, Collisions, Contacts, EventScope, ManifoldsEnabled,
         },
         counters::CollisionCounters,
         filters::{
-            CollisionLayer, CollisionLayers, IgnoreCollisions, LayerMask, PairHook, PairHookPlugin,
-            Sensor, StaticShape,
+            CollisionLayer, CollisionLayers, Detector, IgnoreCollisions, LayerMask, PairHook,
+            PairHookPlugin, Sensor, StaticShape,
         },
         motion::{MovedElsewhere, PositionTrack, Velocity},
         plugin::OctreePlugins,
@@ -171,8 +172,8 @@ pub mod prelude {
         schedule::CollisionSystems,
         settings::BroadPhaseSettings,
         spatial_query::{
-            PairHit, PointHit, RayCastOptions, RayHit, RayPassage, ShapeHit, SpatialQuery,
-            SpatialQueryFilter, update_spatial_index,
+            PairHit, PointHit, RayCastOptions, RayHit, RayPassage, ShapeCastOptions, ShapeHit,
+            SpatialQuery, SpatialQueryFilter, update_spatial_index,
         },
         swept::Swept,
         worlds::{CollisionWorld, InCollisionWorld},

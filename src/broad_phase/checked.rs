@@ -94,10 +94,9 @@ fn make_a_pair(proxies: &Proxies, a: ProxyId, b: ProxyId) -> bool {
         (true, true) => kinds.static_static,
         _ => kinds.moving_static,
     };
-    is_sought
-        && a.world == b.world
-        && a.memberships & b.filters > 0
-        && b.memberships & a.filters > 0
+    let (a_hears, b_hears) = (b.memberships & a.filters > 0, a.memberships & b.filters > 0);
+    let is_wanted = (a_hears && (b_hears || a.is_detector)) || (b_hears && b.is_detector);
+    is_sought && a.world == b.world && is_wanted
 }
 
 /// One step of a random history. Places are in units of a 64th, so that borders are met exactly,
@@ -224,6 +223,7 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
                         memberships,
                         filters,
                         is_static: bits >> 4 & 1 == 1,
+                        is_detector: bits >> 6 & 1 == 1,
                         world,
                     };
                     checked.index.set_filter(id, filter).unwrap();

@@ -3,7 +3,7 @@
 use bevy::prelude::Reflect;
 
 /// What an object is, and what it may meet. Overlapping boxes of which one does not admit the other
-/// make no pair.
+/// make no pair, unless one is a [detector](Self::is_detector).
 ///
 /// ```
 /// use bevy::math::{Vec3, bounding::Aabb3d};
@@ -31,6 +31,8 @@ pub struct PairFilter {
     /// Which of the [`PairKinds`] the object's pairs are. By default, static objects do not meet
     /// each other.
     pub is_static: bool,
+    /// Does it make pairs with all that it may meet, though that may not meet it?
+    pub is_detector: bool,
     /// The number of the world that the object is in. Objects of different worlds do not meet.
     pub world: u32,
 }
@@ -42,6 +44,7 @@ impl Default for PairFilter {
             memberships: 1,
             filters: u32::MAX,
             is_static: false,
+            is_detector: false,
             world: Self::DEFAULT_WORLD,
         }
     }
@@ -52,13 +55,17 @@ impl PairFilter {
     pub const DEFAULT_WORLD: u32 = u32::MAX;
 
     /// Returns `true` if two objects admit each other. They must be in the same world, and each on
-    /// a layer that the other may meet.
+    /// a layer that the other may meet; what may meet a [detector](Self::is_detector) is up to that
+    /// alone.
     #[inline]
     #[must_use]
     pub const fn admits(&self, other: &Self) -> bool {
         self.world == other.world
-            && self.memberships & other.filters != 0
-            && other.memberships & self.filters != 0
+            && if self.filters & other.memberships != 0 {
+                other.filters & self.memberships != 0 || self.is_detector
+            } else {
+                other.is_detector && other.filters & self.memberships != 0
+            }
     }
 }
 

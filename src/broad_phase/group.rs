@@ -30,6 +30,7 @@ pub(super) struct Group {
     /// By block; none where nothing is filtered.
     filters: Vec<Filters>,
     kinds: PairKinds,
+    has_detectors: bool,
     crowd: Crowd,
 }
 
@@ -41,6 +42,8 @@ struct Filters {
     worlds: [u32; WIDTH],
     /// A bit for each that is static.
     statics: u32,
+    /// A bit for each that is a detector.
+    detectors: u32,
 }
 
 impl Filters {
@@ -50,6 +53,7 @@ impl Filters {
         filters: [0; WIDTH],
         worlds: [0; WIDTH],
         statics: 0,
+        detectors: 0,
     };
 
     fn set(&mut self, lane: usize, filter: PairFilter) {
@@ -65,18 +69,33 @@ impl Filters {
             filters: self.filters[lane],
             world: self.worlds[lane],
             is_static: self.statics >> lane & 1 != 0,
+            is_detector: self.detectors >> lane & 1 != 0,
         }
     }
 
     /// Which of the eight make a pair with an object, if their boxes overlap: a bit for each.
     #[inline(always)]
-    fn admit<S: Simd>(&self, simd: S, own: &PairFilter, kinds: PairKinds) -> u32 {
+    fn admit<S: Simd, const DETECTORS: bool>(
+        &self,
+        simd: S,
+        own: &PairFilter,
+        kinds: PairKinds,
+    ) -> u32 {
         let shared = |own: u32, lanes: &[u32; WIDTH]| {
             u32x8::splat(simd, own) & u32x8::from_slice(simd, lanes)
         };
         let nothing = u32x8::splat(simd, 0);
-        let refused = shared(own.filters, &self.memberships).simd_eq(nothing)
-            | shared(own.memberships, &self.filters).simd_eq(nothing);
+        let [deaf, unheard] = [
+            shared(own.filters, &self.memberships).simd_eq(nothing),
+            shared(own.memberships, &self.filters).simd_eq(nothing),
+        ];
+        let mut refused = (deaf | unheard).to_bitmask() as u32;
+        if DETECTORS {
+            // Of two of which one hears, only the other has to be a detector to be refused.
+            let [deaf, unheard] = [deaf, unheard].map(|lanes| lanes.to_bitmask() as u32);
+            let own = u32::from(own.is_detector).wrapping_neg();
+            refused &= !(!deaf & own) & !(!unheard & self.detectors);
+        }
         let same_world =
             u32x8::from_slice(simd, &self.worlds).simd_eq(u32x8::splat(simd, own.world));
         let [moving, fixed] = [false, true].map(|is_static| {
@@ -90,7 +109,7 @@ impl Filters {
             u32::from(sought).wrapping_neg()
         });
         let of_kind = (moving & !self.statics) | (fixed & self.statics);
-        same_world.to_bitmask() as u32 & !(refused.to_bitmask() as u32) & of_kind
+        same_world.to_bitmask() as u32 & !refused & of_kind
     }
 }
 
@@ -141,6 +160,19 @@ impl Group {
                 }
                 self.filters.push(filters);
             }
+            self.has_detectors = proxies.has_detectors();
+            if self.has_detectors {
+                self.gather_detectors(proxies);
+            }
+        }
+    }
+
+    #[cold]
+    fn gather_detectors(&mut self, proxies: &Proxies) {
+        for (eight, filters) in self.ids.chunks(WIDTH).zip(&mut self.filters) {
+            for (lane, id) in eight.iter().enumerate() {
+                filters.detectors |= u32::from(proxies.filter(*id).is_detector) << lane;
+            }
         }
     }
 
@@ -159,6 +191,15 @@ impl Group {
     /// boxes begins there.
     #[inline(always)]
     pub(super) fn overlaps<S: Simd>(&self, simd: S, pairs: &mut Vec<Pair>) -> u64 {
+        if self.has_detectors {
+            self.overlaps_with::<S, true>(simd, pairs)
+        } else {
+            self.overlaps_with::<S, false>(simd, pairs)
+        }
+    }
+
+    #[inline(always)]
+    fn overlaps_with<S: Simd, const DETECTORS: bool>(&self, simd: S, pairs: &mut Vec<Pair>) -> u64 {
         let mut compared = 0;
         for first in 0..self.moved {
             compared += (self.ids.len() - first - 1) as u64;
@@ -173,7 +214,8 @@ impl Group {
                 if hits != 0
                     && let Some(filters) = self.filters.get(number)
                 {
-                    hits &= filters.admit(simd, &self.filters[own].get(lane), self.kinds);
+                    let own = self.filters[own].get(lane);
+                    hits &= filters.admit::<S, DETECTORS>(simd, &own, self.kinds);
                 }
                 while hits != 0 {
                     let other = number * WIDTH + hits.trailing_zeros() as usize;

@@ -21,6 +21,8 @@ pub struct Proxies {
     flags: Vec<Flags>,
     /// Empty as long as no filter was set.
     filters: Vec<PairFilter>,
+    /// Was one of them ever that of a detector?
+    has_detectors: bool,
     kinds: PairKinds,
     /// Objects with a box that were inserted, moved, touched or removed.
     moved: Changes,
@@ -170,6 +172,13 @@ impl Proxies {
     #[must_use]
     pub const fn are_filtered(&self) -> bool {
         !self.filters.is_empty() || !self.kinds.moving_moving
+    }
+
+    /// Returns `true` if one of the objects may be a [detector](PairFilter::is_detector).
+    #[inline]
+    #[must_use]
+    pub const fn has_detectors(&self) -> bool {
+        self.has_detectors
     }
 
     /// Returns `true` if the object was inserted, moved or touched between the last two updates.
@@ -370,6 +379,7 @@ impl Proxies {
                 self.filters.resize(self.boxes.len(), PairFilter::default());
             }
             self.filters[id.index()] = filter;
+            self.has_detectors |= filter.is_detector;
             let flags = &mut self.flags[id.index()];
             if !flags.has(Flags::UNBOUNDED.with(Flags::REFILTERED)) {
                 flags.set(Flags::REFILTERED);

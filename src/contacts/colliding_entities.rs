@@ -8,7 +8,8 @@ use bevy::{
 use super::list::Contacts;
 use crate::components::BroadPhaseProxy;
 
-/// The entities that this entity is in contact with. Add it to entities that are to have it; it is
+/// The entities that this entity is in contact with, as far as it hears of them (see
+/// [`Detector`](crate::filters::Detector)). Add it to entities that are to have it; it is
 /// kept up to date in the set [`Report`](crate::CollisionSystems::Report), together with the
 /// messages.
 ///

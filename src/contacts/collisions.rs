@@ -9,6 +9,7 @@ use super::{
 use crate::{
     broad_phase::{Pair, ProxyId},
     components::BroadPhaseProxy,
+    narrow_phase::Manifold,
 };
 
 /// Reads contacts by entity: after [`NarrowPhase`](crate::CollisionSystems::NarrowPhase) those of
@@ -42,7 +43,8 @@ impl Collisions<'_, '_> {
         self.contacts.iter()
     }
 
-    /// Returns the contacts of an entity, as seen from it. O(1) for each, O(log n) for those with
+    /// Returns the contacts of an entity, as seen from it; not those with a
+    /// [detector](crate::filters::Detector) that it does not hear of. O(1) for each, O(log n) for those with
     /// geometry; and O(contacts + objects), once, for the first call of this or
     /// [`colliding_with`](Self::colliding_with) in a tick.
     pub fn of(&self, entity: Entity) -> impl Iterator<Item = Collision> {
@@ -62,6 +64,13 @@ impl Collisions<'_, '_> {
     #[must_use]
     pub fn between(&self, a: Entity, b: Entity) -> Option<Collision> {
         Some(self.contacts.collision(self.find(a, b)?).seen_from(a))
+    }
+
+    /// Returns the points at which two entities lie on each other, with the normal from the first to
+    /// the second, if somebody asked: see [`Contacts::manifold`]. O(log n).
+    #[must_use]
+    pub fn manifold(&self, a: Entity, b: Entity) -> Option<Manifold> {
+        self.contacts.manifold_of(self.find(a, b)?, a)
     }
 
     /// Returns `true` if two entities are in contact. O(log n).

@@ -3,7 +3,10 @@
 use bevy::prelude::*;
 
 use super::pair::Collision;
-use crate::{filters::CollisionLayers, narrow_phase::Contact};
+use crate::{
+    filters::{self, CollisionLayers},
+    narrow_phase::Contact,
+};
 
 /// Two entities have come into contact: a message, and an event for observers.
 ///
@@ -33,7 +36,8 @@ use crate::{filters::CollisionLayers, narrow_phase::Contact};
 #[type_path = "bevy_octree"]
 pub struct CollisionStarted {
     /// Of an event, the target. Of a message, the entity with the lower handle in the
-    /// [`CollisionIndex`](crate::collision_index::CollisionIndex).
+    /// [`CollisionIndex`](crate::collision_index::CollisionIndex), unless it does not
+    /// [hear](Self::hears) of the other.
     #[event_target]
     pub a: Entity,
     /// The other one.
@@ -63,7 +67,8 @@ pub struct CollisionStarted {
 #[type_path = "bevy_octree"]
 pub struct CollisionEnded {
     /// Of an event, the target. Of a message, the entity with the lower handle in the
-    /// [`CollisionIndex`](crate::collision_index::CollisionIndex).
+    /// [`CollisionIndex`](crate::collision_index::CollisionIndex), unless it does not
+    /// [hear](Self::hears) of the other.
     #[event_target]
     pub a: Entity,
     /// The other one.
@@ -75,6 +80,24 @@ pub struct CollisionEnded {
     /// The layers of `a`, and those of `b`, when they were last found in contact: also of an entity
     /// that is gone, or has other layers now.
     pub layers: [CollisionLayers; 2],
+}
+
+impl CollisionStarted {
+    /// Returns whether `a` hears of the contact, which it does, and whether `b` does: not if `a` is
+    /// a [detector](crate::filters::Detector) that `b` may not meet.
+    #[must_use]
+    pub fn hears(&self) -> [bool; 2] {
+        filters::hear(self.layers)
+    }
+}
+
+impl CollisionEnded {
+    /// Returns whether `a` heard of the contact, which it did, and whether `b` did: see
+    /// [`CollisionStarted::hears`].
+    #[must_use]
+    pub fn hears(&self) -> [bool; 2] {
+        filters::hear(self.layers)
+    }
 }
 
 impl From<Collision> for CollisionStarted {

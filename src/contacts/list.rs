@@ -6,6 +6,7 @@ use bevy::{ecs::entity::EntityHashMap, prelude::*};
 
 use super::{
     adjacency::Adjacency,
+    manifolds::Manifolds,
     pair::{Collision, ContactPair, SweptContact, seek},
     verdicts::Verdicts,
     watched::{self, WatchedContact},
@@ -13,7 +14,7 @@ use super::{
 use crate::{
     broad_phase::{Pair, Proxies, ProxyId},
     collision_index::CollisionIndex,
-    narrow_phase::Contact,
+    narrow_phase::{Contact, Manifold},
 };
 
 /// All pairs of entities in contact, in the order of their handles in the [`CollisionIndex`].
@@ -59,6 +60,9 @@ pub struct Contacts {
     watched_before: Vec<WatchedContact>,
     #[reflect(ignore)]
     watched_unreported: Vec<WatchedContact>,
+    /// Where those lie on each other of which somebody asked, in the order of pairs.
+    #[reflect(ignore)]
+    manifolds: Manifolds,
     /// When and how those met of which one is swept, in the order of pairs.
     #[reflect(ignore)]
     impacts: Vec<SweptContact>,
@@ -90,7 +94,8 @@ impl Contacts {
         Some(self.collision(contact).seen_from(a))
     }
 
-    /// Returns the contacts of an entity, as seen from it, in the order of all. O(log n) for each.
+    /// Returns the contacts of an entity, as seen from it, in the order of all; not those with a
+    /// [detector](crate::filters::Detector) that it does not hear of. O(log n) for each.
     pub fn of(&self, entity: Entity) -> impl Iterator<Item = Collision> {
         let id = self.handles().get(&entity);
         let contacts = id
@@ -113,6 +118,35 @@ impl Contacts {
     #[must_use]
     pub fn time_of_impact(&self, a: Entity, b: Entity) -> Option<f32> {
         time_of_impact(&self.impacts, self.pair(a, b)?)
+    }
+
+    /// Returns the points at which two entities lie on each other, with the normal from the first to
+    /// the second. `None` unless they are in contact, and one of them has
+    /// [`ManifoldsEnabled`](super::ManifoldsEnabled), or
+    /// [`CollisionEventSettings::manifolds`](super::CollisionEventSettings::manifolds) asks for all.
+    /// O(log n).
+    ///
+    /// Of two that met on the way, since one of them is [swept](crate::swept::Swept), they are those
+    /// of that moment; after an impact that turned one of them, the one point of the impact.
+    ///
+    /// ```
+    /// use bevy::prelude::*;
+    /// use bevy_octree::{prelude::*, scene::Cube};
+    ///
+    /// let mut app = App::new();
+    /// app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)));
+    /// let [a, b] = [0.0, 0.75].map(|y| {
+    ///     let cube = (Cube, ManifoldsEnabled, Transform::from_xyz(0.0, y, 0.0));
+    ///     app.world_mut().spawn(cube).id()
+    /// });
+    /// app.update();
+    /// let manifold = app.world().resource::<Contacts>().manifold(a, b).unwrap();
+    /// assert_eq!((manifold.normal, manifold.points().len()), (Vec3::Y, 4));
+    /// ```
+    #[must_use]
+    pub fn manifold(&self, a: Entity, b: Entity) -> Option<Manifold> {
+        let contact = self.find(self.pair(a, b)?, [a, b])?;
+        self.manifold_of(contact, a)
     }
 
     /// Returns the number of contacts.
@@ -166,7 +200,7 @@ impl Contacts {
             .filter(|contact| entities.iter().all(|entity| contact.is_of(*entity)))
     }
 
-    /// The contacts of an entity, in the order of their pairs. O(1) for each, and O(contacts +
+    /// The contacts that an entity hears of, in the order of their pairs. O(1) for each, and O(contacts +
     /// objects) for the first call in a tick.
     pub(super) fn of_handle(
         &self,
@@ -179,7 +213,22 @@ impl Contacts {
             .iter()
             .map(|index| &self.pairs[*index as usize]);
         // The handle may have been another's.
-        all.filter(move |contact| contact.is_of(entity))
+        all.filter(move |contact| contact.is_heard_by(entity))
+    }
+
+    /// Where the two lie on each other, as seen from one of them, if somebody asked. O(log n).
+    pub(super) fn manifold_of(&self, contact: &ContactPair, entity: Entity) -> Option<Manifold> {
+        let found = self.manifolds.find(contact)?;
+        Some(if contact.a == entity {
+            found
+        } else {
+            found.reversed()
+        })
+    }
+
+    /// The pairs in contact of which one is swept, when and how they met; the manifolds.
+    pub(super) fn split_manifolds(&mut self) -> (&[ContactPair], &[SweptContact], &mut Manifolds) {
+        (&self.pairs, &self.impacts, &mut self.manifolds)
     }
 
     /// With what is known of it. O(log n).

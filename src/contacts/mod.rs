@@ -11,7 +11,9 @@ mod adjacency;
 mod colliding_entities;
 mod collisions;
 mod events;
+mod find_manifolds;
 mod list;
+mod manifolds;
 mod narrow;
 mod pair;
 mod report;
@@ -29,7 +31,7 @@ pub use narrow::NarrowPhasePlugin;
 pub use pair::Collision;
 pub(crate) use pair::{ContactPair, SweptContact};
 pub use report::ReportPlugin;
-pub use settings::{CollisionEventSettings, CollisionEventsEnabled, EventScope};
+pub use settings::{CollisionEventSettings, CollisionEventsEnabled, EventScope, ManifoldsEnabled};
 pub(crate) use verdicts::Verdicts;
 
 /// What others read though nothing is tested or told.

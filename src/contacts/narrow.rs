@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use super::{
+    find_manifolds::{find_manifolds, wants_manifolds},
     list::Contacts,
     pair::SweptContact,
     settings::{CollisionEventSettings, CollisionEventsEnabled},
@@ -34,7 +35,9 @@ impl Plugin for NarrowPhasePlugin {
                         .run_if(is_out_of_step),
                     (
                         test_candidates.before(ImpactSystems),
-                        merge_verdicts.after(ImpactSystems),
+                        (merge_verdicts, find_manifolds.run_if(wants_manifolds))
+                            .chain()
+                            .after(ImpactSystems),
                     )
                         .in_set(CollisionSystems::NarrowPhase),
                 ),

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 
 use crate::{
     broad_phase::Pair,
-    filters::CollisionLayers,
+    filters::{self, CollisionLayers},
     narrow_phase::{Contact, TimedContact},
 };
 
@@ -51,6 +51,17 @@ impl ContactPair {
     /// Is this entity one of the two?
     pub(super) fn is_of(&self, entity: Entity) -> bool {
         self.a == entity || self.b == entity
+    }
+
+    /// Which of the two hear of it.
+    pub(crate) fn hears(&self) -> [bool; 2] {
+        filters::hear(self.layers)
+    }
+
+    /// Is this entity one of the two, and hears of it?
+    pub(super) fn is_heard_by(&self, entity: Entity) -> bool {
+        let [a_hears, b_hears] = self.hears();
+        (self.a == entity && a_hears) || (self.b == entity && b_hears)
     }
 
     /// The other of the two.
@@ -98,6 +109,22 @@ impl Collision {
             contact: self.contact.map(Contact::reversed),
             layers: [b, a],
             ..self
+        }
+    }
+
+    /// Returns whether `a` hears of the contact, and whether `b` does: one of the two does not, if
+    /// the other is a [detector](crate::filters::Detector).
+    #[must_use]
+    pub fn hears(&self) -> [bool; 2] {
+        filters::hear(self.layers)
+    }
+
+    /// As seen from one that hears of it.
+    pub(super) fn heard(self) -> Self {
+        if self.hears()[0] {
+            self
+        } else {
+            self.reversed()
         }
     }
 

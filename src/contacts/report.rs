@@ -65,8 +65,8 @@ fn write_messages(
             old.filter(|old| told_before.includes(old)),
             new.filter(|new| told.includes(new)),
         ) {
-            (Some(old), None) => _ = ended.write(seen_with(old, watched_before).into()),
-            (None, Some(new)) => in_time.push(seen_with(new, watched).into()),
+            (Some(old), None) => _ = ended.write(seen_with(old, watched_before).heard().into()),
+            (None, Some(new)) => in_time.push(seen_with(new, watched).heard().into()),
             _ => {}
         }
     }

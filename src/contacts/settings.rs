@@ -20,13 +20,26 @@ use bevy::prelude::*;
 #[type_path = "bevy_octree"]
 pub struct CollisionEventsEnabled;
 
+/// Asks for the manifolds of the contacts of an entity: up to four points at which it lies on
+/// another. They are read by [`Contacts::manifold`](super::Contacts::manifold) and
+/// [`Collisions::manifold`](super::Collisions::manifold).
+///
+/// It may come and go at any time, and is looked at in the set
+/// [`NarrowPhase`](crate::CollisionSystems::NarrowPhase). Costs by the contact in which something
+/// moves, and nothing where no entity has it.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Clone, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
+pub struct ManifoldsEnabled;
+
 /// Which contacts something is done for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
 #[type_path = "bevy_octree"]
 pub enum EventScope {
     /// All of them.
     All,
-    /// Those of entities with [`CollisionEventsEnabled`].
+    /// Those of entities with [`CollisionEventsEnabled`]; for manifolds, with
+    /// [`ManifoldsEnabled`].
     Enabled,
 }
 
@@ -48,6 +61,9 @@ pub struct CollisionEventSettings {
     /// entities moves: by default, those of which one entity or both have opted in. It is computed
     /// for every contact that an event is triggered for in any case.
     pub geometry: EventScope,
+    /// The contacts of which the manifold is computed, in every tick in which one of the two
+    /// entities moves: by default, those of which one entity or both have [`ManifoldsEnabled`].
+    pub manifolds: EventScope,
 }
 
 impl Default for CollisionEventSettings {
@@ -56,6 +72,7 @@ impl Default for CollisionEventSettings {
             messages: EventScope::All,
             observers: EventScope::Enabled,
             geometry: EventScope::Enabled,
+            manifolds: EventScope::Enabled,
         }
     }
 }
@@ -63,5 +80,6 @@ impl Default for CollisionEventSettings {
 pub(super) fn register(app: &mut App) {
     app.init_resource::<CollisionEventSettings>()
         .register_type::<CollisionEventSettings>()
-        .register_type::<CollisionEventsEnabled>();
+        .register_type::<CollisionEventsEnabled>()
+        .register_type::<ManifoldsEnabled>();
 }

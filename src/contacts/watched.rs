@@ -16,7 +16,7 @@ pub(super) struct WatchedContact {
     pub(super) geometry: Contact,
     /// Are the observers of `a`, and those of `b`, told?
     pub(super) observed: [bool; 2],
-    /// Does one of the two carry the marker?
+    /// Does one of the two carry the marker, and hears of it?
     pub(super) enabled: bool,
 }
 
@@ -84,12 +84,10 @@ impl Watch {
 
     /// The contact, with all that is to be known of it.
     pub(super) fn watched(&self, contact: ContactPair, geometry: Contact) -> WatchedContact {
-        let enabled = self.enabled(contact.pair);
-        let observed = if self.all_observed {
-            [true; 2]
-        } else {
-            enabled
-        };
+        let hears = contact.hears();
+        let asks = self.enabled(contact.pair);
+        let enabled = [asks[0] && hears[0], asks[1] && hears[1]];
+        let observed = if self.all_observed { hears } else { enabled };
         WatchedContact {
             contact,
             geometry,

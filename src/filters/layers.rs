@@ -14,7 +14,8 @@ use crate::{
 };
 
 /// The layers that an entity is on, and those that it may meet. Two entities meet if each is on a
-/// layer that the other may meet. Without this component, an entity is on the first layer and may
+/// layer that the other may meet; to have one of them hear of the other, and not the other way
+/// round, see [`Detector`](super::Detector). Without this component, an entity is on the first layer and may
 /// meet all.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
@@ -85,9 +86,25 @@ impl CollisionLayers {
         }
     }
 
+    /// May an entity on these layers meet one on others?
+    const fn hears(self, other: Self) -> bool {
+        self.filters.0 & other.memberships.0 != 0
+    }
+
     pub(super) const fn put_into(self, filter: &mut PairFilter) {
         filter.memberships = self.memberships.0;
         filter.filters = self.filters.0;
+    }
+}
+
+/// Which of two in contact hear of it, by their layers: one of them, if that is a detector which the
+/// other may not meet. Both, where neither would: somebody else made that pair.
+pub(crate) fn hear([a, b]: [CollisionLayers; 2]) -> [bool; 2] {
+    let hears = [a.hears(b), b.hears(a)];
+    if hears == [false; 2] {
+        [true; 2]
+    } else {
+        hears
     }
 }
 

@@ -1,5 +1,5 @@
-//! Which entities may meet: layers, static entities, lists of entities to ignore, sensors, and a
-//! hook of one's own.
+//! Which entities may meet: layers, static entities, lists of entities to ignore, sensors, detectors,
+//! and a hook of one's own.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -20,7 +20,7 @@
 //! assert_eq!(app.world().resource::<Contacts>().len(), 2); // each red one with the blue one
 //! ```
 //!
-//! Layers, static entities and [worlds] are looked at in the broad phase, as are the kinds of pairs
+//! Layers, static entities, detectors and [worlds] are looked at in the broad phase, as are the kinds of pairs
 //! in its [settings](crate::settings::BroadPhaseSettings::pair_kinds): a pair that they rule out is
 //! gone before anything else sees it. Lists and hooks are asked about candidate pairs, before the
 //! exact tests.
@@ -37,8 +37,8 @@ use bevy::prelude::*;
 pub use hooks::{PairHook, PairHookPlugin};
 pub use ignore::IgnoreCollisions;
 pub use layers::CollisionLayers;
-pub(crate) use layers::refresh;
-pub use markers::{Sensor, StaticShape};
+pub(crate) use layers::{hear, refresh};
+pub use markers::{Detector, Sensor, StaticShape};
 pub use mask::{CollisionLayer, LayerMask};
 pub(crate) use pair_filter::{FilterParts, filter, may_meet};
 

@@ -6,7 +6,7 @@ use super::{
     hooks,
     ignore::{self, IgnoreCollisions},
     layers::CollisionLayers,
-    markers::StaticShape,
+    markers::{Detector, StaticShape},
 };
 use crate::{
     broad_phase::{Pair, PairFilter},
@@ -18,16 +18,23 @@ use crate::{
 pub(crate) type FilterParts<'a> = (
     Option<&'a CollisionLayers>,
     Has<StaticShape>,
+    Has<Detector>,
     Option<&'a InCollisionWorld>,
 );
 
 /// The same, for the broad phase.
 pub(crate) fn filter(
-    (layers, is_static, world): (Option<&CollisionLayers>, bool, Option<&InCollisionWorld>),
+    (layers, is_static, is_detector, world): (
+        Option<&CollisionLayers>,
+        bool,
+        bool,
+        Option<&InCollisionWorld>,
+    ),
 ) -> PairFilter {
     let world = world.map_or(PairFilter::DEFAULT_WORLD, |world| worlds::number(world.0));
     let mut filter = PairFilter {
         is_static,
+        is_detector,
         world,
         ..PairFilter::default()
     };

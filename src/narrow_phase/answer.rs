@@ -63,13 +63,19 @@ pub struct Impact {
     /// The unit normal of the face that is met: out of a solid, and of a polygon of a mesh [its
     /// own](super::PolygonMesh::normals), whichever side is met. So a face that faces away from
     /// what comes is one whose normal goes [along the way](Self::is_back_face). Where no face is
-    /// known, as inside a solid, it is as `normal`.
+    /// known, as inside a solid, it is as `normal`; for shapes that overlap from the start, that of
+    /// their [contact](super::NarrowPhase::contact), whichever way they go.
     pub face_normal: Vec3,
     /// Which polygon of a mesh is met: its number among those that the mesh was made from; of a
     /// Bevy mesh, that of the triangle. One of them, where several are. `None` where none is known,
-    /// and for shapes without polygons of their own: cuboids, balls, all of Rapier's but meshes.
+    /// and for shapes without polygons of their own: cuboids, balls, all of Rapier's but meshes; of
+    /// shapes on their way, only if [asked for](super::ShapeCastOptions::find_polygon).
     #[doc(alias("triangle", "primitive", "feature", "face id"))]
     pub polygon: Option<u32>,
+    /// How deep two shapes are in each other at the start, along `face_normal`; 0 if they are not,
+    /// or only touch, and of rays.
+    #[doc(alias = "penetration")]
+    pub depth: f32,
 }
 
 impl Impact {

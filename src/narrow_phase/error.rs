@@ -72,13 +72,16 @@ pub enum ShapeError {
         /// How far off it is.
         distance: f32,
     },
-    /// A convex mesh has to be closed, and this edge is not shared by exactly two polygons (or they
-    /// cannot be oriented alike).
-    #[error("not closed: the edge {edge:?} does not join two polygons oriented alike")]
+    /// A convex mesh has to be closed, and along this edge, not as many polygons run one way as the
+    /// other, or it belongs to a polygon that bounds no solid.
+    #[error("not closed: the edge {edge:?} belongs to a polygon that bounds no solid")]
     NotClosed {
         /// The vertices at the ends of the edge.
         edge: [u32; 2],
     },
+    /// A convex mesh is solid, and this one was made to be a surface only.
+    #[error("a convex mesh is solid, and cannot be made of a surface only")]
+    SurfaceOnly,
     /// A convex mesh has to be in one piece.
     #[error("a convex mesh has to be in one piece, this one has {0}")]
     NotConnected(usize),

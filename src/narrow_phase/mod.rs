@@ -98,6 +98,7 @@
 mod answer;
 mod bounds;
 mod cast;
+mod cast_options;
 mod construct;
 mod contact;
 mod decide;
@@ -120,7 +121,8 @@ mod turned;
 
 pub use answer::{Contact, Impact, Passage, Proximity, TimedContact};
 pub use cast::moving::Moving;
-pub use cast::options::RayCastOptions;
+pub use cast_options::{RayCastOptions, ShapeCastOptions};
+pub use contact::manifold::{Manifold, ManifoldPoint};
 pub use error::{BoundsError, ShapeError, ToleranceError};
 pub(crate) use frame::approach::approach;
 pub use frame::placed::Placed;

@@ -87,13 +87,18 @@ impl Shape {
         }
     }
 
+    /// Its mesh, if it is one of ours.
+    pub(super) fn own_mesh(&self) -> Option<&PolygonMesh> {
+        match self {
+            Self::Convex(mesh) => Some(mesh),
+            Self::Mesh(mesh) => Some(mesh),
+            _ => None,
+        }
+    }
+
     /// The number of a polygon of its mesh in what that was made from.
     pub(super) fn source(&self, polygon: u32) -> u32 {
-        match self {
-            Self::Convex(mesh) => mesh.source(polygon),
-            Self::Mesh(mesh) => mesh.source(polygon),
-            _ => polygon,
-        }
+        self.own_mesh().map_or(polygon, |mesh| mesh.source(polygon))
     }
 
     /// Are its sizes finite? Those of meshes of ours always are.

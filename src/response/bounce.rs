@@ -6,7 +6,8 @@ use bevy::{math::DVec3, prelude::*};
 ///
 /// This happens in the world: velocities of entities with a parent are taken there and back,
 /// through the whole hierarchy. One whose ancestors are scaled to nothing has no answer. Entities
-/// without this component pass through each other, and are only reported. Those that are
+/// without this component pass through each other, and are only reported. Who does not hear of a
+/// contact with a [detector](crate::filters::Detector) does not answer. Those that are
 /// [swept](crate::swept::Swept), and what they meet, answer at the time of impact.
 #[doc(alias("restitution", "response"))]
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]

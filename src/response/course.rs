@@ -169,9 +169,14 @@ impl Course {
     }
 
     /// How it takes part in an impact. Who is spent keeps its velocity for the next tick; in this
-    /// one, it is a wall at rest.
-    fn party(&self) -> Party {
-        if self.is_spent() {
+    /// one, it is a wall at rest. Who does not hear of it goes on as it does.
+    fn party(&self, hears: bool) -> Party {
+        if !hears {
+            Party {
+                velocity: self.velocity(),
+                ..Party::default()
+            }
+        } else if self.is_spent() {
             Party::default()
         } else {
             self.party
@@ -179,8 +184,9 @@ impl Course {
     }
 
     /// Answers to an impact, given the velocity that it leaves the body with, if that changes.
-    fn answer(&mut self, velocity: Option<Vec3>, time: f32, seconds: f32) -> Turn {
+    fn answer(&mut self, hears: bool, velocity: Option<Vec3>, time: f32, seconds: f32) -> Turn {
         match velocity {
+            _ if !hears => Turn::Keeps,
             _ if self.is_spent() => self.stop(time),
             Some(velocity) => self.bounce(velocity, time, seconds),
             None => Turn::Keeps,
@@ -225,9 +231,11 @@ impl Course {
     }
 }
 
-/// Two meet, with the normal from the first to the second: their velocities answer at once.
+/// Two meet, with the normal from the first to the second: their velocities answer at once, of those
+/// that hear of it.
 pub(super) fn meet(
     [a, b]: [&mut Course; 2],
+    hears: [bool; 2],
     contact: &Contact,
     time: f32,
     seconds: f32,
@@ -235,9 +243,9 @@ pub(super) fn meet(
     if a.is_sensor || b.is_sensor || !approach([a.velocity(), b.velocity()], contact.normal) {
         return [Turn::Keeps; 2];
     }
-    let answers = respond([a.party(), b.party()], contact.normal);
+    let answers = respond([a.party(hears[0]), b.party(hears[1])], contact.normal);
     [
-        a.answer(answers[0], time, seconds),
-        b.answer(answers[1], time, seconds),
+        a.answer(hears[0], answers[0], time, seconds),
+        b.answer(hears[1], answers[1], time, seconds),
     ]
 }

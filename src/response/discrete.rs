@@ -42,7 +42,11 @@ pub(super) fn reverse(
     mut colliding: Local<Vec<Entity>>,
 ) {
     colliding.clear();
-    colliding.extend(solid(&contacts, &sensors).flat_map(|contact| [contact.a, contact.b]));
+    let hearing = |contact: ContactPair| {
+        let both = [contact.a, contact.b].into_iter().zip(contact.hears());
+        both.filter(|(_, hears)| *hears).map(|(entity, _)| entity)
+    };
+    colliding.extend(solid(&contacts, &sensors).flat_map(hearing));
     colliding.sort_unstable();
     colliding.dedup();
     for &entity in &*colliding {
@@ -131,7 +135,11 @@ pub(super) fn reflect(
 ) {
     for contact in solid(&contacts, &sensors) {
         let entities = [contact.a, contact.b];
-        let bounces = entities.map(|entity| movers.bounce(entity));
+        let hears = contact.hears();
+        let bounces = [0, 1].map(|which| {
+            let entity = Some(entities[which]).filter(|_| hears[which])?;
+            movers.bounce(entity)
+        });
         if bounces
             .iter()
             .all(|bounce| bounce.and_then(Bounce::restitution).is_none())

@@ -200,9 +200,14 @@ impl Resolver {
             return [Turn::Keeps; 2];
         }
         let index = world.resource::<CollisionIndex>();
+        let proxies = index.index().proxies();
+        let hears = filters::hear([pair.a, pair.b].map(|id| proxies.filter(id).into()));
         let normal = self.normal(index, meeting, world.resource::<NarrowPhase>());
         match self.courses.get_disjoint_mut([&pair.a, &pair.b]) {
-            [Some(a), Some(b)] => meet([a, b], &Contact { normal, ..contact }, time, seconds),
+            [Some(a), Some(b)] => {
+                let contact = Contact { normal, ..contact };
+                meet([a, b], hears, &contact, time, seconds)
+            }
             _ => [Turn::Keeps; 2],
         }
     }

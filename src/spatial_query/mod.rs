@@ -19,5 +19,5 @@ pub use query::SpatialQuery;
 pub use rays::{RayHit, RayPassage};
 
 #[doc(inline)]
-pub use crate::narrow_phase::RayCastOptions;
+pub use crate::narrow_phase::{RayCastOptions, ShapeCastOptions};
 pub use shape_cast::ShapeHit;

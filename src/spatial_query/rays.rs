@@ -44,6 +44,7 @@ impl RayHit {
             normal,
             face_normal,
             polygon,
+            ..
         } = impact;
         Self {
             entity,

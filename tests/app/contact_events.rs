@@ -322,6 +322,7 @@ fn settings_may_change_during_a_contact() {
             messages,
             observers,
             geometry,
+            ..default()
         };
         tick(app, 1);
     };

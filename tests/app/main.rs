@@ -4,6 +4,7 @@
 
 mod bounce;
 mod bullets;
+mod cast_options;
 #[path = "../common/mod.rs"]
 mod common;
 mod conservation;
@@ -11,6 +12,7 @@ mod contact_events;
 mod contacts;
 #[cfg(feature = "debug_draw")]
 mod debug_draw;
+mod detectors;
 mod diagnostics;
 mod filters;
 mod hierarchies;
@@ -19,6 +21,7 @@ mod hook;
 mod interrupted_ticks;
 mod layering;
 mod lifecycle;
+mod manifolds;
 mod mesh_floors;
 #[cfg(feature = "picking")]
 mod picking;

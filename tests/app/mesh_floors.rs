@@ -54,8 +54,8 @@ fn floor(floor: Floor, half: f32) -> Shape {
     Shape::mesh(corners, triangles).unwrap()
 }
 
-/// A box, as a cuboid and as a convex mesh.
-fn boxes() -> [Shape; 2] {
+/// A box, as a cuboid, a convex mesh and a mesh.
+fn boxes() -> [Shape; 3] {
     let half = 0.5;
     let corner = |bits: u32| {
         Vec3::new(
@@ -75,7 +75,8 @@ fn boxes() -> [Shape; 2] {
     ];
     [
         Shape::from_half_size(Vec3::splat(half)),
-        Shape::convex(corners, sides).unwrap(),
+        Shape::convex(corners.clone(), sides).unwrap(),
+        Shape::mesh(corners, sides).unwrap(),
     ]
 }
 

@@ -53,6 +53,7 @@ fn a_broad_phase_need_not_ask_filters() {
             memberships,
             filters,
             is_static: rng.bool(),
+            is_detector: rng.bool(),
             world: rng.u32(0..2),
         };
         index.set_filter(id, filter).unwrap();
@@ -78,6 +79,14 @@ fn both_must_admit() {
         !on(0, u32::MAX).admits(&any),
         "an object on no layer meets nothing"
     );
+    let detector = PairFilter {
+        is_detector: true,
+        ..on(0, 4)
+    };
+    assert!(detector.admits(&on(4, 0)) && on(4, 0).admits(&detector));
+    assert!(!detector.admits(&on(2, u32::MAX)) && !on(2, u32::MAX).admits(&detector));
+    assert!(!detector.admits(&detector));
+    assert_eq!(size_of::<PairFilter>(), 16, "detectors take no room");
     let elsewhere = PairFilter { world: 7, ..any };
     assert!(elsewhere.admits(&elsewhere) && !elsewhere.admits(&any) && !any.admits(&elsewhere));
 }

@@ -50,123 +50,10 @@ pub(super) fn search<M: Measure>(
     limit: f32,
     visit: impl FnMut(u32, f32) -> ControlFlow<(), f32>,
 ) {
-    descend(level, blocks, measure, limit, OneByOne(visit));
-}
-
-/// Calls `visit` with the owners of the boxes of a block that are within the limit, eight at most;
-/// it tells the limit from then on. For blocks that are exact.
-pub(super) fn search_blocks<M: Measure>(
-    level: Level,
-    blocks: &impl Blocks,
-    measure: &M,
-    limit: f32,
-    visit: impl FnMut(&[u32]) -> ControlFlow<(), f32>,
-) {
-    debug_assert!(blocks.are_exact(), "nobody looks at the boxes in them");
-    descend(level, blocks, measure, limit, BlockByBlock(visit));
-}
-
-fn descend<M: Measure>(
-    level: Level,
-    blocks: &impl Blocks,
-    measure: &M,
-    limit: f32,
-    visit: impl AtLeaf,
-) {
     dispatch!(level, simd => {
         let (bound, mut tasks) = (measure.bound(limit), [Task::default(); MOST_TASKS]);
-        let reach = Reach { limit, bound };
-        Descent { blocks, measure, visit, reach, tasks: &mut tasks, waiting: 0 }.run(simd);
+        Descent { blocks, measure, visit, limit, bound, tasks: &mut tasks, waiting: 0 }.run(simd);
     });
-}
-
-/// How far away objects may be that are of interest.
-#[derive(Clone, Copy)]
-struct Reach {
-    /// Objects farther away than this are not.
-    limit: f32,
-    /// The bound of blocks that goes with it.
-    bound: Bound,
-}
-
-/// What is done at a block of boxes.
-trait AtLeaf {
-    /// Visits the objects of a block of boxes that are hit.
-    fn at_leaf<S: Simd, M: Measure>(
-        &mut self,
-        blocks: &impl Blocks,
-        measure: &M,
-        leaf: (u32, &Block),
-        hits: (u32, f32x8<S>),
-        reach: &mut Reach,
-    ) -> ControlFlow<()>;
-}
-
-/// Visits one object after the other, near ones first.
-struct OneByOne<V>(V);
-
-impl<V: FnMut(u32, f32) -> ControlFlow<(), f32>> AtLeaf for OneByOne<V> {
-    #[inline(always)]
-    fn at_leaf<S: Simd, M: Measure>(
-        &mut self,
-        blocks: &impl Blocks,
-        measure: &M,
-        (index, block): (u32, &Block),
-        (hits, nearness): (u32, f32x8<S>),
-        reach: &mut Reach,
-    ) -> ControlFlow<()> {
-        let first = index * WIDTH as u32;
-        let mut lanes = [0; WIDTH];
-        let count = ranked::<M, S>(hits, nearness, |lane, rank| lanes[rank] = lane);
-        for &lane in &lanes[..count] {
-            if M::ORDERED && reach.bound.excludes(nearness[lane as usize]) {
-                break;
-            }
-            let Some(owner) = blocks.owner(first + lane) else {
-                continue;
-            };
-            let distance = if blocks.are_exact() && M::EXACT {
-                Some(nearness[lane as usize] + 0.0)
-            } else {
-                let aabb = blocks.box_of(owner, block, first + lane);
-                aabb.and_then(|aabb| measure.test_box(&aabb, reach.limit))
-            };
-            let Some(distance) = distance else { continue };
-            reach.limit = (self.0)(owner, distance)?;
-            reach.bound = measure.bound(reach.limit);
-        }
-        ControlFlow::Continue(())
-    }
-}
-
-/// Visits all that is hit of a block at once.
-struct BlockByBlock<V>(V);
-
-impl<V: FnMut(&[u32]) -> ControlFlow<(), f32>> AtLeaf for BlockByBlock<V> {
-    #[inline(always)]
-    fn at_leaf<S: Simd, M: Measure>(
-        &mut self,
-        blocks: &impl Blocks,
-        measure: &M,
-        (index, _): (u32, &Block),
-        (mut hits, _): (u32, f32x8<S>),
-        reach: &mut Reach,
-    ) -> ControlFlow<()> {
-        let first = index * WIDTH as u32;
-        let (mut owners, mut count) = ([0; WIDTH], 0);
-        while hits != 0 {
-            if let Some(owner) = blocks.owner(first + hits.trailing_zeros()) {
-                owners[count] = owner;
-                count += 1;
-            }
-            hits &= hits - 1;
-        }
-        if count > 0 {
-            reach.limit = (self.0)(&owners[..count])?;
-            reach.bound = measure.bound(reach.limit);
-        }
-        ControlFlow::Continue(())
-    }
 }
 
 impl LinearOctree {
@@ -230,14 +117,17 @@ struct Descent<'a, B, M, V> {
     blocks: &'a B,
     measure: &'a M,
     visit: V,
-    reach: Reach,
+    /// Objects farther away than this are of no interest, nor blocks beyond the bound that goes
+    /// with it.
+    limit: f32,
+    bound: Bound,
     /// The blocks that wait, the next one last. Lent, so that all else here can be kept in
     /// registers.
     tasks: &'a mut [Task; MOST_TASKS],
     waiting: usize,
 }
 
-impl<B: Blocks, M: Measure, V: AtLeaf> Descent<'_, B, M, V> {
+impl<B: Blocks, M: Measure, V: FnMut(u32, f32) -> ControlFlow<(), f32>> Descent<'_, B, M, V> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
         let levels = self.blocks.levels();
@@ -247,17 +137,12 @@ impl<B: Blocks, M: Measure, V: AtLeaf> Descent<'_, B, M, V> {
         };
         loop {
             let block = &levels[task.height as usize][task.block as usize];
-            let (hits, nearness) = self.measure.test_block(simd, block, self.reach.bound);
+            let (hits, nearness) = self.measure.test_block(simd, block, self.bound);
             let only_child = if task.height > 0 {
                 self.at_inner(task, hits, nearness)
+            } else if self.at_leaf(task, block, hits, nearness).is_break() {
+                return;
             } else {
-                let (leaf, hits) = ((task.block, block), (hits, nearness));
-                let found =
-                    self.visit
-                        .at_leaf(self.blocks, self.measure, leaf, hits, &mut self.reach);
-                if found.is_break() {
-                    return;
-                }
                 None
             };
             let Some(next) = only_child.or_else(|| self.next_task()) else {
@@ -265,6 +150,38 @@ impl<B: Blocks, M: Measure, V: AtLeaf> Descent<'_, B, M, V> {
             };
             task = next;
         }
+    }
+
+    /// Visits the objects of a block of boxes that are hit.
+    #[inline(always)]
+    fn at_leaf<S: Simd>(
+        &mut self,
+        task: Task,
+        block: &Block,
+        hits: u32,
+        nearness: f32x8<S>,
+    ) -> ControlFlow<()> {
+        let first = task.block * WIDTH as u32;
+        let mut lanes = [0; WIDTH];
+        let count = ranked::<M, S>(hits, nearness, |lane, rank| lanes[rank] = lane);
+        for &lane in &lanes[..count] {
+            if M::ORDERED && self.bound.excludes(nearness[lane as usize]) {
+                break;
+            }
+            let Some(owner) = self.blocks.owner(first + lane) else {
+                continue;
+            };
+            let distance = if self.blocks.are_exact() && M::EXACT {
+                Some(nearness[lane as usize] + 0.0)
+            } else {
+                let aabb = self.blocks.box_of(owner, block, first + lane);
+                aabb.and_then(|aabb| self.measure.test_box(&aabb, self.limit))
+            };
+            let Some(distance) = distance else { continue };
+            self.limit = (self.visit)(owner, distance)?;
+            self.bound = self.measure.bound(self.limit);
+        }
+        ControlFlow::Continue(())
     }
 
     /// Has the blocks that are hit wait, the nearest one on top; or returns it, if it is the only
@@ -300,7 +217,7 @@ impl<B: Blocks, M: Measure, V: AtLeaf> Descent<'_, B, M, V> {
         while self.waiting > 0 {
             self.waiting -= 1;
             let task = self.tasks[self.waiting];
-            if !(M::ORDERED && self.reach.bound.excludes(task.nearness)) {
+            if !(M::ORDERED && self.bound.excludes(task.nearness)) {
                 return Some(task);
             }
         }

@@ -85,21 +85,9 @@ impl StillOctree {
         query::search(self.level, self, measure, limit, visit);
     }
 
-    /// Calls `visit` with the indices of boxes within the limit, eight at most that are close to each
-    /// other, near ones first if the measure has an order; it tells the limit from then on.
-    #[inline]
-    pub(crate) fn search_blocks<M: Measure>(
-        &self,
-        measure: &M,
-        limit: f32,
-        visit: impl FnMut(&[u32]) -> ControlFlow<(), f32>,
-    ) {
-        query::search_blocks(self.level, self, measure, limit, visit);
-    }
-
-    /// The vector instructions that this machine has.
-    pub(crate) const fn level(&self) -> Level {
-        self.level
+    /// The indices of all boxes, near ones one after the other.
+    pub(crate) fn in_order(&self) -> &[u32] {
+        &self.owners
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {

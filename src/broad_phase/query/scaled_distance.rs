@@ -9,7 +9,7 @@ use crate::broad_phase::{
 };
 
 /// How far boxes are from a box, or a point, each axis stretched by a factor: what a shape with a
-/// scale is asked, in its own space.
+/// scale is asked, in its own space. Distances and limits are squared, for nothing else is needed.
 #[derive(Clone, Copy)]
 pub struct ScaledDistance {
     from: Aabb3d,
@@ -35,13 +35,13 @@ impl ScaledDistance {
 
 impl Measure for ScaledDistance {
     const ORDERED: bool = true;
-    const EXACT: bool = false;
+    const EXACT: bool = true;
 
-    /// Squared, and so much larger that rounding leaves no box out.
+    /// So much larger that rounding leaves no box out.
     #[inline(always)]
     fn bound(&self, limit: f32) -> Bound {
         Bound(if limit >= 0.0 {
-            limit * limit * (1.0 + 16.0 * f32::EPSILON) + f32::MIN_POSITIVE
+            limit * (1.0 + 16.0 * f32::EPSILON) + f32::MIN_POSITIVE
         } else {
             f32::NAN
         })
@@ -69,9 +69,8 @@ impl Measure for ScaledDistance {
 
     #[inline(always)]
     fn test_box(&self, aabb: &Aabb3d, limit: f32) -> Option<f32> {
-        let distance = self.gap_squared(aabb).sqrt();
-        let within = self.gap_squared(aabb) <= self.bound(limit).0;
-        within.then_some(distance)
+        let squared = self.gap_squared(aabb);
+        (squared <= self.bound(limit).0).then_some(squared)
     }
 
     fn anchor(&self, aabb: &Aabb3d, _: f32) -> Vec3A {

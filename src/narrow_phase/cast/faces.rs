@@ -6,12 +6,17 @@ use std::ops::ControlFlow;
 use bevy::math::{DVec3, Vec3A, bounding::Aabb3d};
 
 use super::{
-    chord::ALONG_START,
-    local_ray::{BORDER, LocalRay, Met, is_on_polygon, vertex},
-    options::{Faces, RayCastOptions},
+    local_ray::{BORDER, LocalRay, is_on_polygon, vertex},
     ray::{ALONG, First},
 };
-use crate::{broad_phase::Sweep, narrow_phase::mesh::polygon_mesh::PolygonMesh};
+use crate::{
+    broad_phase::Sweep,
+    narrow_phase::{
+        cast_options::{Faces, RayCastOptions},
+        frame::chord::{ALONG_START, Met},
+        mesh::polygon_mesh::PolygonMesh,
+    },
+};
 
 /// So far ahead, by what is uncertain of a start, is looked whether a ray goes into a solid.
 const AHEAD: f64 = 16.0;
@@ -58,7 +63,7 @@ impl LocalRay {
         options: &RayCastOptions,
     ) -> Option<Met> {
         let reach = self.reach(mesh);
-        let is_solid = mesh.is_closed() && options.meets_inside();
+        let is_solid = mesh.has_inside() && options.meets_inside();
         let start = options
             .ignores_start
             .then(|| self.start(mesh, reach))
@@ -68,7 +73,7 @@ impl LocalRay {
                 let met = Met::crossing(0.0, across.normal, Some(across.polygon));
                 return match options.faces {
                     // Where it leaves is further on.
-                    Faces::Back if mesh.is_closed() => {
+                    Faces::Back if mesh.bounds_solid(across.polygon as usize) => {
                         self.first(mesh, reach, max_distance, |crossing, _| {
                             crossing.steep > 0.0 && !self.is_left(crossing)
                         })
@@ -95,7 +100,8 @@ impl LocalRay {
                     self.step()
                 };
                 !self.is_left(crossing)
-                    && (!mesh.is_closed() || self.is_solid_at(mesh, start, distance + way))
+                    && (!mesh.bounds_solid(crossing.polygon as usize)
+                        || self.is_solid_at(mesh, start, distance + way))
             };
             options.meets(crossing.steep) && start.as_ref().is_none_or(counts)
         })
@@ -196,7 +202,7 @@ impl LocalRay {
         let Some(across) = start.across else {
             return false;
         };
-        if !mesh.is_closed() {
+        if !mesh.bounds_solid(across.polygon as usize) {
             return options.faces != Faces::Both && options.meets(across.steep);
         }
         self.is_solid_at(mesh, start, self.step())

@@ -4,7 +4,7 @@ use bevy::math::{DVec3, Dir3, Vec3};
 
 use crate::narrow_phase::{
     answer::{Impact, against, slack},
-    frame::{placed::Placed, surface::winds_around},
+    frame::{chord::Met, placed::Placed, surface::winds_around},
     mesh::polygon_mesh::PolygonMesh,
 };
 
@@ -24,53 +24,6 @@ pub struct LocalRay {
     pub scale: DVec3,
     /// How far off a shape the ray may start and count as on it, in the world.
     pub slack: f64,
-}
-
-/// Where a ray meets a shape, in the shape's coordinates.
-#[derive(Clone, Copy, Debug)]
-pub struct Met {
-    pub distance: f64,
-    /// The normal of the face that is met, out of a solid, not of unit length; `None` inside.
-    pub face: Option<DVec3>,
-    /// By its place in the mesh.
-    pub polygon: Option<u32>,
-    /// Is the face crossed there, so that its normal is that of the impact?
-    pub crosses: bool,
-}
-
-impl Met {
-    pub const INSIDE: Self = Self {
-        distance: 0.0,
-        face: None,
-        polygon: None,
-        crosses: false,
-    };
-
-    /// A face that is crossed.
-    pub fn crossing(distance: f64, face: DVec3, polygon: Option<u32>) -> Self {
-        Self {
-            distance,
-            face: Some(face),
-            polygon,
-            crosses: true,
-        }
-    }
-
-    /// A polygon that the ray runs along, or starts on.
-    pub fn touching(distance: f64, face: DVec3, polygon: Option<u32>) -> Self {
-        Self {
-            crosses: false,
-            ..Self::crossing(distance, face, polygon)
-        }
-    }
-
-    /// The same, not behind the start.
-    pub fn ahead(self) -> Self {
-        Self {
-            distance: self.distance.max(0.0),
-            ..self
-        }
-    }
 }
 
 impl LocalRay {
@@ -125,6 +78,7 @@ impl LocalRay {
                 .map_or(-*direction, |face| against(face, direction)),
             face_normal: face.unwrap_or(-*direction),
             polygon: met.polygon.map(|polygon| target.shape.source(polygon)),
+            depth: 0.0,
         })
     }
 

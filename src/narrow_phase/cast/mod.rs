@@ -2,16 +2,17 @@
 //! move.
 
 mod advance;
-pub(super) mod chord;
+mod chord;
 mod faces;
 mod first_impact;
-pub(super) mod local_ray;
+mod local_ray;
 mod moments;
 pub(super) mod moving;
-pub(super) mod options;
+mod nearest_polygon;
 mod passage;
 mod ray;
 mod sweep;
+mod sweep_with;
 #[cfg(test)]
 pub(super) mod tests;
 mod time_of_impact;

@@ -2,14 +2,11 @@
 
 use bevy::math::{Dir3, Vec3};
 
-use super::{
-    local_ray::{LocalRay, Met},
-    options::RayCastOptions,
-    ray::is_askable,
-};
+use super::{local_ray::LocalRay, ray::is_askable};
 use crate::narrow_phase::{
     answer::{Impact, Passage},
-    frame::placed::Placed,
+    cast_options::RayCastOptions,
+    frame::{chord::Met, placed::Placed},
     mesh::polygon_mesh::PolygonMesh,
     parry,
     settings::NarrowPhase,
@@ -115,7 +112,7 @@ impl LocalRay {
             None => None,
         };
         let leave = mesh
-            .is_closed()
+            .has_inside()
             .then(|| self.leave(mesh, enters, together))
             .flatten();
         Some(Passage {
@@ -131,7 +128,7 @@ impl LocalRay {
         (TOGETHER * size / self.direction.length()).max(f64::MIN_POSITIVE)
     }
 
-    /// Where the ray leaves a closed mesh that it enters at a place, or starts in: the first wall
+    /// Where the ray leaves a mesh with an inside that it enters at a place, or starts in: the first wall
     /// behind which it is outside.
     fn leave(&self, mesh: &PolygonMesh, enters: Option<Met>, together: f64) -> Option<Met> {
         let reach = self.reach(mesh);

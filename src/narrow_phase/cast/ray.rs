@@ -4,14 +4,12 @@ use std::ops::ControlFlow;
 
 use bevy::math::{DVec3, Dir3, Vec3, Vec3A};
 
-use super::{
-    local_ray::{BORDER, LocalRay, Met, is_on_polygon, vertex},
-    options::RayCastOptions,
-};
+use super::local_ray::{BORDER, LocalRay, is_on_polygon, vertex};
 use crate::broad_phase::Sweep;
 use crate::narrow_phase::{
     answer::Impact,
-    frame::placed::Placed,
+    cast_options::RayCastOptions,
+    frame::{chord::Met, placed::Placed},
     mesh::polygon_mesh::PolygonMesh,
     parry,
     settings::NarrowPhase,
@@ -29,7 +27,7 @@ impl NarrowPhase {
     /// its border, and is solid if it is closed. A ray that starts inside or on it meets it at
     /// once, whichever way it goes, as does a shape [on its way](Self::sweep) that touches another
     /// at the start; on it is what is so but for the rounding of 32-bit floats. To go on from a
-    /// surface that was met, leave its entity out, or start a little off. Polygons that bound no
+    /// surface that was met, see [`RayCastOptions::ignore_start`]. Polygons that bound no
     /// solid are met from both sides, and at their border by rays that run along them. A shape that
     /// a scale of zero shrinks to a point is met by rays that start there only. `None` too if
     /// anything is not finite, but for `max_distance`, or that is negative or NaN.

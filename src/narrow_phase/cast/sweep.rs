@@ -121,6 +121,7 @@ impl NarrowPhase {
             normal: found.normal.into(),
             face_normal: found.normal.into(),
             polygon: None,
+            depth: 0.0,
         })
     }
 
@@ -144,8 +145,9 @@ impl NarrowPhase {
             distance: 0.0,
             point: contact.map_or(moving.transform.translation, |contact| contact.point),
             normal,
-            face_normal: normal,
+            face_normal: contact.map_or(normal, |contact| -contact.normal),
             polygon: None,
+            depth: contact.map_or(0.0, |contact| contact.depth),
         }
     }
 }

@@ -208,13 +208,10 @@ fn cuboid_ways(half: Vec3A, facet: &Facet, best: &mut Best) {
         }
     }
     for side in 0..facet.corners.len() {
-        let Some(ridge) = facet.ridge(side) else {
-            continue;
-        };
-        for axis in 0..3 {
-            if let Some(direction) = ridge.across(Vec3A::AXES[axis]) {
+        for axis in Vec3A::AXES {
+            if let Some(direction) = facet.across(side, axis) {
                 let depth = facet.corners[side].dot(direction) + half.dot(direction.abs());
-                if best.is_beaten_by(depth) {
+                if best.is_beaten_by(depth) && facet.is_ridge(side, direction) {
                     best.take(direction, depth);
                 }
             }

@@ -2,17 +2,15 @@
 
 use bevy::math::Vec3A;
 
-use super::{
-    facet::{Beyond, WayOut},
-    hull::Hull,
-    patch::Patch,
-};
+use super::{facet::WayOut, hull::Hull, patch::Patch};
 
 /// What a polygon says about the contact of its mesh with a solid.
 #[derive(Clone, Copy, Debug)]
 pub struct Claim {
     /// Where its corners begin and end.
     pub corners: [u32; 2],
+    /// Of two meshes, which faces it is about.
+    pub faces: [u32; 2],
     pub normal: Vec3A,
     pub way: WayOut,
 }
@@ -28,8 +26,6 @@ pub struct Buffers {
     pub claims: Vec<Claim>,
     /// The claims, by depth.
     pub order: Vec<u32>,
-    /// What is beyond the sides of one polygon.
-    pub beyond: Vec<Beyond>,
     /// A face of the solid.
     pub face: Vec<Vec3A>,
     pub patch: Patch,

@@ -2,6 +2,7 @@
 
 use bevy::math::Vec3A;
 
+use super::{buffers::Buffers, facet::highest};
 use crate::narrow_phase::{
     answer::LocalContact,
     frame::{
@@ -18,6 +19,11 @@ const MOST_EDGE_PAIRS: usize = 1024;
 /// How much less the overlap along a later axis has to be to be preferred, as a share of the pair's
 /// size.
 const BIAS: f32 = 1e-3;
+
+/// The cosine of the angle up to which a face lies flat along a normal, and how much flatter the
+/// second's has to be to be preferred.
+const FLAT: f32 = 0.9999;
+const LEAST_BETTER: f32 = 1e-4;
 
 /// The contact of two convex shapes made of polygons, cuboids among them.
 pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
@@ -68,4 +74,47 @@ fn least_overlap(a: &Surface, b: &Surface, bias: f32) -> Option<(Vec3A, f32)> {
         }
     }
     best
+}
+
+/// Puts the points at which two convex shapes lie on each other into the workspace: those of a face
+/// of one over a face of the other. None where two edges cross.
+pub fn gather(pair: &PlacedPair, normal: Vec3A, workspace: &mut Workspace) {
+    workspace.contact.patch.clear();
+    if edge_polygon::fill_all(pair, workspace).is_none() {
+        return;
+    }
+    let Workspace {
+        contact: Buffers { patch, .. },
+        surfaces: [a, b],
+        ..
+    } = workspace;
+    let (Some((along_a, on_a)), Some((along_b, on_b))) = (facing(a, normal), facing(b, -normal))
+    else {
+        return;
+    };
+    if along_a.max(along_b) < FLAT {
+        return;
+    }
+    let (on_a, on_b) = (a.corners(on_a), b.corners(on_b));
+    patch.piece.clear();
+    if along_a >= along_b - LEAST_BETTER {
+        let plane = highest(on_a, normal);
+        patch.piece.extend_from_slice(on_b);
+        patch.cut_to(on_a, normal);
+        let depth = |point: Vec3A| plane - point.dot(normal);
+        patch.add(normal, pair.tolerance, depth);
+    } else {
+        let plane = -highest(on_b, -normal);
+        patch.piece.extend_from_slice(on_a);
+        patch.cut_to(on_b, normal);
+        let depth = |point: Vec3A| point.dot(normal) - plane;
+        patch.add(-normal, pair.tolerance, depth);
+    }
+}
+
+/// The face that faces a direction most, and how much: the cosine.
+fn facing(surface: &Surface, direction: Vec3A) -> Option<(f32, &PlacedFace)> {
+    let faces = surface.faces.iter();
+    let along = faces.map(|face| (face.normal.dot(direction), face));
+    along.max_by(|a, b| a.0.total_cmp(&b.0))
 }

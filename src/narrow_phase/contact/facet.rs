@@ -9,6 +9,8 @@
 
 use bevy::math::Vec3A;
 
+use crate::narrow_phase::mesh::{polygon_mesh::PolygonMesh, topology::NO_NEIGHBOR};
+
 /// The sine of the angle up to which two polygons count as in one plane, and the share of a length
 /// that is more than rounding.
 const FLAT: f32 = 1e-3;
@@ -54,21 +56,47 @@ pub fn highest(points: &[Vec3A], direction: Vec3A) -> f32 {
 /// `None` at a border.
 pub type Beyond = Option<[Vec3A; 2]>;
 
+/// What is beyond a side of a polygon of a mesh.
+pub fn look_beyond(
+    mesh: &PolygonMesh,
+    polygon: u32,
+    side: usize,
+    place: impl Fn(u32) -> Vec3A,
+) -> Beyond {
+    let other = mesh.across(polygon as usize)[side];
+    if other == NO_NEIGHBOR {
+        return None;
+    }
+    let corners = mesh.polygon(polygon as usize);
+    let ends = [corners[side], corners[(side + 1) % corners.len()]];
+    let others = mesh.polygon(other as usize);
+    let count = others.len();
+    let at = others.iter().position(|vertex| *vertex == ends[0])?;
+    // The neighbour runs along the side the other way, if the two are turned alike.
+    let near = if others[(at + count - 1) % count] == ends[1] {
+        [at + 1, at + count - 2]
+    } else {
+        [at + count - 1, at + 2]
+    };
+    Some(near.map(|at| place(others[at % count])))
+}
+
 /// A polygon and what is beside it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Facet<'a> {
     pub corners: &'a [Vec3A],
     /// Zero for one that a scale of zero flattened.
     pub normal: Vec3A,
-    /// What is beyond each side, from a corner to the next.
-    pub beyond: &'a [Beyond],
+    /// Tells what is beyond each side, from a corner to the next. Most are not asked about: it is
+    /// far away in memory.
+    pub beyond: &'a dyn Fn(usize) -> Beyond,
     /// Is only the side that the normal points to outside?
     pub is_solid: bool,
 }
 
-impl<'a> Facet<'a> {
+impl Facet<'_> {
     #[inline]
-    fn ends(&self, side: usize) -> [Vec3A; 2] {
+    pub fn ends(&self, side: usize) -> [Vec3A; 2] {
         let next = if side + 1 == self.corners.len() {
             0
         } else {
@@ -87,7 +115,7 @@ impl<'a> Facet<'a> {
             if is_top == [false; 2] {
                 return true;
             }
-            let Some(beyond) = self.beyond[side] else {
+            let Some(beyond) = (self.beyond)(side) else {
                 return !self.is_solid || direction.dot(self.normal) >= 0.0;
             };
             let is_below = |end: usize| {
@@ -105,27 +133,46 @@ impl<'a> Facet<'a> {
         bend < -FLAT || (bend <= FLAT && direction.dot(self.normal) >= 0.0)
     }
 
-    /// A side that may have normals of its own: not one between polygons in one plane, nor, of a
-    /// solid, the bottom of a fold.
+    /// The direction at right angles to a side and to an edge along which the polygon is highest at
+    /// that side, if there is one.
     #[inline]
-    pub fn ridge(&self, side: usize) -> Option<Ridge<'a>> {
-        let ends = self.ends(side);
-        let beyond = self.beyond[side];
-        if let Some(beyond) = beyond {
-            let bend = bend(ends, beyond, self.normal);
-            if bend.abs() <= FLAT || (self.is_solid && bend > 0.0) {
-                return None;
-            }
+    pub fn across(&self, side: usize, edge: Vec3A) -> Option<Vec3A> {
+        let [from, to] = self.ends(side);
+        let along = to - from;
+        let cross = along.cross(edge);
+        let squared = cross.length_squared();
+        if squared <= PARALLEL * PARALLEL * along.length_squared() * edge.length_squared() {
+            return None;
         }
-        Some(Ridge {
-            corners: self.corners,
-            ends,
-            beyond,
-            outside: if self.is_solid && beyond.is_none() {
-                self.normal
-            } else {
-                Vec3A::ZERO
-            },
+        let axis = cross / squared.sqrt();
+        let [mut low, mut high] = [0f32; 2];
+        for corner in self.corners {
+            let height = (*corner - from).dot(axis);
+            (low, high) = (low.min(height), high.max(height));
+        }
+        // Turned so that the polygon is below.
+        let (axis, rises, falls) = if high > -low {
+            (-axis, -low, high)
+        } else {
+            (axis, high, -low)
+        };
+        (rises <= FLAT * falls).then_some(axis)
+    }
+
+    /// Is such a direction a normal that the side has of its own? Not between polygons in one plane,
+    /// nor, of a solid, at the bottom of a fold.
+    pub fn is_ridge(&self, side: usize, direction: Vec3A) -> bool {
+        let Some(beyond) = (self.beyond)(side) else {
+            return !self.is_solid || direction.dot(self.normal) >= 0.0;
+        };
+        let ends = self.ends(side);
+        let bend = bend(ends, beyond, self.normal);
+        if bend.abs() <= FLAT || (self.is_solid && bend > 0.0) {
+            return false;
+        }
+        [0, 1].iter().all(|end| {
+            let way = beyond[*end] - ends[*end];
+            way.dot(direction) <= FLAT * way.abs().element_sum()
         })
     }
 }
@@ -140,52 +187,5 @@ fn bend(ends: [Vec3A; 2], beyond: [Vec3A; 2], normal: Vec3A) -> f32 {
         slopes[0]
     } else {
         slopes[1]
-    }
-}
-
-/// A side of a polygon that may have normals of its own.
-#[derive(Clone, Copy, Debug)]
-pub struct Ridge<'a> {
-    corners: &'a [Vec3A],
-    pub ends: [Vec3A; 2],
-    beyond: Beyond,
-    /// Its normals point here; zero if both ways are outside.
-    outside: Vec3A,
-}
-
-impl Ridge<'_> {
-    /// The normal that it has at a right angle to an edge of that direction, if it has one.
-    #[inline]
-    pub fn across(&self, edge: Vec3A) -> Option<Vec3A> {
-        let along = self.ends[1] - self.ends[0];
-        let cross = along.cross(edge);
-        let squared = cross.length_squared();
-        if squared <= PARALLEL * PARALLEL * along.length_squared() * edge.length_squared() {
-            return None;
-        }
-        let axis = cross / squared.sqrt();
-        let from = self.ends[0];
-        let [mut low, mut high] = [0f32; 2];
-        for corner in self.corners {
-            let height = (*corner - from).dot(axis);
-            (low, high) = (low.min(height), high.max(height));
-        }
-        // Turned so that the polygon is below.
-        let (axis, rises) = if high > -low {
-            (-axis, -low)
-        } else {
-            (axis, high)
-        };
-        let slack = FLAT * low.abs().max(high);
-        let is_below = |end: usize, beyond: [Vec3A; 2]| {
-            let way = beyond[end] - self.ends[end];
-            way.dot(axis) <= FLAT * way.abs().element_sum()
-        };
-        let is_normal = rises <= slack
-            && axis.dot(self.outside) >= 0.0
-            && self
-                .beyond
-                .is_none_or(|beyond| is_below(0, beyond) && is_below(1, beyond));
-        is_normal.then_some(axis)
     }
 }

@@ -135,17 +135,14 @@ impl Hull {
             }
         }
         for side in 0..facet.corners.len() {
-            let Some(ridge) = facet.ridge(side) else {
-                continue;
-            };
-            let [from, to] = ridge.ends;
+            let [from, to] = facet.ends(side);
             for edge in self.edges_across(to - from) {
-                let Some(direction) = ridge.across(edge.ends[1] - edge.ends[0]) else {
+                let Some(direction) = facet.across(side, edge.ends[1] - edge.ends[0]) else {
                     continue;
                 };
                 if direction.dot(edge.normals[0] + edge.normals[1]) < 0.0 {
                     let depth = (from - edge.ends[0]).dot(direction);
-                    if best.is_beaten_by(depth) {
+                    if best.is_beaten_by(depth) && facet.is_ridge(side, direction) {
                         best.take(direction, depth);
                     }
                 }

@@ -9,22 +9,20 @@ use bevy::math::Vec3A;
 use super::{
     body::Body,
     buffers::{Buffers, Claim},
-    facet::{Beyond, Facet, WayOut, highest},
+    claims::settle,
+    facet::{Facet, highest, look_beyond},
     place::MeshPlace,
 };
 use crate::narrow_phase::{
     answer::LocalContact,
     frame::{closest, edge_polygon, placed::PlacedPair, workspace::Workspace},
-    mesh::{polygon_mesh::PolygonMesh, topology::NO_NEIGHBOR},
+    mesh::polygon_mesh::PolygonMesh,
     shape::Shape,
 };
 
 /// How much less another translation has to be to be preferred to that along a polygon's normal, as
 /// a share of the solid's size.
 const BIAS: f32 = 1e-4;
-
-/// So many ways out are tried on all polygons.
-const MOST_WAYS: usize = 8;
 
 /// The cosine of the angle up to which a polygon shares the normal of another.
 const ALIKE: f32 = 0.985;
@@ -39,6 +37,7 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
         return None;
     };
     let Workspace { contact, .. } = &mut *workspace;
+    contact.patch.clear();
     let mut hull = std::mem::take(&mut contact.hull);
     let (body, middle) = match pair.a.shape {
         Shape::Convex(solid) => {
@@ -71,14 +70,14 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
     })
 }
 
-/// A solid inside a closed mesh, whose surface it does not touch: out through what is nearest to its
+/// A solid inside a mesh, whose surface it does not touch: out through what is nearest to its
 /// centre.
-fn nested(
+pub fn nested(
     pair: &PlacedPair,
     mesh: &PolygonMesh,
     workspace: &mut Workspace,
 ) -> Option<LocalContact> {
-    if !mesh.is_closed() {
+    if !mesh.has_inside() {
         return None;
     }
     let (closest, is_inside) = edge_polygon::sphere_closest(pair, workspace)?;
@@ -103,7 +102,9 @@ impl OnMesh<'_> {
     fn contact(&self, buffers: &mut Buffers) -> Option<LocalContact> {
         self.find_claims(buffers);
         let bias = self.bias();
-        let deepest = settle(buffers, self.body, bias)?;
+        let deepest = settle(buffers, bias, |_, corners, direction, _| {
+            highest(corners, direction) - self.body.lowest(direction)
+        })?;
         let way = buffers.claims[deepest].way;
         buffers.patch.clear();
         self.gather(deepest, buffers);
@@ -126,7 +127,6 @@ impl OnMesh<'_> {
         let Buffers {
             polygons,
             corners,
-            beyond,
             claims,
             ..
         } = buffers;
@@ -139,7 +139,6 @@ impl OnMesh<'_> {
         polygons.sort_unstable();
         corners.clear();
         claims.clear();
-        let outwards = mesh.outwards();
         for &polygon in &*polygons {
             let start = corners.len();
             let vertices = mesh.polygon(polygon as usize).iter();
@@ -150,54 +149,26 @@ impl OnMesh<'_> {
                 corners.truncate(start);
                 continue;
             }
-            self.look_beyond(polygon, beyond);
+            let beyond = |side| {
+                look_beyond(mesh, polygon, side, |vertex| {
+                    self.place.place(mesh.vertices()[vertex as usize])
+                })
+            };
             let facet = Facet {
                 corners: own,
-                normal: normal * outwards.unwrap_or(1.0),
-                beyond,
-                is_solid: outwards.is_some(),
+                normal,
+                beyond: &beyond,
+                is_solid: mesh.bounds_solid(polygon as usize),
             };
             if let Some(way) = self.body.way_out(&facet, self.bias()) {
                 claims.push(Claim {
                     corners: [start as u32, corners.len() as u32],
+                    faces: [0; 2],
                     normal,
                     way,
                 });
             }
         }
-    }
-
-    /// What is beyond the sides of a polygon.
-    fn look_beyond(&self, polygon: u32, beyond: &mut Vec<Beyond>) {
-        let mesh = self.mesh;
-        let corners = mesh.polygon(polygon as usize);
-        beyond.clear();
-        beyond.extend(
-            mesh.across(polygon as usize)
-                .iter()
-                .enumerate()
-                .map(|(side, &other)| {
-                    if other == NO_NEIGHBOR {
-                        return None;
-                    }
-                    let from = corners[side];
-                    let others = mesh.polygon(other as usize);
-                    let at = others.iter().position(|vertex| *vertex == from)?;
-                    let to = corners[(side + 1) % corners.len()];
-                    // The neighbour runs along the side the other way, if the two are turned alike.
-                    let count = others.len();
-                    let (next, last) = ((at + 1) % count, (at + count - 1) % count);
-                    let [near_from, near_to] = if others[last] == to {
-                        [next, (last + count - 1) % count]
-                    } else {
-                        [last, (next + 1) % count]
-                    };
-                    Some(
-                        [near_from, near_to]
-                            .map(|i| self.place.place(mesh.vertices()[others[i] as usize])),
-                    )
-                }),
-        );
     }
 
     /// The points where the solid and the polygons meet that have the normal that counts.
@@ -230,8 +201,9 @@ impl OnMesh<'_> {
                 let plane = highest(own, up);
                 patch.piece.clone_from(face);
                 patch.cut_to(own, direction);
-                patch.cut(up, plane + tolerance);
-                patch.add(direction, |point| (plane - point.dot(up)) / along);
+                patch.add(direction, tolerance, |point| {
+                    (plane - point.dot(up)) / along
+                });
             }
         } else if -against.dot(direction) > ALONG {
             // Polygons over the solid's face.
@@ -240,8 +212,7 @@ impl OnMesh<'_> {
                 patch.piece.clear();
                 patch.piece.extend_from_slice(corners_of(claim));
                 patch.cut_to(face, direction);
-                patch.cut(-direction, tolerance - plane);
-                patch.add(-direction, |point| point.dot(direction) - plane);
+                patch.add(-direction, tolerance, |point| point.dot(direction) - plane);
             }
         } else {
             // Edge on edge.
@@ -260,9 +231,7 @@ impl OnMesh<'_> {
             let ours = top(face, -direction);
             let theirs = top(corners_of(&claims[deepest]), direction);
             let (on_solid, on_mesh) = closest::segments(ours, theirs);
-            patch.piece.clear();
-            patch.piece.push(on_solid.midpoint(on_mesh));
-            patch.add(Vec3A::ZERO, |_| way.depth);
+            patch.add_point(on_solid.midpoint(on_mesh), way.depth);
         }
     }
 
@@ -287,58 +256,12 @@ impl OnMesh<'_> {
                 best = patch.piece.iter().sum::<Vec3A>() / patch.piece.len() as f32;
             }
         });
-        let depth = claims[claim].way.depth.max(0.0);
-        patch.piece.clear();
-        patch.piece.push(best);
-        patch.add(Vec3A::ZERO, |_| depth);
+        patch.add_point(best, claims[claim].way.depth);
         best
     }
 }
 
-/// The claim that counts: the deepest, after each was replaced by a shorter way that another
-/// polygon has found, if that clears its polygon too.
-fn settle(buffers: &mut Buffers, body: Body, bias: f32) -> Option<usize> {
-    let Buffers {
-        corners,
-        claims,
-        order,
-        ..
-    } = buffers;
-    order.clear();
-    order.extend(0..claims.len() as u32);
-    order.sort_unstable_by(|a, b| {
-        let depth = |index: &u32| claims[*index as usize].way.depth;
-        depth(a).total_cmp(&depth(b)).then(a.cmp(b))
-    });
-    let mut ways: [(Vec3A, f32); MOST_WAYS] = [(Vec3A::ZERO, 0.0); MOST_WAYS];
-    let mut count = 0;
-    let mut deepest: Option<usize> = None;
-    for &index in &*order {
-        let claim = &mut claims[index as usize];
-        let own = &corners[claim.corners[0] as usize..claim.corners[1] as usize];
-        let mut is_new = count < MOST_WAYS;
-        for (direction, lowest) in &ways[..count] {
-            is_new &= direction.dot(claim.way.direction) < ALONG;
-            let depth = highest(own, *direction) - lowest;
-            if depth < claim.way.depth - bias {
-                claim.way = WayOut {
-                    direction: *direction,
-                    depth,
-                };
-                is_new = false;
-            }
-        }
-        if is_new {
-            ways[count] = (claim.way.direction, body.lowest(claim.way.direction));
-            count += 1;
-        }
-        let depth = claim.way.depth;
-        if deepest.is_none_or(|deepest| depth > claims[deepest].way.depth + bias) {
-            deepest = Some(index as usize);
-        }
-    }
-    deepest
-}
-
+#[cfg(test)]
+mod reference;
 #[cfg(test)]
 mod tests;

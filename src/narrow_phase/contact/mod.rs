@@ -2,10 +2,13 @@
 
 mod body;
 pub(super) mod buffers;
+mod claims;
 mod convex;
 mod facet;
 mod hull;
+pub(super) mod manifold;
 mod mesh;
+mod meshes;
 mod passing;
 mod patch;
 mod place;

@@ -33,8 +33,12 @@ impl Patch {
 
     /// Cuts the piece to what is below a plane.
     pub fn cut(&mut self, normal: Vec3A, plane: f32) {
+        self.cut_by(|point| point.dot(normal) - plane);
+    }
+
+    /// Cuts the piece to where a height, which is linear, is not above zero.
+    fn cut_by(&mut self, height: impl Fn(Vec3A) -> f32) {
         let Self { piece, spare, .. } = self;
-        let height = |point: Vec3A| point.dot(normal) - plane;
         if piece.iter().all(|point| height(*point) <= 0.0) {
             return;
         }
@@ -65,28 +69,33 @@ impl Patch {
         }
     }
 
-    /// Takes the piece up: it is as deep as `depth` says beyond the other shape, against `axis`.
-    pub fn add(&mut self, axis: Vec3A, depth: impl Fn(Vec3A) -> f32) {
+    /// Takes the piece up, or what of it is below the other shape's surface, to within a tolerance:
+    /// it is as deep as `depth` says, against `axis`.
+    pub fn add(&mut self, axis: Vec3A, tolerance: f32, depth: impl Fn(Vec3A) -> f32) {
+        let halfway = |point: Vec3A| PatchPoint {
+            point: point + axis * (depth(point) * 0.5),
+            depth: depth(point).max(0.0),
+        };
         let piece = &self.piece;
-        let Some(first) = piece.first() else {
+        let deep = piece.iter().filter(|point| depth(**point) >= -tolerance);
+        self.points.extend(deep.map(|point| halfway(*point)));
+        // The area is that of all that is below, up to where it comes out.
+        self.cut_by(|point| -tolerance - depth(point));
+        let Some(first) = self.piece.first() else {
             return;
         };
-        let start = self.points.len();
-        self.points.extend(piece.iter().map(|&point| {
-            let depth = depth(point);
-            PatchPoint {
-                point: point + axis * (depth * 0.5),
-                depth: depth.max(0.0),
-            }
-        }));
-        let middles = &self.points[start..];
-        for pair in 1..piece.len().saturating_sub(1) {
-            let (u, v) = (piece[pair] - first, piece[pair + 1] - first);
-            let area = u.cross(v).dot(axis).abs();
-            let sum = middles[0].point + middles[pair].point + middles[pair + 1].point;
-            self.weighted += sum * (area / 3.0);
+        for pair in self.piece[1..].windows(2) {
+            let area = (pair[0] - first).cross(pair[1] - first).dot(axis).abs();
+            let corners = [*first, pair[0], pair[1]].map(|corner| halfway(corner).point);
+            self.weighted += (corners[0] + corners[1] + corners[2]) * (area / 3.0);
             self.area += area;
         }
+    }
+
+    /// Takes up a single point.
+    pub fn add_point(&mut self, point: Vec3A, depth: f32) {
+        let depth = depth.max(0.0);
+        self.points.push(PatchPoint { point, depth });
     }
 
     /// The middle of all pieces: by area, or, if they have next to none, of their corners.

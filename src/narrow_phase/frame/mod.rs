@@ -2,6 +2,7 @@
 
 pub(super) mod approach;
 pub(super) mod case;
+pub(super) mod chord;
 pub(super) mod closest;
 pub(super) mod common_point;
 pub(super) mod cuboid_mesh;
@@ -15,5 +16,4 @@ pub(super) mod placing;
 pub(super) mod separation;
 pub(super) mod smaller;
 pub(super) mod surface;
-pub(super) mod triangles;
 pub(super) mod workspace;

@@ -71,7 +71,7 @@ impl Near for OnTheWay {
     }
 }
 
-/// Those within a distance, near ones first. The limit is the distance.
+/// Those within a distance, near ones first. The limit is the square of the distance.
 pub struct Within;
 
 impl Near for Within {

@@ -9,7 +9,6 @@ use super::local_aabb::LocalAabb;
 use super::oriented_box::OrientedBox;
 use super::placed::Placed;
 use super::placing::Placing;
-use super::triangles::Triangles;
 use crate::broad_phase::ScaledDistance;
 use crate::narrow_phase::{length::unit, mesh::polygon_mesh::PolygonMesh};
 
@@ -235,19 +234,22 @@ impl Surface {
                 .closest_point(point)
                 .filter(|found| found.distance <= limit);
         };
-        let mut best: Option<(Vec3A, f32, u32)> = None;
-        self.search_near(mesh, point, limit, |polygon, closest, distance| {
+        let mut best: Option<(f32, u32)> = None;
+        let most = limit * limit;
+        self.search_near(mesh, point, most, |polygon, squared| {
             // Of several that are as close, the first in the order of the mesh.
-            let is_closer = best.is_none_or(|(_, least, of)| (distance, polygon) < (least, of));
-            if is_closer && distance <= limit {
-                best = Some((closest, distance, polygon));
+            if best.is_none_or(|best| (squared, polygon) < best) && squared <= most {
+                best = Some((squared, polygon));
             }
-            ControlFlow::Continue(best.map_or(limit, |(_, distance, _)| distance))
+            ControlFlow::Continue(best.map_or(most, |(squared, _)| squared))
         });
-        best.map(|(point, distance, polygon)| ClosestPoint {
-            point,
-            distance,
-            normal: self.placing.normal(mesh.normals()[polygon as usize]),
+        let (squared, polygon) = best?;
+        self.select(mesh, polygon, 0.0);
+        let face = &self.faces[0];
+        Some(ClosestPoint {
+            point: self.closest_point_of(face, point)?,
+            distance: squared.sqrt(),
+            normal: face.normal,
         })
     }
 
@@ -259,27 +261,26 @@ impl Surface {
                 .closest_point(point)
                 .is_some_and(|found| found.distance <= limit);
         }
-        let mut is_near = false;
-        self.search_near(mesh, point, limit, |_, _, distance| {
-            is_near = distance <= limit;
+        let (mut is_near, most) = (false, limit * limit);
+        self.search_near(mesh, point, most, |_, squared| {
+            is_near = squared <= most;
             if is_near {
                 ControlFlow::Break(())
             } else {
-                ControlFlow::Continue(limit)
+                ControlFlow::Continue(most)
             }
         });
         is_near
     }
 
-    /// Calls `found` with polygons that are within the limit of a point of the frame, and perhaps
-    /// more, near ones first, their closest points and how far these are; it tells the limit from
-    /// then on.
+    /// Calls `found` with polygons whose boxes are within the limit of a point of the frame, near
+    /// ones first, and how far they are; it tells the limit from then on. Both are squared.
     fn search_near(
         &mut self,
         mesh: &PolygonMesh,
         point: Vec3A,
         limit: f32,
-        mut found: impl FnMut(u32, Vec3A, f32) -> ControlFlow<(), f32>,
+        mut found: impl FnMut(u32, f32) -> ControlFlow<(), f32>,
     ) {
         let Some(tree) = mesh.tree() else { return };
         let placing = self.placing;
@@ -302,46 +303,34 @@ impl Surface {
                 None => placing.place(vertex),
             }
         };
-        let mut limit = limit;
-        tree.search_blocks(&measure, limit, |polygons| {
-            let (mut triangles, mut others) = (Triangles::default(), 0u32);
-            for (lane, polygon) in polygons.iter().enumerate() {
-                match mesh.polygon(*polygon as usize) {
-                    &[a, b, c] => triangles.set(lane, [a, b, c].map(corner)),
-                    _ => others |= 1 << lane,
-                }
-            }
-            let squares = triangles.distances_squared(tree.level(), from);
-            let mut left = ((1 << polygons.len()) - 1) & !others;
-            loop {
-                // A little less, for rounding.
-                let reach = limit / scale;
-                let reach = reach * reach * (1.0 + 1e-4);
-                let Some(lane) = nearest(&squares, left, reach) else {
-                    break;
-                };
-                left &= !(1 << lane);
-                let closest = closest::point_triangle(from, triangles.get(lane));
-                let distance = closest.distance(from) * scale;
-                let closest = match uniform {
-                    Some(_) => placing.place(closest.into()),
-                    None => closest,
-                };
-                limit = found(polygons[lane], closest, distance)?;
-            }
-            for lane in (0..polygons.len()).filter(|lane| others & 1 << lane != 0) {
-                self.select(mesh, polygons[lane], 0.0);
-                if let Some(closest) = self.closest_point_of(&self.faces[0], point) {
-                    limit = found(polygons[lane], closest, closest.distance(point))?;
-                }
-            }
-            ControlFlow::Continue(limit)
+        let square = scale * scale;
+        tree.search(&measure, limit, |polygon, _| {
+            let squared = if let &[a, b, c] = mesh.polygon(polygon as usize) {
+                let closest = closest::point_triangle(from, [a, b, c].map(corner));
+                closest.distance_squared(from) * square
+            } else {
+                self.select(mesh, polygon, 0.0);
+                self.closest_point_of(&self.faces[0], point)
+                    .map_or(f32::INFINITY, |closest| closest.distance_squared(point))
+            };
+            found(polygon, squared)
         });
     }
 
     /// A vertex of the mesh, in place.
     pub fn vertex(&self, mesh: &PolygonMesh, vertex: u32) -> Vec3A {
         self.placing.place(mesh.vertices()[vertex as usize])
+    }
+
+    /// The same as [`touch`](Self::touch) of a segment.
+    pub fn touch_segment(
+        &self,
+        face: &PlacedFace,
+        ends: [Vec3A; 2],
+        tolerance: f32,
+    ) -> Option<Vec3A> {
+        let bounds = LocalAabb::around(ends.into_iter(), tolerance);
+        self.touch(face, &PlacedEdge { ends, bounds }, tolerance)
     }
 
     /// The corners of a face, in place.
@@ -441,19 +430,6 @@ impl Surface {
         }
         winds_around(mesh, |vertex| self.vertex(mesh, vertex) - point)
     }
-}
-
-/// The lane of the least number, of those that are listed and no more than `most`.
-#[inline]
-fn nearest(squares: &[f32; 8], lanes: u32, most: f32) -> Option<usize> {
-    let mut best: Option<usize> = None;
-    for (lane, square) in squares.iter().enumerate() {
-        let is_listed = lanes & 1 << lane != 0 && *square <= most;
-        if is_listed && best.is_none_or(|best| *square < squares[best]) {
-            best = Some(lane);
-        }
-    }
-    best
 }
 
 /// The sides of a polygon of a mesh, each with the polygon across it.

@@ -16,8 +16,9 @@ pub struct Edges {
     pub alike: Bits,
     /// The sides of each edge that more than two polygons share, one edge after the other.
     pub crowded: Vec<u32>,
-    /// The ends of edges along which an odd number of polygons runs; sorted, each once.
-    pub at_odd_edges: Vec<u32>,
+    /// The vertices at the ends of edges along which an odd number of polygons runs; `None` if there
+    /// are none.
+    pub at_odd_edges: Option<Bits>,
 }
 
 /// A set of indices.
@@ -36,8 +37,22 @@ impl Bits {
     }
 
     #[inline]
+    pub fn remove(&mut self, index: u32) {
+        self.0[index as usize / 64] &= !(1 << (index % 64));
+    }
+
+    #[inline]
     pub fn contains(&self, index: u32) -> bool {
         self.0[index as usize / 64] >> (index % 64) & 1 != 0
+    }
+
+    /// The indices in the set, in ascending order.
+    pub fn iter(&self) -> impl Iterator<Item = u32> {
+        self.0.iter().enumerate().flat_map(|(word, &bits)| {
+            let some = |bits: u64| (bits != 0).then_some(bits);
+            std::iter::successors(some(bits), move |bits| some(bits & (bits - 1)))
+                .map(move |bits| word as u32 * 64 + bits.trailing_zeros())
+        })
     }
 
     pub const fn memory_bytes(&self) -> usize {
@@ -72,7 +87,7 @@ impl Edges {
             across: vec![NO_NEIGHBOR; sides],
             alike: Bits::none(sides),
             crowded: Vec::new(),
-            at_odd_edges: Vec::new(),
+            at_odd_edges: None,
         };
         let mut repeats = Vec::new();
         let mut count = 0;
@@ -84,12 +99,15 @@ impl Edges {
             at_low.sort_unstable();
             for uses in at_low.chunk_by(|a, b| a >> 32 == b >> 32) {
                 count += 1;
-                edges.note(polygons, low as u32, uses, &mut repeats);
+                edges.note(polygons, uses, &mut repeats);
+                if uses.len() % 2 == 1 {
+                    let at_odd = &mut edges.at_odd_edges;
+                    let at_odd = at_odd.get_or_insert_with(|| Bits::none(vertices));
+                    at_odd.insert(low as u32);
+                    at_odd.insert((uses[0] >> 32) as u32);
+                }
             }
         }
-        edges.at_odd_edges.sort_unstable();
-        edges.at_odd_edges.dedup();
-
         repeats.sort_unstable();
         let mut repeats = repeats.into_iter().peekable();
         edges.ends.reserve_exact(count);
@@ -105,7 +123,7 @@ impl Edges {
 
     /// Notes the sides of one edge, in the lower halves of `uses`, which are sorted.
     #[inline]
-    fn note(&mut self, polygons: &Polygons, low: u32, uses: &[u64], repeats: &mut Vec<u32>) {
+    fn note(&mut self, polygons: &Polygons, uses: &[u64], repeats: &mut Vec<u32>) {
         if let &[one, two] = uses {
             let (one, two) = (one as u32, two as u32);
             let corners = polygons.corners();
@@ -116,9 +134,6 @@ impl Edges {
                 self.alike.insert(two);
             }
             return;
-        }
-        if uses.len() % 2 == 1 {
-            self.at_odd_edges.extend([low, (uses[0] >> 32) as u32]);
         }
         if uses.len() > 2 {
             let sides = uses.iter().map(|used| *used as u32);

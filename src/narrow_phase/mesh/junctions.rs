@@ -2,7 +2,7 @@
 
 use bevy::math::{Vec3, Vec3A, bounding::Aabb3d};
 
-use super::polygons::Polygons;
+use super::{edges::Bits, polygons::Polygons};
 use crate::broad_phase::linear_octree::StillOctree;
 
 /// How far off an edge a vertex on it may be, as a share of the edge's length.
@@ -13,6 +13,9 @@ const ROUNDING: f64 = 1e-6;
 const FEW: usize = 64;
 /// Polygons of more corners than this, on average, are searched by their sides.
 const LONG: usize = 8;
+
+/// So many vertices are searched for at once.
+const TOGETHER: usize = 4;
 
 /// A vertex that lies on a side of a polygon that does not know it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,25 +38,20 @@ pub struct Junctions<'a> {
 
 impl Junctions<'_> {
     /// Finds the sides on which some vertices lie, by side, in the order in which they lie on it.
-    pub fn find(&self, candidates: &[u32]) -> Vec<Junction> {
+    ///
+    /// Vertices may be left out that could close nothing.
+    pub fn find(&self, candidates: Bits) -> Vec<Junction> {
         let mut found = Vec::new();
-        if candidates.is_empty() {
-            return found;
-        }
         let (polygons, reach) = (self.polygons, self.reach());
         let sides = polygons.corners().len();
         if sides <= FEW {
-            for &vertex in candidates {
+            for vertex in candidates.iter() {
                 for polygon in 0..polygons.len() {
                     self.on_polygon(polygon, vertex, &mut found);
                 }
             }
         } else if let Some(tree) = self.tree.filter(|_| sides <= LONG * polygons.len()) {
-            for &vertex in candidates {
-                tree.for_each_overlapping(&self.around(vertex, reach), |polygon| {
-                    self.on_polygon(polygon as usize, vertex, &mut found);
-                });
-            }
+            self.by_tree(tree, candidates, reach, &mut found);
         } else {
             let mut boxes = Vec::with_capacity(sides);
             let mut ends = Vec::with_capacity(sides);
@@ -66,7 +64,7 @@ impl Junctions<'_> {
                 ends.push((polygon, to));
             });
             let tree = StillOctree::new(&boxes);
-            for &vertex in candidates {
+            for vertex in candidates.iter() {
                 tree.for_each_overlapping(&self.around(vertex, reach), |side| {
                     let (polygon, to) = ends[side as usize];
                     let from = polygons.corners()[side as usize];
@@ -83,6 +81,84 @@ impl Junctions<'_> {
             by_side.then(a.vertex.cmp(&b.vertex))
         });
         found
+    }
+
+    /// Near vertices together, and those of hopeless polygons not at all: a corner that no other
+    /// polygon has must be on an edge of one, or the polygon is alone along both sides there.
+    fn by_tree(
+        &self,
+        tree: &StillOctree,
+        mut candidates: Bits,
+        reach: f32,
+        found: &mut Vec<Junction>,
+    ) {
+        let mut uses = vec![0_u8; self.vertices.len()];
+        for corner in self.polygons.corners() {
+            let uses = &mut uses[*corner as usize];
+            *uses = uses.saturating_add(1);
+        }
+        let is_its_own = |corner: &u32| uses[*corner as usize] == 1;
+        let mut together: Vec<u32> = Vec::with_capacity(TOGETHER);
+        for polygons in tree.in_order().chunks(TOGETHER) {
+            let corners = |polygon: &u32| self.polygons.get(*polygon as usize).iter().copied();
+            together.clear();
+            together.extend(polygons.iter().filter_map(|p| corners(p).find(is_its_own)));
+            let before = found.len();
+            self.search(tree, &together, reach, found);
+            for polygon in polygons {
+                let mut its_own = corners(polygon).filter(is_its_own);
+                if let Some(first) = its_own.next() {
+                    candidates.remove(first);
+                    if found[before..].iter().all(|found| found.vertex != first) {
+                        its_own.for_each(|corner| candidates.remove(corner));
+                    }
+                }
+            }
+        }
+        together.clear();
+        for polygon in tree.in_order() {
+            for corner in self.polygons.get(*polygon as usize) {
+                if candidates.contains(*corner) {
+                    candidates.remove(*corner);
+                    together.push(*corner);
+                }
+            }
+            if together.len() >= TOGETHER {
+                self.search(tree, &together, reach, found);
+                together.clear();
+            }
+        }
+        self.search(tree, &together, reach, found);
+    }
+
+    /// Searches for the sides that some vertices, which are near each other, lie on.
+    fn search(&self, tree: &StillOctree, vertices: &[u32], reach: f32, found: &mut Vec<Junction>) {
+        let Some((first, others)) = vertices.split_first() else {
+            return;
+        };
+        let around = others
+            .iter()
+            .fold(self.around(*first, reach), |around, vertex| {
+                let other = self.around(*vertex, reach);
+                Aabb3d {
+                    min: around.min.min(other.min),
+                    max: around.max.max(other.max),
+                }
+            });
+        tree.for_each_overlapping(&around, |polygon| {
+            let corners = self.polygons.get(polygon as usize);
+            let nothing = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
+            let (min, max) = corners.iter().fold(nothing, |(min, max), corner| {
+                (min.min(self.at(*corner)), max.max(self.at(*corner)))
+            });
+            let (min, max) = (min - reach, max + reach);
+            for vertex in vertices {
+                let at = self.at(*vertex);
+                if (at.cmpge(min) & at.cmple(max)).all() {
+                    self.on_polygon(polygon as usize, *vertex, found);
+                }
+            }
+        });
     }
 
     fn at(&self, vertex: u32) -> Vec3A {

@@ -2,7 +2,6 @@
 
 #[cfg(feature = "mesh")]
 mod bevy_mesh;
-mod cache;
 pub(super) mod convex_mesh;
 pub(super) mod cube;
 mod duplicates;

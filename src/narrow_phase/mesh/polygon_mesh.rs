@@ -1,9 +1,9 @@
 //! Meshes of planar polygons, checked when they are built.
 
-use bevy::math::{Vec3, Vec3A, bounding::Aabb3d};
+use bevy::math::{DVec3, Vec3, Vec3A, bounding::Aabb3d};
 
 use super::{
-    cache::Cache,
+    edges::Bits,
     junctions::Junction,
     normal::checked_normal,
     polygons::Polygons,
@@ -14,6 +14,7 @@ use crate::{
     narrow_phase::{error::ShapeError, length::length},
 };
 
+mod outwards;
 mod winding;
 
 /// A mesh of so many polygons, or fewer, has no tree: they are looked at as quickly one by one.
@@ -32,7 +33,8 @@ const FEW: usize = 32;
 ///   that are alone along an edge, as a flag on a wall, are no part of it, and copies of a polygon
 ///   count once.
 /// * The wall of a cavity must face the other way than the outer wall, or the cavity counts as
-///   filled. Which way the outer wall faces does not matter.
+///   filled. Which way the outer wall faces does not matter: polygons that bound a solid are turned
+///   to face out of it.
 /// * A room to be walked in, all of it inside a closed surface, is a
 ///   [surface only](Self::surface_only).
 /// * A tree of the polygons is built with the mesh, where there are many: that takes less than the
@@ -69,10 +71,11 @@ pub struct PolygonMesh {
     sources: Option<Box<[u32]>>,
     open_edge: Option<[u32; 2]>,
     is_surface_only: bool,
+    /// Polygons that were turned around to face outwards.
+    inverted: Option<Bits>,
     center: Vec3A,
     half_size: Vec3A,
     radius: f32,
-    pub(in crate::narrow_phase) cache: Cache,
 }
 
 impl PolygonMesh {
@@ -150,10 +153,10 @@ impl PolygonMesh {
             sources: sources.map(Vec::into_boxed_slice),
             open_edge: None,
             is_surface_only: false,
+            inverted: None,
             center: Vec3A::ZERO,
             half_size: Vec3A::ZERO,
             radius: 0.0,
-            cache: Cache::default(),
         };
         mesh.measure();
         mesh.connect(slack);
@@ -162,6 +165,8 @@ impl PolygonMesh {
 
     /// Returns the same mesh as a surface without an inside: what is within it touches nothing but
     /// its polygons.
+    ///
+    /// Polygons face the way that most of their surface was given.
     ///
     /// A level that is modelled as one closed surface, as a box turned inside out, is solid
     /// otherwise, and whoever walks in it is in contact all the time.
@@ -189,6 +194,11 @@ impl PolygonMesh {
     #[doc(alias = "hollow")]
     #[must_use]
     pub fn surface_only(mut self) -> Self {
+        if let Some(inverted) = self.inverted.take() {
+            for polygon in inverted.iter() {
+                self.flip_polygon(polygon as usize);
+            }
+        }
         self.is_surface_only = true;
         self.solid = Solid::None;
         self.junctions = Vec::new();
@@ -245,6 +255,22 @@ impl PolygonMesh {
         self.solid != Solid::None
     }
 
+    /// Returns `true` if a polygon is part of a closed surface that bounds a solid: it then faces
+    /// outwards. What is no such part is met from both sides, as all of a
+    /// [surface only](Self::surface_only) is.
+    ///
+    /// # Panics
+    /// If there are not so many polygons.
+    #[inline]
+    #[must_use]
+    pub fn bounds_solid(&self, polygon: usize) -> bool {
+        assert!(
+            polygon < self.polygon_count(),
+            "there is no polygon {polygon}"
+        );
+        self.solid.contains(polygon as u32)
+    }
+
     /// Returns `true` if it was made a [surface only](Self::surface_only).
     #[must_use]
     pub const fn is_surface_only(&self) -> bool {
@@ -272,6 +298,7 @@ impl PolygonMesh {
             + (self.across.capacity() + self.shells.capacity()) * size_of::<u32>()
             + self.junctions.capacity() * size_of::<Junction>()
             + solid
+            + self.inverted.as_ref().map_or(0, Bits::memory_bytes)
             + self.tree.as_ref().map_or(0, StillOctree::memory_bytes)
     }
 
@@ -280,26 +307,6 @@ impl PolygonMesh {
     /// or more than one.
     pub(in crate::narrow_phase) fn across(&self, polygon: usize) -> &[u32] {
         &self.across[self.polygons.sides(polygon)]
-    }
-
-    /// Which way the normals point, if the mesh is closed: 1 outwards, -1 inwards. `None` for an
-    /// open one.
-    pub(in crate::narrow_phase) fn outwards(&self) -> Option<f32> {
-        let volume = || -> f64 {
-            let at = |vertex: u32| {
-                (Vec3A::from(self.vertices[vertex as usize]) - self.center).as_dvec3()
-            };
-            let fan = |corners: &[u32]| -> f64 {
-                let triangles = corners[1..].windows(2);
-                triangles
-                    .map(|pair| at(corners[0]).dot(at(pair[0]).cross(at(pair[1]))))
-                    .sum()
-            };
-            self.polygons().map(fan).sum()
-        };
-        let sign = || if volume() < 0.0 { -1.0 } else { 1.0 };
-        self.is_closed()
-            .then(|| *self.cache.outwards.get_or_init(sign))
     }
 
     /// The tree of the polygons' boxes, in the mesh's own space, if there are enough of them.
@@ -332,6 +339,11 @@ impl PolygonMesh {
         self.shells.iter().map(first)
     }
 
+    /// The first polygon of each connected part of the surface.
+    pub(in crate::narrow_phase) fn shell_polygons(&self) -> &[u32] {
+        &self.shells
+    }
+
     /// Whether a polygon stands for its connected part of the surface: each has one that does.
     pub(in crate::narrow_phase) fn is_representative(&self, polygon: u32) -> bool {
         self.shells.binary_search(&polygon).is_ok()
@@ -359,8 +371,8 @@ impl PolygonMesh {
             tree: None,
             shells: self.shells.clone(),
             solid: self.solid.clone(),
+            inverted: self.inverted.clone(),
             junctions: self.junctions.clone(),
-            cache: Cache::default(),
             ..*self
         };
         turned.measure();
@@ -369,7 +381,6 @@ impl PolygonMesh {
 
     /// Turns every polygon around.
     pub(in crate::narrow_phase) fn flip(&mut self) {
-        self.cache = Cache::default();
         for polygon in 0..self.polygon_count() {
             self.flip_polygon(polygon);
         }
@@ -413,19 +424,23 @@ impl PolygonMesh {
         for polygon in topology.flipped {
             self.flip_polygon(polygon as usize);
         }
+        self.turn_outwards(topology.surface, &topology.twins);
         // A wall that is not within a solid is a surface.
         if self.open_edge.is_none() {
-            let outside = topology.walls.iter().find(|polygon| {
-                let corners = self.polygon(**polygon as usize);
-                let at = |vertex: &u32| self.vertices[*vertex as usize].as_dvec3();
-                // Within the polygon, if it is convex.
-                !self.winds_around((at(&corners[0]) + at(&corners[1]) + at(&corners[2])) / 3.0)
-            });
-            self.open_edge = outside.map(|polygon| {
-                let corners = self.polygon(*polygon as usize);
+            let mut walls = topology.twins.iter().filter(|twin| twin.of.is_none());
+            let outside = walls.find(|twin| !self.winds_around(self.middle(twin.polygon)));
+            self.open_edge = outside.map(|twin| {
+                let corners = self.polygon(twin.polygon as usize);
                 [corners[0].min(corners[1]), corners[0].max(corners[1])]
             });
         }
+    }
+
+    /// A point of a polygon, if it is convex.
+    fn middle(&self, polygon: u32) -> DVec3 {
+        let corners = self.polygon(polygon as usize);
+        let [a, b, c] = [0, 1, 2].map(|i| self.vertices[corners[i] as usize].as_dvec3());
+        (a + b + c) / 3.0
     }
 
     /// Finds the bounding box and, around its centre, the bounding sphere.

@@ -33,9 +33,17 @@ struct Use {
     upwards: bool,
 }
 
-/// Of each of some polygons, in ascending order: `None` if it bounds no solid, or else whether it
-/// has to be turned around.
-pub fn find(polygons: &Polygons, which: &[u32], junctions: &[Junction]) -> Vec<Option<bool>> {
+/// What is known of a polygon that bounds a solid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bounding {
+    /// Has it to be turned around?
+    pub flip: bool,
+    /// The first polygon of the closed surface that it is of, as an index of those looked at.
+    pub first: u32,
+}
+
+/// Of each of some polygons, in ascending order: what is known of it if it bounds a solid.
+pub fn find(polygons: &Polygons, which: &[u32], junctions: &[Junction]) -> Vec<Option<Bounding>> {
     let mut search = Search::new(polygons, which, junctions);
     let mut round = 0;
     while search.alive > 0 {
@@ -64,7 +72,7 @@ struct Search {
     alive: usize,
     /// Pieces along which one polygon may be alone.
     queue: Vec<u32>,
-    verdicts: Vec<Option<bool>>,
+    verdicts: Vec<Option<Bounding>>,
 }
 
 /// Polygons that hang together by pieces that join two.
@@ -248,7 +256,7 @@ impl Search {
             for patch in alone {
                 // Two polygons with the same sides have nothing between them.
                 let is_solid = patches.members(patch).len() > 2;
-                self.close(patches, patch, is_solid);
+                self.close(patches, patch, is_solid, patches.members(patch)[0]);
             }
             return;
         }
@@ -286,7 +294,9 @@ impl Search {
         }
         for patch in all {
             if !is_open[group[patch as usize] as usize] {
-                self.close(patches, patch, true);
+                // Patches, and groups of them, are known by their first: polygons come in order.
+                let first = patches.members(group[patch as usize])[0];
+                self.close(patches, patch, true, first);
             } else if is_impatient {
                 self.remove_patch(patches, patch);
             }
@@ -353,10 +363,10 @@ impl Search {
         }
     }
 
-    fn close(&mut self, patches: &Patches, patch: u32, is_solid: bool) {
+    fn close(&mut self, patches: &Patches, patch: u32, is_solid: bool, first: u32) {
         for &polygon in patches.members(patch) {
             let flip = patches.flip[polygon as usize];
-            self.verdicts[polygon as usize] = is_solid.then_some(flip);
+            self.verdicts[polygon as usize] = is_solid.then_some(Bounding { flip, first });
             self.remove(polygon);
         }
     }

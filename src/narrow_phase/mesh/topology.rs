@@ -34,8 +34,11 @@ pub struct Topology {
     /// The vertices that lie on sides of polygons that bound solids: by side, in the order in which
     /// they lie on it.
     pub junctions: Vec<Junction>,
-    /// Polygons of which one is the back of another.
-    pub walls: Vec<u32>,
+    /// For each polygon that bounds a solid, the first one of its closed surface; [`NO_NEIGHBOR`]
+    /// for others.
+    pub surface: Vec<u32>,
+    /// Polygons with the same corners as others.
+    pub twins: Vec<Twin>,
     /// An edge of a polygon that bounds no solid, walls and copies aside.
     pub open_edge: Option<[u32; 2]>,
 }
@@ -73,20 +76,21 @@ impl Topology {
         let mut edges = Edges::of(polygons, vertices.len());
         let mut shells = Shells::of(polygons, &edges);
         let twins = duplicates::find(polygons, &edges);
-        let mut junctions = Junctions {
+        let search = Junctions {
             vertices,
             polygons,
             tree,
             slack,
-        }
-        .find(&edges.at_odd_edges);
+        };
+        let at_odd_edges = edges.at_odd_edges.take();
+        let mut junctions = at_odd_edges.map_or_else(Vec::new, |vertices| search.find(vertices));
         let undecided = shells.undecided(&edges, &twins, !junctions.is_empty());
         if !undecided.is_empty() {
             let found = solids::find(polygons, &undecided, &junctions);
             for (polygon, verdict) in undecided.iter().zip(found) {
-                if let Some(flip) = verdict {
-                    shells.solid[*polygon as usize] = true;
-                    shells.flip[*polygon as usize] = flip;
+                if let Some(bounding) = verdict {
+                    shells.surface[*polygon as usize] = undecided[bounding.first as usize];
+                    shells.flip[*polygon as usize] = bounding.flip;
                 }
             }
         }
@@ -95,33 +99,34 @@ impl Topology {
                 shells.flip[twin.polygon as usize] = shells.flip[first as usize];
             }
         }
-        junctions.retain(|junction| shells.solid[polygons.owner(junction.side) as usize]);
+        junctions.retain(|junction| shells.is_solid(polygons.owner(junction.side)));
 
         let is_accounted_for = |polygon: u32| {
-            shells.solid[polygon as usize]
+            shells.is_solid(polygon)
                 || twins
                     .binary_search_by_key(&polygon, |twin| twin.polygon)
                     .is_ok_and(|at| match twins[at].of {
-                        Some(first) => shells.solid[first as usize],
+                        Some(first) => shells.is_solid(first),
                         None => true,
                     })
         };
         let count = polygons.len() as u32;
-        let solids = shells.solid.iter().filter(|solid| **solid).count();
+        let solids = (0..count)
+            .filter(|polygon| shells.is_solid(*polygon))
+            .count();
         let solid = match solids {
             0 => Solid::None,
             all if all == polygons.len() => Solid::All,
             _ => {
                 let mut bits = Bits::none(polygons.len());
                 (0..count)
-                    .filter(|polygon| shells.solid[*polygon as usize])
+                    .filter(|polygon| shells.is_solid(*polygon))
                     .for_each(|polygon| bits.insert(polygon));
                 Solid::Some(bits)
             }
         };
         let open = (0..count).find(|polygon| !is_accounted_for(*polygon));
         let open_edge = open.map(|polygon| shells.open_edge(polygons, &edges, polygon));
-        let walls = twins.iter().filter(|twin| twin.of.is_none());
         edges.across.shrink_to_fit();
         Self {
             edges: edges.ends,
@@ -129,7 +134,8 @@ impl Topology {
             flipped: (0..count)
                 .filter(|polygon| shells.flip[*polygon as usize])
                 .collect(),
-            walls: walls.map(|twin| twin.polygon).collect(),
+            surface: shells.surface,
+            twins,
             shells: shells.firsts,
             solid,
             junctions,
@@ -144,8 +150,8 @@ struct Shells {
     firsts: Vec<u32>,
     /// Which polygons have to be turned around.
     flip: Vec<bool>,
-    /// Which polygons are known to bound solids.
-    solid: Vec<bool>,
+    /// The first polygon of the closed surface that each is of, as far as is known.
+    surface: Vec<u32>,
     /// The polygons, shell by shell, and where each shell ends.
     members: Vec<u32>,
     ends: Vec<u32>,
@@ -162,7 +168,7 @@ impl Shells {
         let mut shells = Self {
             firsts: Vec::new(),
             flip: vec![false; count],
-            solid: vec![false; count],
+            surface: vec![NO_NEIGHBOR; count],
             members: Vec::with_capacity(count),
             ends: Vec::new(),
             has_border: Vec::new(),
@@ -204,7 +210,7 @@ impl Shells {
             // Two polygons with the same sides have nothing between them.
             if !has_border && !is_one_sided && members.len() > 2 {
                 for polygon in members {
-                    shells.solid[*polygon as usize] = true;
+                    shells.surface[*polygon as usize] = start as u32;
                 }
             }
             shells.firsts.push(start as u32);
@@ -212,6 +218,10 @@ impl Shells {
             shells.has_border.push(has_border);
         }
         shells
+    }
+
+    fn is_solid(&self, polygon: u32) -> bool {
+        self.surface[polygon as usize] != NO_NEIGHBOR
     }
 
     /// The polygons, in their order, of which neighbours alone cannot tell whether they bound a
@@ -247,7 +257,7 @@ impl Shells {
         };
         let sides = |polygon: u32| polygons.sides(polygon as usize).map(|side| side as u32);
         let open = (first..polygons.len() as u32)
-            .filter(|polygon| !self.solid[*polygon as usize])
+            .filter(|polygon| !self.is_solid(*polygon))
             .flat_map(|polygon| sides(polygon).map(move |side| (polygon, side)))
             .find(|(polygon, side)| is_open(*polygon, *side));
         let (_, side) = open.unwrap_or((first, polygons.sides(first as usize).start as u32));

@@ -5,7 +5,7 @@ use bevy::transform::components::Transform;
 
 use crate::narrow_phase::{
     answer::{Impact, LocalContact, Passage},
-    cast::options::RayCastOptions,
+    cast_options::RayCastOptions,
     frame::{
         placed::{Placed, PlacedPair},
         workspace::Workspace,

@@ -69,6 +69,7 @@ pub fn ray_by_itself(
         normal: against(normal, direction),
         face_normal: normal,
         polygon: None,
+        depth: 0.0,
     })
 }
 
@@ -143,6 +144,7 @@ fn impact(
         normal,
         face_normal: face.map_or(normal, DVec3::as_vec3),
         polygon: triangle,
+        depth: 0.0,
     })
 }
 

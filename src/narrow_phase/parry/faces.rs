@@ -12,12 +12,11 @@ use super::parts::{self, Part, PosedShape};
 use super::probe::Search;
 use crate::narrow_phase::{
     answer::{Impact, Passage, against, slack},
-    cast::{
-        chord::{ALONG_START, Chord},
-        local_ray::Met,
-        options::{Faces, RayCastOptions},
+    cast_options::{Faces, RayCastOptions},
+    frame::{
+        chord::{ALONG_START, Chord, Met},
+        placed::Placed,
     },
-    frame::placed::Placed,
 };
 
 /// How near something on its way comes to what it is going to touch before the rest is taken as
@@ -110,6 +109,7 @@ fn impact(origin: Vec3, direction: Dir3, max_distance: f32, met: Met) -> Option<
         normal: face.map_or(-*direction, |face| against(face, direction)),
         face_normal: face.unwrap_or(-*direction),
         polygon: met.polygon,
+        depth: 0.0,
     })
 }
 
@@ -239,3 +239,6 @@ impl Ray {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

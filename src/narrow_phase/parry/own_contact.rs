@@ -59,7 +59,7 @@ pub fn contact(body: &Convex, mesh: &OwnMesh, tolerance: f64) -> Option<Gap> {
 
 /// The way out of a closed mesh, of a shape inside that does not touch it: through what is nearest.
 pub fn from_inside(body: &Convex, mesh: &OwnMesh) -> Option<Gap> {
-    if !mesh.mesh.is_closed() {
+    if !mesh.mesh.has_inside() {
         return None;
     }
     let [body_shape, mesh_shape] = [
@@ -88,7 +88,7 @@ fn along_a_normal(
     let Some(up) = (b - a).cross(c - a).try_normalize() else {
         return gap;
     };
-    let is_solid = mesh.mesh.is_closed();
+    let is_solid = mesh.mesh.bounds_solid(polygon as usize);
     let way = -gap.normal;
     let along = way.dot(up);
     let is_out = !is_solid || along >= -FLAT;

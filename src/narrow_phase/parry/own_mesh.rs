@@ -74,7 +74,13 @@ impl OwnMesh<'_> {
                 };
                 let scale = self.scale.abs() * (1.0 - ROUNDING);
                 let measure = ScaledDistance::new(from, scale.as_vec3a());
-                let limit = || up(search.margin.get());
+                let limit = || {
+                    let margin = search.margin.get();
+                    if margin < 0.0 {
+                        return f32::NEG_INFINITY;
+                    }
+                    up(margin * margin)
+                };
                 self.search(tree, &measure, limit, search, visit);
             }
             Probe::Box { center, half, .. } => {
@@ -176,11 +182,9 @@ impl OwnMesh<'_> {
         }
     }
 
-    /// Do polygons as the mesh has them face the other way in place: into a solid, or to where
-    /// their own normals do not point?
+    /// Do polygons as the mesh has them face the other way in place?
     fn is_turned(&self) -> bool {
-        let mirror = self.scale.x * self.scale.y * self.scale.z < 0.0;
-        mirror != (self.mesh.outwards() == Some(-1.0))
+        self.scale.x * self.scale.y * self.scale.z < 0.0
     }
 
     /// A vertex in place.

@@ -72,7 +72,7 @@ pub fn closest_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[V
             seed.into_iter().for_each(|points| nearest.consider(points));
         }
         nearest.surfaces(a, b);
-        limit = nearest.squared.sqrt();
+        limit = nearest.squared;
         ControlFlow::Continue(limit)
     })?;
     Some(nearest.or_nested(pair, meshes, workspace))
@@ -121,7 +121,7 @@ fn of_cuboid(
                 nearest.surfaces(a, b);
             }
         }
-        ControlFlow::Continue(nearest.squared.sqrt())
+        ControlFlow::Continue(nearest.squared)
     });
     let meshes = both.in_order(&*CUBE, both.mesh);
     Some(nearest.or_nested(pair, meshes, workspace))

@@ -120,7 +120,7 @@ fn is_sure(crossed: &[Crossed], direction: Dir3) -> bool {
 
 fn is_solid(shape: &Shape) -> bool {
     match shape {
-        Shape::Mesh(mesh) => mesh.is_closed(),
+        Shape::Mesh(mesh) => mesh.has_inside(),
         _ => true,
     }
 }

@@ -8,7 +8,7 @@ use crate::narrow_phase::*;
 
 /// As seen from the first, whichever is asked first.
 #[track_caller]
-fn contact(a: (&Shape, Transform), b: (&Shape, Transform)) -> Contact {
+pub(super) fn contact(a: (&Shape, Transform), b: (&Shape, Transform)) -> Contact {
     let (one, two) = (Placed::new(a.0, &a.1), Placed::new(b.0, &b.1));
     let (tests, mut workspace) = (NarrowPhase::default(), Workspace::default());
     let found = tests.contact(one, two, &mut workspace).unwrap();
@@ -54,7 +54,7 @@ fn fan() -> Shape {
     triangles(&corners, &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]])
 }
 
-fn grid(n: u32, height: impl Fn(f32, f32) -> f32) -> Shape {
+pub(super) fn grid(n: u32, height: impl Fn(f32, f32) -> f32) -> Shape {
     let mut vertices = Vec::new();
     for z in 0..=n {
         for x in 0..=n {
@@ -110,7 +110,12 @@ fn convex_cube(half: f32) -> Shape {
 
 #[test]
 fn up_is_the_way_off_a_floor_whichever_way_it_is_wound() {
-    let solids = [box_of(0.5, 0.5, 0.5), convex_cube(0.5), Shape::sphere(0.5)];
+    let solids = [
+        box_of(0.5, 0.5, 0.5),
+        convex_cube(0.5),
+        mesh_of(Vec3::splat(0.5)),
+        Shape::sphere(0.5),
+    ];
     let mirrored = at(0.0, 0.0, 0.0).with_scale(Vec3::new(1.0, -1.0, 1.0));
     for (name, floor, place) in [
         ("upwards", square(), at(0.0, 0.0, 0.0)),
@@ -140,6 +145,7 @@ fn wherever_a_flat_floor_is_joined() {
     let solids = [
         ("cuboid", box_of(0.5, 0.5, 0.5)),
         ("convex", convex_cube(0.5)),
+        ("mesh", mesh_of(Vec3::splat(0.5))),
         ("ball", Shape::sphere(0.5)),
     ];
     let places = [
@@ -160,7 +166,8 @@ fn wherever_a_flat_floor_is_joined() {
                     let what = format!("{name} on {floor_name} at ({x}, {z}), turned {turn}");
                     assert_close(found, Vec3::Y, 0.05, &what);
                     let middle = Vec3::new(x, -0.025, z);
-                    assert!(found.point.distance(middle) < 0.03, "{what}: {found:?}");
+                    let near = if *name == "mesh" { 0.5 } else { 0.03 };
+                    assert!(found.point.distance(middle) < near, "{what}: {found:?}");
                 }
             }
         }
@@ -169,7 +176,11 @@ fn wherever_a_flat_floor_is_joined() {
 
 #[test]
 fn a_solid_sinks_into_a_closed_mesh_and_comes_out_where_it_went_in() {
-    let solids = [box_of(0.5, 0.5, 0.5), convex_cube(0.5)];
+    let solids = [
+        box_of(0.5, 0.5, 0.5),
+        convex_cube(0.5),
+        mesh_of(Vec3::splat(0.5)),
+    ];
     for solid in &solids {
         // Deeper than half of it: the other way is through the slab.
         for depth in [0.05, 0.3, 0.6, 0.9] {
@@ -270,4 +281,105 @@ fn a_cube_of_triangles_is_as_good_as_a_cuboid() {
         }
     }
     assert!(same > all / 3, "{same} of {all}");
+}
+
+/// A ball of triangles, of which those in touch are a ring around the contact.
+#[test]
+fn a_mesh_of_small_triangles_is_as_deep_as_it_reaches() {
+    let (rings, around) = (16u32, 24u32);
+    let mut vertices = vec![[0.0, 1.0, 0.0]];
+    for ring in 1..rings {
+        for step in 0..around {
+            let polar = std::f32::consts::PI * ring as f32 / rings as f32;
+            let turn = std::f32::consts::TAU * step as f32 / around as f32;
+            vertices.push([
+                polar.sin() * turn.cos(),
+                polar.cos(),
+                polar.sin() * turn.sin(),
+            ]);
+        }
+    }
+    vertices.push([0.0, -1.0, 0.0]);
+    let last = vertices.len() as u32 - 1;
+    let vertex = |ring: u32, step: u32| 1 + (ring - 1) * around + step % around;
+    let mut list = Vec::new();
+    for step in 0..around {
+        list.push([0, vertex(1, step + 1), vertex(1, step)]);
+        list.push([last, vertex(rings - 1, step), vertex(rings - 1, step + 1)]);
+        for ring in 1..rings - 1 {
+            let [a, b] = [vertex(ring, step), vertex(ring, step + 1)];
+            let [c, d] = [vertex(ring + 1, step), vertex(ring + 1, step + 1)];
+            list.extend([[a, b, c], [b, d, c]]);
+        }
+    }
+    let ball = triangles(&vertices, &list);
+    let here = at(0.0, 0.0, 0.0);
+    for (name, floor) in [
+        ("square", square()),
+        ("downwards", square_downwards()),
+        ("fan", fan()),
+        ("slab", slab()),
+        ("grid", grid(8, |_, _| 0.0)),
+    ] {
+        for depth in [0.01, 0.3] {
+            let found = contact((&floor, here), (&ball, at(3.1, 1.0 - depth, 4.7)));
+            assert_close(found, Vec3::Y, depth, name);
+        }
+    }
+}
+
+/// Which side is outside does not depend on how a shell is wound, nor on the others.
+#[test]
+fn shells_that_face_differently_each_know_their_outside() {
+    let corner = |bits: u32| {
+        [
+            (bits & 1) as f32,
+            (bits >> 1 & 1) as f32,
+            (bits >> 2) as f32,
+        ]
+    };
+    let sides = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let (mut vertices, mut list) = (Vec::new(), Vec::new());
+    for (shell, backwards) in [(0u32, false), (1, true), (2, false)] {
+        let first = vertices.len() as u32;
+        vertices.extend((0..8).map(|bits| {
+            let [x, y, z] = corner(bits);
+            Vec3::new(x + 3.0 * shell as f32, y, z)
+        }));
+        for mut side in sides {
+            if backwards {
+                side.reverse();
+            }
+            list.push(side.map(|corner| corner + first));
+        }
+    }
+    // A flag, which bounds nothing.
+    let first = vertices.len() as u32;
+    vertices.extend([
+        Vec3::new(9.0, 1.0, 0.0),
+        Vec3::new(11.0, 1.0, 0.0),
+        Vec3::new(9.0, 1.0, 2.0),
+    ]);
+    let mut list: Vec<Vec<u32>> = list.iter().map(|side| side.to_vec()).collect();
+    list.push(vec![first, first + 1, first + 2]);
+    let mesh = Shape::mesh(vertices, list).unwrap();
+    for solid in [
+        box_of(0.2, 0.2, 0.2),
+        convex_cube(0.2),
+        mesh_of(Vec3::splat(0.2)),
+    ] {
+        for x in [0.4, 3.4, 6.4, 9.4] {
+            // Deeper than half of it, where that is a way into a solid.
+            let (y, depth) = if x > 9.0 { (1.1, 0.1) } else { (0.9, 0.3) };
+            let found = contact((&mesh, at(0.0, 0.0, 0.0)), (&solid, at(x, y, 0.4)));
+            assert_close(found, Vec3::Y, depth, &format!("at {x}"));
+        }
+    }
 }

@@ -1,7 +1,14 @@
-use super::*;
 use bevy::asset::RenderAssetUsages;
-use bevy::math::primitives::{Cuboid, Sphere, Torus};
-use bevy::mesh::Indices;
+use bevy::math::primitives::{
+    Annulus, Capsule2d, Capsule3d, Circle, CircularSegment, Cone, ConicalFrustum, Cuboid, Cylinder,
+    Extrusion, Rectangle, Sphere, Tetrahedron, Torus,
+};
+use bevy::math::{Quat, Vec3};
+use bevy::mesh::{Indices, MeshBuilder, Meshable};
+use bevy::transform::components::Transform;
+
+use super::*;
+use crate::narrow_phase::ConvexMesh;
 
 fn strip() -> Mesh {
     let corners = vec![
@@ -23,6 +30,121 @@ fn welded_primitives_are_closed() {
     assert!(ball.is_closed());
     let flat = Mesh::from(Cuboid::default()).with_duplicated_vertices();
     assert!(PolygonMesh::try_from(&flat).unwrap().is_closed());
+}
+
+#[test]
+fn primitives_of_any_size_are_closed() {
+    let mut rng = fastrand::Rng::with_seed(1);
+    for _ in 0..300 {
+        let [a, b, c] = [(); 3].map(|()| 0.2 + 2.0 * rng.f32());
+        let frustum = ConicalFrustum {
+            radius_top: a,
+            radius_bottom: b,
+            height: c,
+        };
+        let torus = Torus::new(a * 0.3, a);
+        for (name, mesh) in [
+            ("cuboid", Cuboid::new(a, b, c).mesh().build()),
+            ("sphere", Sphere::new(a).mesh().build()),
+            ("uv sphere", Sphere::new(a).mesh().uv(32, 18)),
+            ("capsule", Capsule3d::new(a, b).mesh().build()),
+            ("cylinder", Cylinder::new(a, b).mesh().build()),
+            (
+                "cylinder, segments",
+                Cylinder::new(a, b).mesh().segments(4).build(),
+            ),
+            ("cone", Cone::new(a, b).mesh().build()),
+            ("frustum", frustum.mesh().build()),
+            ("torus", torus.mesh().build()),
+            ("circle", Extrusion::new(Circle::new(a), b).mesh().build()),
+            (
+                "annulus",
+                Extrusion::new(Annulus::new(a * 0.4, a), b).mesh().build(),
+            ),
+            (
+                "rectangle",
+                Extrusion::new(Rectangle::new(a, b), c).mesh().build(),
+            ),
+            (
+                "capsule of 2",
+                Extrusion::new(Capsule2d::new(a, b), c).mesh().build(),
+            ),
+            (
+                "segment",
+                Extrusion::new(CircularSegment::new(a, 1.0), c)
+                    .mesh()
+                    .build(),
+            ),
+            ("tetrahedron", Tetrahedron::default().mesh().build()),
+        ] {
+            let found = PolygonMesh::from_mesh(&mesh).unwrap();
+            assert!(
+                found.is_closed() && found.has_inside(),
+                "{name} of {a}, {b}, {c}"
+            );
+        }
+    }
+}
+
+#[test]
+fn spheres_wherever_they_are_and_however_they_are_shaded_are_closed() {
+    let mut rng = fastrand::Rng::with_seed(1);
+    for (subdivisions, count) in [(1, 200), (3, 100), (10, 30), (40, 5)] {
+        for _ in 0..count {
+            let [x, y, z] = [(); 3].map(|()| rng.f32());
+            let place = Transform::from_xyz(x, y, z)
+                .with_rotation(Quat::from_scaled_axis(Vec3::new(y, z, x) * 4.0));
+            let mesh = Sphere::new(1.0).mesh().ico(subdivisions).unwrap();
+            let mesh = mesh.transformed_by(place).with_duplicated_vertices();
+            let found = PolygonMesh::from_mesh(&mesh).unwrap();
+            assert!(found.is_closed());
+            assert_eq!(found.vertices().len(), found.polygon_count() / 2 + 2);
+        }
+    }
+    for sectors in (8..=400).step_by(56) {
+        for stacks in [4, 18, 125] {
+            let mesh = Sphere::new(10.0).mesh().uv(sectors, stacks);
+            let found = PolygonMesh::from_mesh(&mesh).unwrap();
+            assert!(found.is_closed());
+            assert_eq!(found.polygon_count() as u32, sectors * (stacks - 1) * 2);
+        }
+    }
+}
+
+#[test]
+fn turned_primitives_of_many_sides_are_convex() {
+    let mut rng = fastrand::Rng::with_seed(1);
+    for resolution in [32, 128, 512] {
+        for _ in 0..20 {
+            let turn = Quat::from_scaled_axis(Vec3::from([(); 3].map(|()| rng.f32() * 4.0)));
+            let place = Transform::from_rotation(turn);
+            for mesh in [
+                Cone::new(1.0, 2.0).mesh().resolution(resolution).build(),
+                Cylinder::new(1.0, 2.0)
+                    .mesh()
+                    .resolution(resolution)
+                    .build(),
+            ] {
+                let mesh = PolygonMesh::from_mesh(&mesh.transformed_by(place)).unwrap();
+                let convex = ConvexMesh::new(mesh);
+                assert!(convex.is_ok(), "{resolution}: {}", convex.unwrap_err());
+            }
+        }
+    }
+}
+
+#[test]
+fn indices_of_any_width_and_none_are_the_same() {
+    let wide = Mesh::from(Cuboid::default());
+    let indices: Vec<u32> = wide.indices().unwrap().iter().map(|i| i as u32).collect();
+    let narrow = indices.iter().map(|i| *i as u16).collect();
+    let none = wide.clone().with_duplicated_vertices();
+    assert!(none.indices().is_none());
+    let wide = wide.with_inserted_indices(Indices::U32(indices));
+    let narrow = wide.clone().with_inserted_indices(Indices::U16(narrow));
+    let normals = |mesh: &Mesh| PolygonMesh::from_mesh(mesh).unwrap().normals().to_vec();
+    assert_eq!(normals(&wide), normals(&narrow));
+    assert_eq!(normals(&wide), normals(&none));
 }
 
 #[test]
@@ -69,7 +191,6 @@ fn bad_meshes_are_refused() {
 #[test]
 fn torus_has_a_hole() {
     use crate::narrow_phase::{NarrowPhase, Placed, Shape, Workspace};
-    use bevy::transform::components::Transform;
     let mesh = PolygonMesh::from_mesh(&Mesh::from(Torus::new(0.5, 1.0))).unwrap();
     assert!(mesh.is_closed());
     let torus = Shape::from(mesh);

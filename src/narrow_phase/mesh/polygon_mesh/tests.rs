@@ -128,3 +128,85 @@ fn what_is_across_a_side_shares_it() {
         assert_eq!(alone, borders);
     }
 }
+
+/// A box, in its given size and place, with its polygons turned around or not.
+type Nested = (f32, Vec3, bool);
+
+fn boxes(given: &[Nested]) -> PolygonMesh {
+    let cube = cube();
+    let (mut vertices, mut polygons) = (Vec::new(), Vec::new());
+    for &(size, offset, is_turned) in given {
+        let first = vertices.len() as u32;
+        vertices.extend(cube.vertices().iter().map(|at| *at * size + offset));
+        polygons.extend(cube.polygons().map(|corners| {
+            let mut corners: Vec<u32> = corners.iter().map(|corner| corner + first).collect();
+            if is_turned {
+                corners.reverse();
+            }
+            corners
+        }));
+    }
+    PolygonMesh::new(vertices, polygons).unwrap()
+}
+
+#[test]
+fn solids_face_outwards_however_they_are_given() {
+    let zero = Vec3::ZERO;
+    // Where a point is inside, and which of the boxes then face away from their middle.
+    let cases: [(&[Nested], &[(f32, bool)], &[bool]); 5] = [
+        (&[(1.0, zero, true)], &[(0.1, true), (1.5, false)], &[true]),
+        // Side by side, and overlapping.
+        (
+            &[(1.0, zero, false), (1.0, Vec3::X * 1.5, true)],
+            &[(0.1, true), (0.7, true), (2.0, true)],
+            &[true, true],
+        ),
+        // A room in a block, whichever way the two face; and a stone in it.
+        (
+            &[(1.0, zero, false), (3.0, zero, true), (0.3, zero, true)],
+            &[(0.1, true), (0.5, false), (2.0, true)],
+            &[false, true, true],
+        ),
+        (
+            &[(1.0, zero, true), (3.0, zero, false), (0.3, zero, true)],
+            &[(0.1, true), (0.5, false), (2.0, true)],
+            &[false, true, true],
+        ),
+        // A block in a block, which makes no difference.
+        (
+            &[(3.0, zero, true), (1.0, zero, true)],
+            &[(0.1, true), (2.0, true)],
+            &[true, true],
+        ),
+    ];
+    for (given, inside, outwards) in cases {
+        let mesh = boxes(given);
+        assert!(mesh.is_closed());
+        for &(x, expected) in inside {
+            let at = DVec3::new(x.into(), 0.11, 0.13);
+            assert_eq!(mesh.winds_around(at), expected, "{given:?} at {x}");
+        }
+        let room = mesh.clone().surface_only();
+        for (polygon, corners) in mesh.polygons().enumerate() {
+            let (index, way) = (polygon / 6, mesh.normals()[polygon]);
+            let from_middle = mesh.vertices()[corners[0] as usize] - given[index].1;
+            assert_eq!(
+                way.dot(from_middle) > 0.0,
+                outwards[index],
+                "{given:?} {polygon}"
+            );
+            assert!(mesh.bounds_solid(polygon) && !room.bounds_solid(polygon));
+            // As given, again.
+            let as_given = room.normals()[polygon].dot(from_middle) < 0.0;
+            assert_eq!(as_given, given[index].2, "{given:?} {polygon}");
+        }
+    }
+}
+
+#[test]
+fn memory_is_told() {
+    let cube = cube();
+    let vertices = cube.vertices().len() + cube.normals().len();
+    let lists = vertices * size_of::<Vec3>() + cube.edges().len() * 8 + (2 * 24 + 1) * 4;
+    assert_eq!(cube.memory_bytes(), size_of::<PolygonMesh>() + lists);
+}

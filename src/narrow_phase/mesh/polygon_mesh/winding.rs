@@ -16,7 +16,7 @@ impl PolygonMesh {
         }
     }
 
-    fn with_outline<R>(
+    pub(super) fn with_outline<R>(
         &self,
         polygon: usize,
         outline: &mut Vec<u32>,
@@ -61,7 +61,7 @@ impl PolygonMesh {
     }
 
     /// Calls `found` with each polygon whose box a ray along x may meet.
-    fn for_each_along_x(&self, point: DVec3, mut found: impl FnMut(usize)) {
+    pub(super) fn for_each_along_x(&self, point: DVec3, mut found: impl FnMut(usize)) {
         let Some(tree) = &self.tree else {
             return (0..self.polygon_count()).for_each(found);
         };
@@ -75,7 +75,7 @@ impl PolygonMesh {
     }
 
     /// Which way a ray along x, from a point on, crosses a polygon: 1 or -1; 0 if it does not.
-    fn crossing(&self, corners: &[u32], point: DVec3) -> i32 {
+    pub(super) fn crossing(&self, corners: &[u32], point: DVec3) -> i32 {
         let at = |vertex: &u32| self.vertices[*vertex as usize].as_dvec3();
         let mut winding = 0;
         for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {

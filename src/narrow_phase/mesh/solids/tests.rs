@@ -14,7 +14,14 @@ fn solids(given: &[&[u32]], junctions: &[(u32, u32)]) -> Vec<Option<bool>> {
             at: 0.5,
         })
         .collect();
-    find(&polygons, &all, &junctions)
+    let found = find(&polygons, &all, &junctions);
+    let flip = |bounding: &Option<Bounding>| {
+        bounding.map(|found| {
+            assert_eq!(found.first, 0);
+            found.flip
+        })
+    };
+    found.iter().map(flip).collect()
 }
 
 /// The faces of two cubes side by side; those between them are cut along different diagonals.

@@ -5,7 +5,7 @@ use bevy::reflect::Reflect;
 /// Which faces of a shape a ray meets, by the way that they face.
 ///
 /// A face of a solid faces out of it: a ray meets front faces where it enters, and back faces where
-/// it leaves. A polygon of a mesh faces as its [normal](super::super::PolygonMesh::normals) says,
+/// it leaves. A polygon of a mesh faces as its [normal](super::PolygonMesh::normals) says,
 /// whether the mesh is closed or not, and mirrored or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[type_path = "bevy_octree"]
@@ -48,7 +48,7 @@ pub enum Faces {
 /// assert_eq!(cast(1.0, RayCastOptions::DEFAULT.ignore_start()), None);
 /// ```
 ///
-/// [`cast_ray`]: super::super::NarrowPhase::cast_ray
+/// [`cast_ray`]: super::NarrowPhase::cast_ray
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[type_path = "bevy_octree"]
 pub struct RayCastOptions {
@@ -126,6 +126,52 @@ impl RayCastOptions {
             Faces::Both => true,
             Faces::Front => steep < 0.0,
             Faces::Back => steep > 0.0,
+        }
+    }
+}
+
+/// Says what a shape on its way meets of another, and what is told of it. By default, that is what
+/// [`sweep`] does: shapes in contact at the start meet at once, whichever way they go.
+///
+/// Begin with [`DEFAULT`](Self::DEFAULT), or `default()`, and refine it.
+///
+/// [`sweep`]: super::NarrowPhase::sweep
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[type_path = "bevy_octree"]
+pub struct ShapeCastOptions {
+    pub(in crate::narrow_phase) ignores_start: bool,
+    pub(in crate::narrow_phase) finds_polygon: bool,
+}
+
+impl ShapeCastOptions {
+    /// The options of a shape that meets what it touches.
+    pub const DEFAULT: Self = Self {
+        ignores_start: false,
+        finds_polygon: false,
+    };
+
+    /// Ignores what the shape starts in touch with, as far as it goes away from it or along it, by
+    /// the normal of the contact: a thing on the ground may be cast along the ground. What it goes
+    /// into is met at once, at a distance of 0; the rest of a mesh or compound, as ever.
+    #[must_use]
+    #[doc(alias("ignore origin penetration", "initial overlap", "stop at penetration"))]
+    pub const fn ignore_start(self) -> Self {
+        Self {
+            ignores_start: true,
+            ..self
+        }
+    }
+
+    /// Tells which polygon of a mesh is met, and as [`Impact::face_normal`] the normal of that:
+    /// costs a search for the one that the point of impact is on.
+    ///
+    /// [`Impact::face_normal`]: super::Impact::face_normal
+    #[must_use]
+    #[doc(alias("triangle", "feature"))]
+    pub const fn find_polygon(self) -> Self {
+        Self {
+            finds_polygon: true,
+            ..self
         }
     }
 }

@@ -1,0 +1,265 @@
+//! Up to four points at which two shapes lie on each other.
+
+use bevy::math::{Vec3, Vec3A};
+use bevy::reflect::Reflect;
+
+use super::{convex, mesh, meshes, patch::PatchPoint};
+use crate::narrow_phase::{
+    answer::Contact,
+    frame::{
+        case::Case,
+        placed::{Placed, PlacedPair, in_order},
+        smaller::Smaller,
+        workspace::Workspace,
+    },
+    parry,
+    settings::NarrowPhase,
+};
+
+/// How far two points have to be from each other, or a point from a line, to count by themselves,
+/// as a share of the whole.
+const APART: f32 = 1e-3;
+
+/// A point at which two shapes overlap or touch, and how deep.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[type_path = "bevy_octree"]
+pub struct ManifoldPoint {
+    /// In the world, halfway between the surfaces of the two.
+    pub point: Vec3,
+    /// How far the two overlap there along the normal, in world units. Zero if they touch, or are
+    /// apart by no more than the tolerance.
+    pub depth: f32,
+}
+
+/// The points at which two shapes lie on each other, up to four, with one normal for all.
+///
+/// The deepest comes first, then the one that is furthest from it, then those that span the largest
+/// area with these. There is at least one.
+#[doc(alias = "contact points")]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[type_path = "bevy_octree"]
+pub struct Manifold {
+    /// A unit vector from the first shape to the second: that of the [`Contact`].
+    pub normal: Vec3,
+    points: [ManifoldPoint; Self::MOST_POINTS],
+    count: u8,
+}
+
+impl Manifold {
+    /// The greatest number of points.
+    pub const MOST_POINTS: usize = 4;
+
+    /// Returns the points, one to four.
+    #[must_use]
+    pub fn points(&self) -> &[ManifoldPoint] {
+        &self.points[..usize::from(self.count)]
+    }
+
+    /// Returns the same as the other shape sees it: with the normal turned around.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        Self {
+            normal: -self.normal,
+            ..self
+        }
+    }
+
+    /// At larger scale.
+    fn larger(mut self, factor: f32) -> Self {
+        for point in &mut self.points {
+            point.point *= factor;
+            point.depth = (point.depth * factor).min(f32::MAX);
+        }
+        self
+    }
+}
+
+impl From<Contact> for Manifold {
+    /// The contact's one point.
+    fn from(contact: Contact) -> Self {
+        let mut points = [ManifoldPoint::default(); Self::MOST_POINTS];
+        points[0] = ManifoldPoint {
+            point: contact.point,
+            depth: contact.depth,
+        };
+        Self {
+            normal: contact.normal,
+            points,
+            count: 1,
+        }
+    }
+}
+
+impl NarrowPhase {
+    /// Returns the points at which two shapes lie on each other: some if and only if they
+    /// [intersect](Self::intersects), with the normal of their [`contact`](Self::contact).
+    ///
+    /// * Where two faces of cuboids or convex meshes lie on each other, the corners of what they
+    ///   share; of an edge on a face, the ends of what is over the face; of a corner, or two edges
+    ///   that cross, one point.
+    /// * On a mesh, those of all polygons in touch that share the contact's normal, about as far as
+    ///   10°, as one: a box on two triangles of a floor stands on its own four corners.
+    /// * Of spheres, and of Rapier's shapes but for its cuboids, the one point of the contact.
+    ///
+    /// Swapping the two turns the normal around and keeps the points and their order, unless they
+    /// are equal in all things, position included.
+    ///
+    /// Costs a contact, and the cutting of the faces. Allocates nothing once the workspace is warm.
+    ///
+    /// ```
+    /// use bevy::transform::components::Transform;
+    /// use bevy_octree::narrow_phase::{NarrowPhase, Placed, Shape, Workspace};
+    ///
+    /// // A cube that has sunk into a table by 0.25.
+    /// let (table, cube) = (Shape::cuboid(4.0, 1.0, 4.0), Shape::cuboid(1.0, 1.0, 1.0));
+    /// let (here, there) = (Transform::IDENTITY, Transform::from_xyz(0.5, 0.75, 0.0));
+    /// let (table, cube) = (Placed::new(&table, &here), Placed::new(&cube, &there));
+    /// let tests = NarrowPhase::default();
+    /// let manifold = tests.manifold(table, cube, &mut Workspace::default()).unwrap();
+    /// assert_eq!(manifold.points().len(), 4);
+    /// for found in manifold.points() {
+    ///     assert_eq!(found.depth, 0.25);
+    ///     assert_eq!(found.point.y, 0.375); // halfway between 0.5 and 0.25
+    /// }
+    /// ```
+    #[doc(alias = "contact_manifold")]
+    #[must_use]
+    pub fn manifold(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Manifold> {
+        if let Some(found) = parry::with_own(a, b, |a, b| self.manifold(a, b, workspace)) {
+            return found;
+        }
+        let contact = self.contact(a, b, workspace)?;
+        let (first, second, swapped) = in_order(a, b);
+        let seen = if swapped { contact.reversed() } else { contact };
+        let found = self.in_order_manifold(first, second, seen, workspace);
+        Some(if swapped { found.reversed() } else { found })
+    }
+
+    /// Of two in the order in which pairs are computed, of which the contact is known.
+    fn in_order_manifold(
+        &self,
+        first: Placed,
+        second: Placed,
+        contact: Contact,
+        workspace: &mut Workspace,
+    ) -> Manifold {
+        let single = Manifold::from(contact);
+        let Ok(pair) = PlacedPair::new(first, second, self.tolerance()) else {
+            return single;
+        };
+        if pair.is_large() {
+            let Some(smaller) = Smaller::of(&pair, self) else {
+                return single;
+            };
+            let [a, b] = smaller.placed(&pair);
+            let found = smaller.tests.manifold(a, b, workspace);
+            return found.map_or(single, |found| found.larger(smaller.factor));
+        }
+        let normal = Vec3A::from(contact.normal);
+        match pair.case() {
+            Case::Spheres | Case::SphereFirst | Case::SphereSecond | Case::Foreign => {
+                return single;
+            }
+            Case::Cuboids | Case::Convex => convex::gather(&pair, normal, workspace),
+            Case::Polygons => {
+                let is_convex = [first, second].map(|placed| placed.shape.kind().is_convex());
+                match is_convex {
+                    [true, _] => _ = mesh::contact(&pair, workspace),
+                    [_, true] => _ = mesh::contact(&pair.swapped(), workspace),
+                    _ => meshes::gather(&pair, normal, contact.depth, workspace),
+                }
+            }
+        }
+        let size = pair.box_a.radius.min(pair.box_b.radius);
+        let points = &workspace.contact.patch.points;
+        let (chosen, count) = choose(points, normal, size);
+        if count == 0 {
+            return single;
+        }
+        let origin = Vec3A::from(first.transform.translation);
+        let point = |point: PatchPoint| ManifoldPoint {
+            point: (origin + point.point).into(),
+            depth: point.depth,
+        };
+        Manifold {
+            normal: contact.normal,
+            points: chosen.map(point),
+            count,
+        }
+    }
+}
+
+/// Up to four of many points, and how many: the deepest, and those that span the most with it.
+fn choose(
+    points: &[PatchPoint],
+    normal: Vec3A,
+    size: f32,
+) -> ([PatchPoint; Manifold::MOST_POINTS], u8) {
+    let none = PatchPoint {
+        point: Vec3A::ZERO,
+        depth: 0.0,
+    };
+    let mut chosen = [none; Manifold::MOST_POINTS];
+    if points.is_empty() {
+        return (chosen, 0);
+    }
+    // Seen along the normal, so that depths do not count as distances.
+    let flat = |point: &PatchPoint| point.point - normal * point.point.dot(normal);
+    let furthest = |distance: &dyn Fn(&PatchPoint) -> f32| {
+        let mut best: (f32, Option<&PatchPoint>) = (f32::NEG_INFINITY, None);
+        for point in points {
+            let distance = distance(point);
+            if distance > best.0 {
+                best = (distance, Some(point));
+            }
+        }
+        (best.0, *best.1.unwrap_or(&points[0]))
+    };
+    let middle = points.iter().map(flat).sum::<Vec3A>() / points.len() as f32;
+    let (deepest, _) = furthest(&|point| point.depth);
+    // Of several that are as deep, the outermost.
+    let nearly = deepest - APART * deepest - 1e-6 * size;
+    let (_, first) = furthest(&|point| {
+        if point.depth >= nearly {
+            flat(point).distance(middle)
+        } else {
+            f32::NEG_INFINITY
+        }
+    });
+    chosen[0] = first;
+    let start = flat(&first);
+    let (length, second) = furthest(&|point| flat(point).distance(start));
+    if length <= APART * size {
+        return (chosen, 1);
+    }
+    chosen[1] = second;
+    let along = (flat(&second) - start) / length;
+    let across = normal.cross(along);
+    let aside = |point: &PatchPoint| (flat(point) - start).dot(across);
+    let (width, third) = furthest(&|point| aside(point).abs());
+    if width <= APART * length {
+        return (chosen, 2);
+    }
+    chosen[2] = third;
+    // Outside of the triangle, as far as can be.
+    let mut corners = [start, flat(&second), flat(&third)];
+    if aside(&third) < 0.0 {
+        corners.swap(1, 2);
+    }
+    let (outside, fourth) = furthest(&|point| {
+        let point = flat(point);
+        (0..3).fold(f32::NEG_INFINITY, |outside, i| {
+            let [from, to] = [corners[i], corners[(i + 1) % 3]];
+            let outwards = (to - from).cross(normal).normalize_or_zero();
+            outside.max((point - from).dot(outwards))
+        })
+    });
+    if outside <= APART * length {
+        return (chosen, 3);
+    }
+    chosen[3] = fourth;
+    (chosen, 4)
+}
+
+#[cfg(test)]
+mod tests;
