@@ -10,7 +10,8 @@ use bevy::math::DVec3;
 use smallvec::SmallVec;
 
 use super::convex::{Convex, Isometry};
-use super::gjk::{self, Gap};
+use super::gap::Gap;
+use super::gjk;
 use super::own_mesh::OwnMesh;
 use super::parts::{self, Part, PosedShape};
 use super::probe::Search;
