@@ -148,7 +148,21 @@ pub fn sphere_closest(
     let (mesh, surface) = fill_second_to_search(pair, workspace)?;
     let center = pair.box_a.center;
     let closest = surface.closest_of_all(mesh, center, f32::INFINITY)?;
-    Some((closest, surface.encloses(mesh, center)))
+    let is_told = mesh.is_one_solid() && !surface.placing().is_flat();
+    let is_inside = is_behind(&closest, center, pair.tolerance)
+        .filter(|_| is_told)
+        .unwrap_or_else(|| surface.encloses(mesh, center));
+    Some((closest, is_inside))
+}
+
+/// Whether a point is on the inner side of the face of a mesh that it is closest to; `None` if that
+/// is not straight over that face, or below it. Of a solid in one piece, it tells whether the point
+/// is inside.
+fn is_behind(closest: &ClosestPoint, point: Vec3A, tolerance: f32) -> Option<bool> {
+    let height = (point - closest.point).dot(closest.normal);
+    let is_straight = height.abs() >= STRAIGHT * closest.distance;
+    let is_clear = is_straight && closest.distance > tolerance;
+    is_clear.then_some(height < 0.0)
 }
 
 /// Whether a point is inside a mesh, the second of the pair.
@@ -269,6 +283,9 @@ fn one_way(
     }
     ControlFlow::Continue(())
 }
+
+/// The least cosine of the angle between a normal and a way that counts as straight.
+const STRAIGHT: f32 = 0.9999;
 
 /// A mesh of so many parts, or fewer, is looked at part by part.
 const FEW_PARTS: usize = 8;
