@@ -19,6 +19,9 @@ impl NarrowPhase {
     /// Returns `true` if two shapes are in contact. The order of the two makes no difference.
     ///
     /// Shapes that are not finite are in contact with nothing.
+    ///
+    /// Cuboids, spheres: O(1); meshes: O(log n) for each polygon that is near the other shape, and
+    /// two meshes: for each two that are near each other, until two touch.
     #[doc(alias = "overlap")]
     #[doc(alias = "collide")]
     #[doc(alias = "intersection")]

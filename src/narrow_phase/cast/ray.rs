@@ -35,8 +35,8 @@ impl NarrowPhase {
     /// a scale of zero shrinks to a point is met by rays that start there only. `None` too if
     /// anything is not finite, but for `max_distance`, or that is negative or NaN.
     ///
-    /// Allocates nothing, but for a mesh that is a shape of Rapier's. Cuboids, spheres: O(1);
-    /// meshes: linear in their polygons.
+    /// Allocates nothing, but for a mesh that is a shape of Rapier's. Cuboids, spheres: O(1); convex
+    /// meshes: linear in their polygons; meshes: O(log n) for each polygon that comes into question.
     ///
     /// ```
     /// use bevy::{math::{Dir3, Vec3}, transform::components::Transform};

@@ -1,5 +1,5 @@
-//! The last stage: every edge of one mesh against every polygon of the other, both ways, then the
-//! question whether one is inside the other.
+//! The last stage: every edge of one mesh against every polygon of the other, both ways, as far as
+//! trees find them near each other, then the question whether one is inside the other.
 
 use std::ops::ControlFlow;
 
