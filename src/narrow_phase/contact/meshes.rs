@@ -12,7 +12,7 @@ use bevy::math::Vec3A;
 use super::{
     buffers::Claim,
     claims::settle,
-    facet::{Best, Facet, highest, look_beyond},
+    facet::{Best, FLAT, Facet, PARALLEL, highest, look_beyond},
     mesh,
     summit::{Course, Slope, Summits},
 };
@@ -61,7 +61,12 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
     let mut summits = std::mem::take(&mut buffers.summits);
     summits.clear();
     let deepest = settle(&mut buffers, bias, |claim, _, index, direction, limit| {
-        sides.depth(claim.polygons, (index as u32, direction), limit, &mut summits)
+        sides.depth(
+            claim.polygons,
+            (index as u32, direction),
+            limit,
+            &mut summits,
+        )
     });
     buffers.summits = summits;
     let way = deepest.map(|deepest| buffers.claims[deepest].way);
@@ -141,6 +146,11 @@ fn touch(
     other: &PlacedFace,
     tolerance: f32,
 ) -> Option<Vec3A> {
+    if b.is_off_plane(other, a.corners(face), tolerance)
+        || a.is_off_plane(face, b.corners(other), tolerance)
+    {
+        return None;
+    }
     let (mut count, mut points) = (0.0, Vec3A::ZERO);
     for (edges, edged, faces, faced) in [(a, face, b, other), (b, other, a, face)] {
         for side in border(edges.corners(edged)) {
@@ -196,13 +206,9 @@ impl<'a> Sides<'a> {
         summits: &mut Summits,
     ) -> f32 {
         let Self([a, b]) = self;
-        let courses = [false, true].map(|is_second| Course {
-            is_second,
-            direction: index,
-            is_back: !is_second,
-        });
+        let courses = [false, true].map(|is_second| Course::new(is_second, index, false));
         let [back, forth] = [a.slope(-direction), b.slope(direction)];
-        let least = forth.top(polygons[1]);
+        let (least, _) = forth.top(polygons[1]);
         let start = summits.find(courses[0], &back, polygons[0], limit - least, a.tolerance);
         if start > limit - least {
             return start + least;
@@ -228,11 +234,11 @@ impl<'a> Sides<'a> {
             if allowed && normal != Vec3A::ZERO {
                 let top = highest(theirs, direction);
                 let limit = best.way.map_or(f32::INFINITY, |way| way.depth) - top;
-                let course = Course {
-                    is_second: false,
-                    direction: other.polygon,
-                    is_back: direction == normal,
-                };
+                // No way up is needed where the polygon alone is too high.
+                if highest(own, -direction) > limit {
+                    continue;
+                }
+                let course = Course::new(false, other.polygon, direction == normal);
                 let slope = a.slope(-direction);
                 let depth = top + summits.find(course, &slope, face.polygon, limit, a.tolerance);
                 if best.way.is_none_or(|way| depth < way.depth) {
@@ -245,11 +251,10 @@ impl<'a> Sides<'a> {
             if allowed && normal != Vec3A::ZERO {
                 let top = highest(own, -direction);
                 let limit = best.way.map_or(f32::INFINITY, |way| way.depth) - top;
-                let course = Course {
-                    is_second: true,
-                    direction: face.polygon,
-                    is_back: direction != normal,
-                };
+                if highest(theirs, direction) > limit - bias {
+                    continue;
+                }
+                let course = Course::new(true, face.polygon, direction != normal);
                 let slope = b.slope(direction);
                 let depth = top + summits.find(course, &slope, other.polygon, limit, b.tolerance);
                 if best.is_beaten_by(depth) {
@@ -288,20 +293,37 @@ impl<'a> Sides<'a> {
 /// Across two edges, where both polygons are highest there towards each other.
 fn across_edges(first: &Facet, second: &Facet, best: &mut Best) {
     for side in 0..second.corners.len() {
+        let [from, to] = second.ends(side);
         for other in 0..first.corners.len() {
-            let [from, to] = second.ends(side);
             let [start, end] = first.ends(other);
-            let (Some(direction), Some(back)) = (
-                second.across(side, end - start),
-                first.across(other, to - from),
-            ) else {
+            let (along, edge) = (to - from, end - start);
+            let cross = along.cross(edge);
+            let squared = cross.length_squared();
+            if squared <= PARALLEL * PARALLEL * along.length_squared() * edge.length_squared() {
                 continue;
+            }
+            let ([low, high], [least, most]) =
+                (second.heights(from, cross), first.heights(start, cross));
+            let turn = if high > -low { -1.0 } else { 1.0 };
+            // The second is below, and the first above.
+            let (rises, falls) = if turn < 0.0 {
+                (-low, high)
+            } else {
+                (high, -low)
             };
+            let (drops, climbs) = if turn < 0.0 {
+                (most, -least)
+            } else {
+                (-least, most)
+            };
+            if rises > FLAT * falls || drops > FLAT * climbs {
+                continue;
+            }
+            let direction = cross * (turn / squared.sqrt());
             let depth = (from - start).dot(direction);
-            if direction.dot(back) < 0.0
-                && best.is_beaten_by(depth)
+            if best.is_beaten_by(depth)
                 && second.is_ridge(side, direction)
-                && first.is_ridge(other, back)
+                && first.is_ridge(other, -direction)
             {
                 best.take(direction, depth);
             }

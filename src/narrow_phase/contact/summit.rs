@@ -1,8 +1,8 @@
 //! How far a mesh reaches along a direction, on the summit that is nearest to a polygon.
 //!
 //! The way there leads from polygon to polygon, each higher than the one before. Ways along one
-//! direction that meet go on together: so the summit is noted for each polygon on them, and most
-//! ways are short.
+//! direction that meet go on together: so the summit is noted for each vertex that was the highest
+//! of a polygon on them, and most ways are short.
 
 use bevy::math::Vec3A;
 use bevy::platform::collections::HashMap;
@@ -17,12 +17,22 @@ const MOST_STEPS: usize = 256;
 const WIDEST_PLATEAU: usize = 24;
 
 /// One of the two meshes, and one of the directions along which it is asked about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Course {
-    pub is_second: bool,
-    pub direction: u32,
-    /// Against the direction?
-    pub is_back: bool,
+#[derive(Clone, Copy, Debug)]
+pub struct Course(u64);
+
+impl Course {
+    /// Directions have numbers, less than that of all polygons can be; and there is the way back.
+    #[inline]
+    pub fn new(is_second: bool, direction: u32, is_back: bool) -> Self {
+        debug_assert!(direction < 1 << 30, "polygons have three sides, each a u32");
+        let flags = u64::from(is_second) | u64::from(is_back) << 1;
+        Self(u64::from(direction) << 34 | flags << 32)
+    }
+
+    #[inline]
+    fn at(self, vertex: u32) -> u64 {
+        self.0 | u64::from(vertex)
+    }
 }
 
 /// How high a summit is.
@@ -36,8 +46,8 @@ struct Summit {
 /// The summits that are known.
 #[derive(Clone, Debug, Default)]
 pub struct Summits {
-    known: HashMap<(Course, u32), Summit>,
-    /// The polygons on a way, each higher than the one before.
+    known: HashMap<u64, Summit>,
+    /// The vertices on a way, each higher than the one before.
     way: Vec<u32>,
 }
 
@@ -60,17 +70,21 @@ impl Summits {
         // Those of a plateau that have been looked at, and those beside which the way up may go on.
         let mut plateau = [polygon; WIDEST_PLATEAU];
         let (mut seen, mut next) = (1, 0);
+        let (height, top) = slope.top(polygon);
+        if height > limit {
+            return height;
+        }
+        if let Some(known) = self.known(course, top, limit) {
+            return known.height;
+        }
         let mut found = Summit {
-            height: f32::NEG_INFINITY,
+            height,
             is_beyond: true,
         };
         self.way.clear();
-        if let Some(known) = self.known(course, polygon, limit) {
-            return known.height;
-        }
-        found.height = slope.top(polygon);
-        self.way.push(polygon);
+        self.way.push(top);
         let mut steps = 0;
+        let mut came_from = NO_NEIGHBOR;
         'up: while found.height <= limit {
             if next == seen || steps >= MOST_STEPS {
                 found.is_beyond = false;
@@ -79,20 +93,22 @@ impl Summits {
             let polygon = plateau[next];
             next += 1;
             for &other in slope.mesh.across(polygon as usize) {
-                if other == NO_NEIGHBOR || plateau[..seen].contains(&other) {
+                let is_known = other == came_from || plateau[..seen].iter().any(|p| *p == other);
+                if other == NO_NEIGHBOR || is_known {
                     continue;
                 }
                 steps += 1;
-                let height = slope.top(other);
+                let (height, top) = slope.top(other);
                 if height > found.height + tolerance {
-                    if let Some(known) = self.known(course, other, limit) {
+                    if let Some(known) = self.known(course, top, limit) {
                         found = known;
                         break 'up;
                     }
+                    came_from = polygon;
                     plateau[0] = other;
                     (seen, next) = (1, 0);
                     found.height = height;
-                    self.way.push(other);
+                    self.way.push(top);
                     break;
                 }
                 if height >= found.height - tolerance && seen < WIDEST_PLATEAU {
@@ -102,15 +118,16 @@ impl Summits {
                 }
             }
         }
-        for &polygon in &self.way {
-            self.known.insert((course, polygon), found);
+        for &vertex in &self.way {
+            self.known.insert(course.at(vertex), found);
         }
         found.height
     }
 
-    /// What is known of a polygon, if that is enough.
-    fn known(&self, course: Course, polygon: u32, limit: f32) -> Option<Summit> {
-        let known = self.known.get(&(course, polygon)).copied();
+    /// What is known of a vertex, if that is enough.
+    #[inline]
+    fn known(&self, course: Course, vertex: u32, limit: f32) -> Option<Summit> {
+        let known = self.known.get(&course.at(vertex)).copied();
         known.filter(|known| !known.is_beyond || known.height > limit)
     }
 }
@@ -136,15 +153,18 @@ impl<'a> Slope<'a> {
         }
     }
 
-    /// How high the highest corner of a polygon is.
-    #[inline]
-    pub fn top(&self, polygon: u32) -> f32 {
+    /// How high the highest corner of a polygon is, and which vertex that is.
+    #[inline(always)]
+    pub fn top(&self, polygon: u32) -> (f32, u32) {
         let vertices = self.mesh.vertices();
-        let corners = self.mesh.polygon(polygon as usize).iter();
-        let heights = corners.map(|vertex| {
-            let offset = Vec3A::from(vertices[*vertex as usize]) - self.middle;
-            offset.dot(self.up)
-        });
-        self.base + heights.fold(f32::NEG_INFINITY, f32::max)
+        let mut best = (f32::NEG_INFINITY, 0);
+        for &vertex in self.mesh.polygon(polygon as usize) {
+            let offset = Vec3A::from(vertices[vertex as usize]) - self.middle;
+            let height = offset.dot(self.up);
+            if height > best.0 {
+                best = (height, vertex);
+            }
+        }
+        (self.base + best.0, best.1)
     }
 }
