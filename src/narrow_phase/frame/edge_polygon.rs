@@ -165,6 +165,24 @@ fn is_behind(closest: &ClosestPoint, point: Vec3A, tolerance: f32) -> Option<boo
     is_clear.then_some(height < 0.0)
 }
 
+/// The same as [`sphere_closest`] if the sphere is in contact with the mesh, and only then.
+pub fn sphere_touching(
+    pair: &PlacedPair,
+    workspace: &mut Workspace,
+) -> Option<(ClosestPoint, bool)> {
+    let (mesh, surface) = fill_second_to_search(pair, workspace)?;
+    let sphere = &pair.box_a;
+    let limit = sphere.radius + pair.tolerance;
+    let near = surface.closest_of_all(mesh, sphere.center, limit);
+    let is_inside = surface.encloses(mesh, sphere.center);
+    let closest = match near {
+        Some(closest) => closest,
+        None if is_inside => surface.closest_of_all(mesh, sphere.center, f32::INFINITY)?,
+        None => return None,
+    };
+    Some((closest, is_inside))
+}
+
 /// Whether a point is inside a mesh, the second of the pair.
 #[cfg_attr(
     not(feature = "rapier"),

@@ -86,6 +86,9 @@ impl Placing {
     /// would turn them inside out.
     #[inline]
     pub fn normal(&self, normal: Vec3) -> Vec3A {
+        if self.uniform_scale().is_some() {
+            return self.axes * (Vec3A::from(normal) * self.scale.signum());
+        }
         let largest = self.scale.abs().max_element();
         let relative = if largest > 0.0 {
             self.scale / largest
