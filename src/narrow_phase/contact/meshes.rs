@@ -51,13 +51,13 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
         if let Some(touch) = touch(a, face, b, other, pair.tolerance) {
             count += 1.0;
             points += touch;
-            let sides = Sides::new(meshes, [a, b], pair.tolerance);
+            let sides = Sides::new(pair, meshes, [a, b]);
             let claim = sides.claim(face, other, bias, &mut buffers.summits);
             buffers.claims.extend(claim);
         }
     });
     let [a, b] = &workspace.surfaces;
-    let sides = Sides::new(meshes, [a, b], pair.tolerance);
+    let sides = Sides::new(pair, meshes, [a, b]);
     let mut summits = std::mem::take(&mut buffers.summits);
     summits.clear();
     let deepest = settle(&mut buffers, bias, |claim, _, index, direction, limit| {
@@ -183,16 +183,23 @@ impl Side<'_> {
     }
 }
 
-/// Both meshes.
-struct Sides<'a>([Side<'a>; 2]);
+/// Both meshes, and how far it may be worth to go: along an endless surface, a way does not end.
+struct Sides<'a> {
+    of: [Side<'a>; 2],
+    most: f32,
+}
 
 impl<'a> Sides<'a> {
-    fn new(meshes: [&'a PolygonMesh; 2], surfaces: [&'a Surface; 2], tolerance: f32) -> Self {
-        Self([0, 1].map(|i| Side {
-            mesh: meshes[i],
-            surface: surfaces[i],
-            tolerance,
-        }))
+    fn new(pair: &PlacedPair, meshes: [&'a PolygonMesh; 2], surfaces: [&'a Surface; 2]) -> Self {
+        Self {
+            of: [0, 1].map(|i| Side {
+                mesh: meshes[i],
+                surface: surfaces[i],
+                tolerance: pair.tolerance,
+            }),
+            // The whole of the smaller one, and more.
+            most: 2.5 * pair.box_a.radius.min(pair.box_b.radius),
+        }
     }
 
     /// How far it is along a direction until two polygons are clear of each other, each mesh as far
@@ -205,7 +212,7 @@ impl<'a> Sides<'a> {
         limit: f32,
         summits: &mut Summits,
     ) -> f32 {
-        let Self([a, b]) = self;
+        let [a, b] = &self.of;
         let courses = [false, true].map(|is_second| Course::new(is_second, index, false));
         let [back, forth] = [a.slope(-direction), b.slope(direction)];
         let (least, _) = forth.top(polygons[1]);
@@ -224,7 +231,7 @@ impl<'a> Sides<'a> {
         bias: f32,
         summits: &mut Summits,
     ) -> Option<Claim> {
-        let Self([a, b]) = self;
+        let [a, b] = &self.of;
         let (own, theirs) = (a.surface.corners(face), b.surface.corners(other));
         let mut best = Best { way: None, bias };
         // Along the normal of the second's polygon, and against that of the first's.
@@ -233,7 +240,7 @@ impl<'a> Sides<'a> {
         for (direction, allowed) in [(normal, true), (-normal, !solid_b)] {
             if allowed && normal != Vec3A::ZERO {
                 let top = highest(theirs, direction);
-                let limit = best.way.map_or(f32::INFINITY, |way| way.depth) - top;
+                let limit = best.way.map_or(self.most, |way| way.depth) - top;
                 // No way up is needed where the polygon alone is too high.
                 if highest(own, -direction) > limit {
                     continue;
@@ -250,7 +257,7 @@ impl<'a> Sides<'a> {
         for (direction, allowed) in [(-normal, true), (normal, !solid_a)] {
             if allowed && normal != Vec3A::ZERO {
                 let top = highest(own, -direction);
-                let limit = best.way.map_or(f32::INFINITY, |way| way.depth) - top;
+                let limit = best.way.map_or(self.most, |way| way.depth) - top;
                 if highest(theirs, direction) > limit - bias {
                     continue;
                 }

@@ -35,12 +35,15 @@ impl Course {
     }
 }
 
-/// How high a summit is.
+/// Where a way leads to.
 #[derive(Clone, Copy, Debug)]
 struct Summit {
     height: f32,
-    /// Or higher: the way ended before.
-    is_beyond: bool,
+    polygon: u32,
+    /// The polygon's highest vertex.
+    top: u32,
+    /// Not there yet: the way was left at the polygon, for it was high enough.
+    is_unfinished: bool,
 }
 
 /// The summits that are known.
@@ -74,24 +77,30 @@ impl Summits {
         if height > limit {
             return height;
         }
-        if let Some(known) = self.known(course, top, limit) {
-            return known.height;
-        }
-        let mut found = Summit {
-            height,
-            is_beyond: true,
-        };
         self.way.clear();
-        self.way.push(top);
+        let mut found = self.follow(course, top, limit).unwrap_or(Summit {
+            height,
+            polygon,
+            top,
+            is_unfinished: true,
+        });
+        if !found.is_unfinished || found.height > limit {
+            return found.height;
+        }
+        self.way.push(found.top);
+        plateau[0] = found.polygon;
         let mut steps = 0;
         let mut came_from = NO_NEIGHBOR;
-        'up: while found.height <= limit {
+        while found.height <= limit {
             if next == seen || steps >= MOST_STEPS {
-                found.is_beyond = false;
+                found.is_unfinished = false;
                 break;
             }
             let polygon = plateau[next];
             next += 1;
+            // The steepest way up.
+            let mut higher = None;
+            let mut least = found.height + tolerance;
             for &other in slope.mesh.across(polygon as usize) {
                 let is_known = other == came_from || plateau[..seen].iter().any(|p| *p == other);
                 if other == NO_NEIGHBOR || is_known {
@@ -99,23 +108,33 @@ impl Summits {
                 }
                 steps += 1;
                 let (height, top) = slope.top(other);
-                if height > found.height + tolerance {
-                    if let Some(known) = self.known(course, top, limit) {
-                        found = known;
-                        break 'up;
-                    }
-                    came_from = polygon;
-                    plateau[0] = other;
-                    (seen, next) = (1, 0);
-                    found.height = height;
-                    self.way.push(top);
-                    break;
-                }
-                if height >= found.height - tolerance && seen < WIDEST_PLATEAU {
+                if height > least {
+                    least = height;
+                    higher = Some(Summit {
+                        height,
+                        polygon: other,
+                        top,
+                        is_unfinished: true,
+                    });
+                } else if height >= found.height - tolerance && seen < WIDEST_PLATEAU {
                     plateau[seen] = other;
                     seen += 1;
                     found.height = found.height.max(height);
                 }
+            }
+            if let Some(higher) = higher {
+                came_from = polygon;
+                found = higher;
+                if let Some(known) = self.follow(course, higher.top, limit) {
+                    came_from = NO_NEIGHBOR;
+                    found = known;
+                    if !found.is_unfinished {
+                        break;
+                    }
+                }
+                self.way.push(found.top);
+                plateau[0] = found.polygon;
+                (seen, next) = (1, 0);
             }
         }
         for &vertex in &self.way {
@@ -124,11 +143,19 @@ impl Summits {
         found.height
     }
 
-    /// What is known of a vertex, if that is enough.
+    /// Where the way from a vertex leads to: as far as it has been gone, but for what is beyond a
+    /// limit.
     #[inline]
-    fn known(&self, course: Course, vertex: u32, limit: f32) -> Option<Summit> {
-        let known = self.known.get(&course.at(vertex)).copied();
-        known.filter(|known| !known.is_beyond || known.height > limit)
+    fn follow(&mut self, course: Course, vertex: u32, limit: f32) -> Option<Summit> {
+        let mut known = *self.known.get(&course.at(vertex))?;
+        let mut from = vertex;
+        // Others may have gone on from where it was left.
+        while known.is_unfinished && known.height <= limit && known.top != from {
+            self.way.push(from);
+            from = known.top;
+            known = *self.known.get(&course.at(from))?;
+        }
+        Some(known)
     }
 }
 
