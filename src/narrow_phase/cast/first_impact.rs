@@ -77,7 +77,7 @@ impl FirstImpact {
         let (placing, tolerance) = (*surface.placing(), pair.tolerance);
         let reach = Vec3A::splat(radius + tolerance);
         let around = placing
-            .from_frame(center, reach)
+            .way_back(center, reach)
             .place(&Aabb3d::new(center, reach));
         let near = OnTheWay {
             direction: self.direction,

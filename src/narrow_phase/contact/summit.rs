@@ -102,7 +102,7 @@ impl Summits {
             let mut higher = None;
             let mut least = found.height + tolerance;
             for &other in slope.mesh.across(polygon as usize) {
-                let is_known = other == came_from || plateau[..seen].iter().any(|p| *p == other);
+                let is_known = other == came_from || plateau[..seen].contains(&other);
                 if other == NO_NEIGHBOR || is_known {
                     continue;
                 }

@@ -31,7 +31,7 @@ pub fn gap(half: Vec3A, [a, b, c]: [Vec3A; 3], limit: f32) -> Option<Gap> {
     let (min, max) = (a.min(b).min(c), a.max(b).max(c));
     let faces = (min - half).max(-max - half);
     let mut widest = faces.max_element();
-    if !(widest <= limit) {
+    if widest.is_nan() || widest > limit {
         return None;
     }
     let edges = [b - a, c - b, a - c];

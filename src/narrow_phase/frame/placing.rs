@@ -123,7 +123,7 @@ impl Placing {
 
     /// The way from the frame of the pair into the space of the mesh, for boxes that reach no
     /// further than so from a point.
-    pub fn from_frame(&self, from: Vec3A, reach: Vec3A) -> Way {
+    pub fn way_back(&self, from: Vec3A, reach: Vec3A) -> Way {
         let linear = Mat3A::from_diagonal(self.divisor.recip().into()) * self.axes.transpose();
         Way {
             linear,
@@ -155,7 +155,7 @@ impl Placing {
             (region.max - region.min) * 0.5,
         );
         Some(
-            self.from_frame(center, half)
+            self.way_back(center, half)
                 .place(&Aabb3d::new(center, half)),
         )
     }

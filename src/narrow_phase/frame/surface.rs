@@ -287,7 +287,7 @@ impl Surface {
     ) {
         let Some(tree) = mesh.tree() else { return };
         let placing = self.placing;
-        let at = placing.from_frame(point, Vec3A::ZERO).place(&Aabb3d {
+        let at = placing.way_back(point, Vec3A::ZERO).place(&Aabb3d {
             min: point,
             max: point,
         });
