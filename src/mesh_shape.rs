@@ -141,19 +141,15 @@ fn build_shapes(
         }
     }
     let mut tell = |entity: Entity, source: Source| {
-        let progress = match shapes.0.get(&source) {
-            Some(progress) => progress,
-            None => {
-                let Some(mesh) = meshes.get(source.0) else {
-                    // Not loaded yet: an event will tell.
-                    return;
-                };
+        let Some(progress) = shapes.0.get(&source) else {
+            // If it is not loaded yet, an event will tell.
+            if let Some(mesh) = meshes.get(source.0) {
                 let mesh = geometry(mesh);
                 let task = AsyncComputeTaskPool::get_or_init(TaskPool::default)
                     .spawn(async move { build(&mesh, source.1) });
                 shapes.0.insert(source, Progress::Building(task));
-                return;
             }
+            return;
         };
         match progress {
             Progress::Building(_) => {}
