@@ -6,7 +6,7 @@ use bevy::math::{DVec3, Dir3, Quat, Vec3};
 use bevy::transform::components::Transform;
 use proptest::prelude::*;
 
-use crate::narrow_phase::cast::tests::{distance, placed, vectors};
+use crate::narrow_phase::cast::tests::{distance, placed, shapes, vectors};
 use crate::narrow_phase::tests::{at, box_of, mesh_of};
 use crate::narrow_phase::*;
 
@@ -570,4 +570,41 @@ fn loose_polygons_beside_a_solid_are_mere_surfaces() {
     assert_eq!(cast(-1.0, DEFAULT.ignore_start()), Some(0.0));
     assert_eq!(cast(0.25, DEFAULT.ignore_start()), Some(0.0));
     assert_eq!(cast(1.0, DEFAULT.ignore_start()), None);
+}
+
+#[test]
+fn a_ray_as_long_as_its_way_meets_what_it_met() {
+    let tests = NarrowPhase::default();
+    let (mut met, options) = (0, DEFAULT.ignore_start());
+    for shape in large().iter().chain(&shapes()) {
+        let place = Transform::from_xyz(3.3, -1.7, 0.9).with_rotation(Quat::from_rotation_y(0.7));
+        let place = Placed::new(shape, &place);
+        for i in 0..500_u16 {
+            let (sin, cos) = (f32::from(i) * 2.4).sin_cos();
+            let from = Vec3::new(7.0 * cos, 3.0 * (f32::from(i) * 0.7).sin(), 7.0 * sin);
+            let aim = place.transform.translation + Vec3::new(sin, cos, sin * cos) * 0.9;
+            let way = Dir3::new(aim - from).unwrap();
+            let within = |most: f32| {
+                [
+                    tests.cast_ray(place, from, way, most),
+                    tests.cast_ray_with(place, from, way, most, &options),
+                    tests
+                        .cast_ray_through(place, from, way, most)
+                        .and_then(|found| found.enter),
+                ]
+                .map(|hit| hit.map(|hit| hit.distance))
+            };
+            for (way, hit) in within(100.0).into_iter().enumerate() {
+                let Some(distance) = hit else { continue };
+                met += 1;
+                assert_eq!(within(distance)[way], hit, "{shape:?} by {way}, ray {i}");
+                assert_eq!(
+                    within(distance.next_down())[way],
+                    None,
+                    "{shape:?} by {way}, ray {i}"
+                );
+            }
+        }
+    }
+    assert!(met > 1000, "{met}");
 }

@@ -118,14 +118,11 @@ impl PolygonMesh {
         let point = self.middle(part.first);
         // How often each that may be around it winds around it.
         let mut around: Vec<(u32, i32)> = Vec::new();
-        let mut outline = Vec::new();
         self.for_each_along_x(point, |polygon| {
             let other = part_of[polygon];
             let may_be_around = |other: &Part| other.turns.is_some() && other.holds(part);
             if parts.get(other as usize).is_some_and(may_be_around) {
-                let crossing = self.with_outline(polygon, &mut outline, |corners| {
-                    self.crossing(corners, point)
-                });
+                let crossing = self.crossing(polygon, point);
                 match around.iter_mut().find(|(known, _)| *known == other) {
                     Some((_, winding)) => *winding += crossing,
                     None => around.push((other, crossing)),
