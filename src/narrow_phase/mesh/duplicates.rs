@@ -17,6 +17,12 @@ pub struct Twin {
     pub is_turned: bool,
 }
 
+/// The first polygons of walls.
+pub fn fronts(twins: &[Twin]) -> impl Iterator<Item = u32> {
+    let is_front = |twin: &&Twin| twin.of.is_none() && twin.polygon == twin.first;
+    twins.iter().filter(is_front).map(|twin| twin.polygon)
+}
+
 /// Makes copies of walls whose first polygon bounds a solid.
 pub fn resolve(twins: &mut Vec<Twin>, is_solid: impl Fn(u32) -> bool) {
     for twin in twins.iter_mut().filter(|twin| is_solid(twin.first)) {

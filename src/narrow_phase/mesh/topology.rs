@@ -82,14 +82,19 @@ impl Topology {
             tree,
             slack,
         };
-        let at_odd_edges = edges.at_odd_edges.take();
+        let mut at_odd_edges = edges.at_odd_edges.take();
+        // Without the other sides of walls, more edges are.
+        for front in duplicates::fronts(&twins) {
+            let none = || Bits::none(vertices.len());
+            let at_odd_edges = at_odd_edges.get_or_insert_with(none);
+            let corners = polygons.get(front as usize).iter();
+            corners.for_each(|corner| at_odd_edges.insert(*corner));
+        }
         let mut junctions = at_odd_edges.map_or_else(Vec::new, |vertices| search.find(vertices));
         let undecided = shells.undecided(&edges, &twins, !junctions.is_empty());
         shells.decide(polygons, &undecided, &junctions);
         // What was given with two sides may be a solid.
-        let walls = twins.iter().filter(|twin| twin.of.is_none());
-        let fronts = walls.filter(|twin| twin.polygon == twin.first);
-        let mut undecided_now: Vec<u32> = fronts.map(|twin| twin.polygon).collect();
+        let mut undecided_now: Vec<u32> = duplicates::fronts(&twins).collect();
         if !undecided_now.is_empty() {
             let left = undecided
                 .iter()

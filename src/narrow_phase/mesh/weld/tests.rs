@@ -316,6 +316,14 @@ fn polygons_that_are_there_twice_or_inside_out_do_no_harm() {
     let sum: Vec3 = hollow.normals().iter().sum();
     let [front, back] = [0, 12].map(|polygon| hollow.normals()[polygon]);
     assert!(sum.length() < 1e-6 && front == -back);
+    // With a vertex on an edge, too.
+    let notched = cube_with_a_vertex_on_its_edge(false);
+    let back = notched
+        .chunks(3)
+        .flat_map(|corners| [corners[1], corners[0], corners[2]]);
+    let with_vertex: Vec<_> = notched.iter().copied().chain(back).collect();
+    assert!(listed(&with_vertex).is_closed());
+    assert_solid(&with_vertex, &[MIDDLE], &[MIDDLE + Vec3::Y]);
     let open = [&both[3..36], &both[39..]].concat();
     let mesh = listed(&open);
     assert!(!mesh.has_inside() && !mesh.is_closed());
