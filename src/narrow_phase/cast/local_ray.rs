@@ -21,6 +21,15 @@ const UNIT: f32 = 1e-5;
 /// than the rounding of 32-bit floats.
 const ROUGHLY: f32 = 1e-5;
 
+/// The distance, in double precision, up to which a ray may meet something within a distance: what
+/// is nearer, or rounds to it, does.
+///
+/// That is half-way to the next number. What is as far as that may round up: the
+/// [impact](LocalRay::impact) tells.
+pub fn limit(max_distance: f32) -> f64 {
+    f64::from(max_distance).midpoint(f64::from(max_distance.next_up()))
+}
+
 /// A ray in the coordinates of a shape, in which distances along it are those in the world. In
 /// double precision, so that neither the scale nor the way from afar costs exactness.
 #[derive(Clone, Copy, Debug)]
@@ -130,7 +139,7 @@ impl LocalRay {
     }
 
     pub fn is_inside(&self, mesh: &PolygonMesh) -> bool {
-        if mesh.tree().is_some() {
+        if mesh.tree().is_some() || mesh.has_junctions() {
             return mesh.winds_around(self.origin);
         }
         winds_around(mesh, |corner| {

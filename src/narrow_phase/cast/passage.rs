@@ -2,7 +2,10 @@
 
 use bevy::math::{Dir3, Vec3};
 
-use super::{local_ray::LocalRay, ray::is_askable};
+use super::{
+    local_ray::{LocalRay, limit},
+    ray::is_askable,
+};
 use crate::narrow_phase::{
     answer::{Impact, Passage},
     cast_options::RayCastOptions,
@@ -70,7 +73,7 @@ impl NarrowPhase {
         let ray = LocalRay::new(target, origin, direction)?;
         let impact = |met: Met| ray.impact(target, (origin, direction), max_distance, met);
         if let Shape::Mesh(mesh) = target.shape {
-            return ray.through(mesh, f64::from(max_distance), impact);
+            return ray.through(mesh, limit(max_distance), impact);
         }
         let chord = ray.chord(target.shape)?;
         let is_inside = chord.height < -ray.slack;

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use bevy::math::{DVec3, Dir3, Vec3, Vec3A};
 
-use super::local_ray::{BORDER, LocalRay, is_on_polygon, vertex};
+use super::local_ray::{BORDER, LocalRay, is_on_polygon, limit, vertex};
 use crate::broad_phase::Sweep;
 use crate::narrow_phase::{
     answer::Impact,
@@ -63,7 +63,8 @@ impl NarrowPhase {
                 Some((own, at)) => {
                     self.cast_ray(Placed::new(&own, &at), origin, direction, max_distance)
                 }
-                None => parry::cast_ray(target, origin, direction, max_distance),
+                None => parry::cast_ray(target, origin, direction, roomy(max_distance))
+                    .filter(|hit| hit.distance <= max_distance),
             };
         }
         if let Shape::Mesh(mesh) = target.shape
@@ -76,7 +77,7 @@ impl NarrowPhase {
             Shape::Cuboid { half_size } => ray.cuboid(half_size.abs().as_dvec3()),
             Shape::Sphere { radius } => ray.sphere(f64::from(radius.abs())),
             Shape::Convex(mesh) => ray.convex(mesh),
-            Shape::Mesh(mesh) => ray.mesh(mesh, f64::from(max_distance)),
+            Shape::Mesh(mesh) => ray.mesh(mesh, limit(max_distance)),
             #[cfg(feature = "rapier")]
             Shape::Rapier(_) => None,
         }?;
@@ -123,16 +124,26 @@ impl NarrowPhase {
                     let own = Placed::new(&own, &at);
                     self.cast_ray_with(own, origin, direction, max_distance, options)
                 }
-                None => parry::cast_ray_with(target, origin, direction, max_distance, options),
+                None => {
+                    let within = roomy(max_distance);
+                    parry::cast_ray_with(target, origin, direction, within, options)
+                        .filter(|hit| hit.distance <= max_distance)
+                }
             };
         }
         let ray = LocalRay::new(target, origin, direction)?;
         let met = match target.shape {
-            Shape::Mesh(mesh) => ray.mesh_with(mesh, f64::from(max_distance), options),
+            Shape::Mesh(mesh) => ray.mesh_with(mesh, limit(max_distance), options),
             shape => ray.chord(shape)?.met(options, ray.slack),
         }?;
         ray.impact(target, (origin, direction), max_distance, met)
     }
+}
+
+/// A little more than a distance: tests in 32 bits do not find again within a distance what they
+/// met as far away.
+fn roomy(distance: f32) -> f32 {
+    (distance * (1.0 + 8.0 * f32::EPSILON)).next_up()
 }
 
 /// Is all finite that has to be?

@@ -1,6 +1,8 @@
 //! Rays, sweeps and closest points, each checked by tests that know nothing of how they are
 //! computed.
 
+use std::f32::consts::TAU;
+
 use bevy::math::{Dir3, Quat, Vec3};
 use bevy::transform::components::Transform;
 use proptest::prelude::*;
@@ -351,4 +353,75 @@ fn bad_input_meets_nothing() {
             None
         );
     }
+}
+
+/// A ring of many polygons, and an open sheet of as many, with bumps.
+pub fn large() -> [Shape; 2] {
+    let turned = |share: f32, radius: f32| {
+        let (sin, cos) = (TAU * share).sin_cos();
+        (radius * cos, radius * sin)
+    };
+    let (around, across) = (24u32, 10u32);
+    let ring = (0..around * across).map(|i| {
+        let (x, z) = turned((i % across) as f32 / across as f32, 0.3);
+        let (x, y) = turned((i / across) as f32 / around as f32, 1.0 + x);
+        Vec3::new(x, y, z)
+    });
+    let number = |i: u32, j: u32| (i % around) * across + j % across;
+    let quads =
+        |rows: u32, columns: u32| (0..rows).flat_map(move |i| (0..columns).map(move |j| (i, j)));
+    let triangles = quads(around, across).flat_map(|(i, j)| {
+        let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(k, l)| number(i + k, j + l));
+        [[a, b, c], [a, c, d]]
+    });
+    let ring = Shape::mesh(ring.collect::<Vec<_>>(), triangles).unwrap();
+    let side = 12;
+    let height = |i: u32, j: u32| ((i * 7 + j * 5) % 4) as f32 * 0.1;
+    let sheet = quads(side, side)
+        .map(|(i, j)| Vec3::new(i as f32 * 0.2 - 1.1, height(i, j), j as f32 * 0.2 - 1.1));
+    let triangles = quads(side - 1, side - 1).flat_map(|(i, j)| {
+        let [a, b, c, d] = [(0, 0), (0, 1), (1, 1), (1, 0)].map(|(k, l)| (i + k) * side + j + l);
+        [[a, b, c], [a, c, d]]
+    });
+    [
+        ring,
+        Shape::mesh(sheet.collect::<Vec<_>>(), triangles).unwrap(),
+    ]
+}
+
+#[test]
+fn a_ray_as_long_as_its_way_meets_what_it_met() {
+    let tests = NarrowPhase::default();
+    let (mut met, options) = (0, RayCastOptions::DEFAULT.ignore_start());
+    for shape in large().iter().chain(&shapes()) {
+        let place = Transform::from_xyz(3.3, -1.7, 0.9).with_rotation(Quat::from_rotation_y(0.7));
+        let place = Placed::new(shape, &place);
+        for i in 0..500_u16 {
+            let (sin, cos) = (f32::from(i) * 2.4).sin_cos();
+            let from = Vec3::new(7.0 * cos, 3.0 * (f32::from(i) * 0.7).sin(), 7.0 * sin);
+            let aim = place.transform.translation + Vec3::new(sin, cos, sin * cos) * 0.9;
+            let way = Dir3::new(aim - from).unwrap();
+            let within = |most: f32| {
+                [
+                    tests.cast_ray(place, from, way, most),
+                    tests.cast_ray_with(place, from, way, most, &options),
+                    tests
+                        .cast_ray_through(place, from, way, most)
+                        .and_then(|found| found.enter),
+                ]
+                .map(|hit| hit.map(|hit| hit.distance))
+            };
+            for (way, hit) in within(100.0).into_iter().enumerate() {
+                let Some(distance) = hit else { continue };
+                met += 1;
+                assert_eq!(within(distance)[way], hit, "{shape:?} by {way}, ray {i}");
+                assert_eq!(
+                    within(distance.next_down())[way],
+                    None,
+                    "{shape:?} by {way}, ray {i}"
+                );
+            }
+        }
+    }
+    assert!(met > 1000, "{met}");
 }

@@ -9,8 +9,26 @@ use super::{edges::Edges, polygons::Polygons};
 pub struct Twin {
     pub polygon: u32,
     /// The one that it is a copy of; `None` if there is one that faces the other way: together they
-    /// are a wall that is nothing but surface.
+    /// are a wall that is nothing but surface, unless [`resolve`] finds that they bound a solid.
     pub of: Option<u32>,
+    /// The first with the same corners; this one, maybe.
+    pub first: u32,
+    /// Does it face the other way than the first?
+    pub is_turned: bool,
+}
+
+/// The first polygons of walls.
+pub fn fronts(twins: &[Twin]) -> impl Iterator<Item = u32> {
+    let is_front = |twin: &&Twin| twin.of.is_none() && twin.polygon == twin.first;
+    twins.iter().filter(is_front).map(|twin| twin.polygon)
+}
+
+/// Makes copies of walls whose first polygon bounds a solid.
+pub fn resolve(twins: &mut Vec<Twin>, is_solid: impl Fn(u32) -> bool) {
+    for twin in twins.iter_mut().filter(|twin| is_solid(twin.first)) {
+        twin.of = Some(twin.first);
+    }
+    twins.retain(|twin| twin.of != Some(twin.polygon));
 }
 
 /// Finds polygons with the same corners, in their order. The first of several that face the same
@@ -34,16 +52,16 @@ pub fn find(polygons: &Polygons, edges: &Edges) -> Vec<Twin> {
     let mut twins = Vec::new();
     for same in keyed.chunk_by(|a, b| a.compare(b, polygons).is_eq()) {
         let (first, rest) = (&same[0], &same[1..]);
+        let twin = |key: &Key, of| Twin {
+            polygon: key.polygon,
+            of,
+            first: first.polygon,
+            is_turned: key.turned != first.turned,
+        };
         if rest.iter().any(|key| key.turned != first.turned) {
-            twins.extend(same.iter().map(|key| Twin {
-                polygon: key.polygon,
-                of: None,
-            }));
+            twins.extend(same.iter().map(|key| twin(key, None)));
         } else {
-            twins.extend(rest.iter().map(|key| Twin {
-                polygon: key.polygon,
-                of: Some(first.polygon),
-            }));
+            twins.extend(rest.iter().map(|key| twin(key, Some(first.polygon))));
         }
     }
     twins.sort_unstable_by_key(|twin| twin.polygon);
@@ -100,14 +118,17 @@ mod tests {
         ] {
             polygons.push(&corners).unwrap();
         }
-        let found = find(&polygons, &Edges::of(&polygons, 6));
-        let twin = |polygon, of| Twin { polygon, of };
-        let expected = [
-            twin(2, Some(1)),
-            twin(3, Some(1)),
-            twin(4, None),
-            twin(5, None),
-        ];
-        assert_eq!(found, expected);
+        let mut found = find(&polygons, &Edges::of(&polygons, 6));
+        let twin = |polygon, of, first, is_turned| Twin {
+            polygon,
+            of,
+            first,
+            is_turned,
+        };
+        let copies = [twin(2, Some(1), 1, false), twin(3, Some(1), 1, false)];
+        let wall = [twin(4, None, 4, false), twin(5, None, 4, true)];
+        assert_eq!(found, [copies, wall].concat());
+        resolve(&mut found, |polygon| polygon == 4);
+        assert_eq!(found[2..], [twin(5, Some(4), 4, true)]);
     }
 }

@@ -42,6 +42,11 @@ impl Bits {
     }
 
     #[inline]
+    pub fn toggle(&mut self, index: u32) {
+        self.0[index as usize / 64] ^= 1 << (index % 64);
+    }
+
+    #[inline]
     pub fn contains(&self, index: u32) -> bool {
         self.0[index as usize / 64] >> (index % 64) & 1 != 0
     }

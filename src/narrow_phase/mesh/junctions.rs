@@ -1,4 +1,9 @@
 //! Vertices that lie on the edges of other polygons.
+//!
+//! How many pairs of vertices and polygons are near each other may be quadratic, and in ill input
+//! so is how many vertices lie on edges. What is looked at is bounded: vertices at one position are
+//! looked at once, one on very many sides is taken to be on none, and there is an end to the search
+//! as a whole. Surfaces that close by what is then not found are taken for open.
 
 use bevy::math::{Vec3, Vec3A, bounding::Aabb3d};
 
@@ -16,6 +21,14 @@ const LONG: usize = 8;
 
 /// So many vertices are searched for at once.
 const TOGETHER: usize = 4;
+
+/// A vertex on more sides than this is taken to be on none: where solids touch, it is on a few.
+const CROWD: usize = 64;
+/// So many polygons near vertices are looked at for each side, on average: where solids touch, it is
+/// a dozen.
+const EFFORT: usize = 64;
+/// So many are looked at anyway.
+const LEAST_EFFORT: usize = 1 << 20;
 
 /// A vertex that lies on a side of a polygon that does not know it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,22 +49,59 @@ pub struct Junctions<'a> {
     pub slack: f64,
 }
 
+/// What was found so far.
+struct Found {
+    junctions: Vec<Junction>,
+    /// So many polygons may be looked at still.
+    effort: usize,
+}
+
+impl Found {
+    /// Drops the vertices that lie on very many sides, of those found from a place on.
+    fn drop_crowds(&mut self, begin: usize) {
+        if self.junctions.len() - begin <= CROWD {
+            return;
+        }
+        let mut new = self.junctions.split_off(begin);
+        new.sort_unstable_by_key(|junction| junction.vertex);
+        let of_vertices = new.chunk_by(|a, b| a.vertex == b.vertex);
+        for of_vertex in of_vertices.filter(|of_vertex| of_vertex.len() <= CROWD) {
+            self.junctions.extend_from_slice(of_vertex);
+        }
+    }
+}
+
 impl Junctions<'_> {
     /// Finds the sides on which some vertices lie, by side, in the order in which they lie on it.
     ///
-    /// Vertices may be left out that could close nothing.
+    /// Vertices may be left out that could close nothing, and of several at one position all but
+    /// one: no side is closed from one of them to another.
     pub fn find(&self, candidates: Bits) -> Vec<Junction> {
-        let mut found = Vec::new();
+        let mut found = self.search_all(candidates).junctions;
+        found.sort_unstable_by(|a, b| {
+            let by_side = a.side.cmp(&b.side).then(a.at.total_cmp(&b.at));
+            by_side.then(a.vertex.cmp(&b.vertex))
+        });
+        found
+    }
+
+    fn search_all(&self, mut candidates: Bits) -> Found {
+        let uses = self.uses();
+        self.keep_one_per_position(&mut candidates, &uses);
+        let mut found = Found {
+            junctions: Vec::new(),
+            effort: LEAST_EFFORT + EFFORT * self.polygons.corners().len(),
+        };
         let (polygons, reach) = (self.polygons, self.reach());
         let sides = polygons.corners().len();
         if sides <= FEW {
             for vertex in candidates.iter() {
                 for polygon in 0..polygons.len() {
-                    self.on_polygon(polygon, vertex, &mut found);
+                    self.on_polygon(polygon, vertex, &mut found.junctions);
                 }
             }
         } else if let Some(tree) = self.tree.filter(|_| sides <= LONG * polygons.len()) {
-            self.by_tree(tree, candidates, reach, &mut found);
+            self.by_tree(tree, candidates, &uses, reach, &mut found);
         } else {
             let mut boxes = Vec::with_capacity(sides);
             let mut ends = Vec::with_capacity(sides);
@@ -65,22 +115,54 @@ impl Junctions<'_> {
             });
             let tree = StillOctree::new(&boxes);
             for vertex in candidates.iter() {
+                if found.effort == 0 {
+                    break;
+                }
+                let begin = found.junctions.len();
                 tree.for_each_overlapping(&self.around(vertex, reach), |side| {
+                    found.effort = found.effort.saturating_sub(1);
                     let (polygon, to) = ends[side as usize];
                     let from = polygons.corners()[side as usize];
                     if let Some(at) = self.on_side([from, to], vertex)
-                        && !polygons.get(polygon as usize).contains(&vertex)
+                        && !self.is_at_corner(polygons.get(polygon as usize), vertex)
                     {
-                        found.push(Junction { side, vertex, at });
+                        found.junctions.push(Junction { side, vertex, at });
                     }
                 });
+                found.drop_crowds(begin);
             }
         }
-        found.sort_unstable_by(|a, b| {
-            let by_side = a.side.cmp(&b.side).then(a.at.total_cmp(&b.at));
-            by_side.then(a.vertex.cmp(&b.vertex))
-        });
         found
+    }
+
+    /// How many polygons have each vertex, up to 255.
+    fn uses(&self) -> Vec<u8> {
+        let mut uses = vec![0_u8; self.vertices.len()];
+        for corner in self.polygons.corners() {
+            let uses = &mut uses[*corner as usize];
+            *uses = uses.saturating_add(1);
+        }
+        uses
+    }
+
+    /// Of several vertices at one position, keeps the one that most polygons have.
+    fn keep_one_per_position(&self, candidates: &mut Bits, uses: &[u8]) {
+        // Zero has two signs.
+        let place = |vertex: u32| {
+            (self.vertices[vertex as usize] + 0.0)
+                .to_array()
+                .map(f32::to_bits)
+        };
+        let mut placed: Vec<_> = candidates
+            .iter()
+            .map(|vertex| (place(vertex), !uses[vertex as usize], vertex))
+            .collect();
+        placed.sort_unstable();
+        for [(one, ..), (other, _, vertex)] in placed.array_windows() {
+            if one == other {
+                candidates.remove(*vertex);
+            }
+        }
     }
 
     /// Near vertices together, and those of hopeless polygons not at all: a corner that no other
@@ -89,27 +171,25 @@ impl Junctions<'_> {
         &self,
         tree: &StillOctree,
         mut candidates: Bits,
+        uses: &[u8],
         reach: f32,
-        found: &mut Vec<Junction>,
+        found: &mut Found,
     ) {
-        let mut uses = vec![0_u8; self.vertices.len()];
-        for corner in self.polygons.corners() {
-            let uses = &mut uses[*corner as usize];
-            *uses = uses.saturating_add(1);
-        }
         let is_its_own = |corner: &u32| uses[*corner as usize] == 1;
         let mut together: Vec<u32> = Vec::with_capacity(TOGETHER);
         for polygons in tree.in_order().chunks(TOGETHER) {
             let corners = |polygon: &u32| self.polygons.get(*polygon as usize).iter().copied();
             together.clear();
-            together.extend(polygons.iter().filter_map(|p| corners(p).find(is_its_own)));
-            let before = found.len();
+            let firsts = polygons.iter().filter_map(|p| corners(p).find(is_its_own));
+            together.extend(firsts.filter(|first| candidates.contains(*first)));
+            let before = found.junctions.len();
             self.search(tree, &together, reach, found);
             for polygon in polygons {
                 let mut its_own = corners(polygon).filter(is_its_own);
                 if let Some(first) = its_own.next() {
                     candidates.remove(first);
-                    if found[before..].iter().all(|found| found.vertex != first) {
+                    let new = &found.junctions[before..];
+                    if new.iter().all(|found| found.vertex != first) {
                         its_own.for_each(|corner| candidates.remove(corner));
                     }
                 }
@@ -132,10 +212,11 @@ impl Junctions<'_> {
     }
 
     /// Searches for the sides that some vertices, which are near each other, lie on.
-    fn search(&self, tree: &StillOctree, vertices: &[u32], reach: f32, found: &mut Vec<Junction>) {
-        let Some((first, others)) = vertices.split_first() else {
+    fn search(&self, tree: &StillOctree, vertices: &[u32], reach: f32, found: &mut Found) {
+        let Some((first, others)) = vertices.split_first().filter(|_| found.effort > 0) else {
             return;
         };
+        let begin = found.junctions.len();
         let around = others
             .iter()
             .fold(self.around(*first, reach), |around, vertex| {
@@ -146,6 +227,7 @@ impl Junctions<'_> {
                 }
             });
         tree.for_each_overlapping(&around, |polygon| {
+            found.effort = found.effort.saturating_sub(1);
             let corners = self.polygons.get(polygon as usize);
             let nothing = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
             let (min, max) = corners.iter().fold(nothing, |(min, max), corner| {
@@ -155,10 +237,11 @@ impl Junctions<'_> {
             for vertex in vertices {
                 let at = self.at(*vertex);
                 if (at.cmpge(min) & at.cmple(max)).all() {
-                    self.on_polygon(polygon as usize, *vertex, found);
+                    self.on_polygon(polygon as usize, *vertex, &mut found.junctions);
                 }
             }
         });
+        found.drop_crowds(begin);
     }
 
     fn at(&self, vertex: u32) -> Vec3A {
@@ -186,9 +269,15 @@ impl Junctions<'_> {
         }
     }
 
+    fn is_at_corner(&self, corners: &[u32], vertex: u32) -> bool {
+        corners
+            .iter()
+            .any(|corner| self.at(*corner) == self.at(vertex))
+    }
+
     fn on_polygon(&self, polygon: usize, vertex: u32, found: &mut Vec<Junction>) {
         let corners = self.polygons.get(polygon);
-        if corners.contains(&vertex) {
+        if self.is_at_corner(corners, vertex) {
             return;
         }
         let start = self.polygons.sides(polygon).start;
@@ -216,3 +305,6 @@ impl Junctions<'_> {
         (off <= may_be_off).then_some(share as f32)
     }
 }
+
+#[cfg(test)]
+mod tests;

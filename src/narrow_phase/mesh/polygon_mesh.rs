@@ -31,7 +31,8 @@ const FEW: usize = 32;
 ///   way as the other, be they two, or four as where two boxes share an edge; a vertex on an edge
 ///   that does not know it, as an exporter or a brush may leave it, cuts the edge in two. Polygons
 ///   that are alone along an edge, as a flag on a wall, are no part of it, and copies of a polygon
-///   count once.
+///   count once. So do the two sides of one, where one of them makes a surface closed: a solid that
+///   was exported with two sides is a solid. Else they are a wall, which is met from both sides.
 /// * The wall of a cavity must face the other way than the outer wall, or the cavity counts as
 ///   filled. Which way the outer wall faces does not matter: polygons that bound a solid are turned
 ///   to face out of it.
@@ -82,7 +83,10 @@ impl PolygonMesh {
     /// Builds a mesh from vertices and polygons, each a list of vertex indices.
     ///
     /// Linear in the number of corners, but for vertices that very many polygons share, and those
-    /// that lie on edges of others. Vertices that no polygon names are kept, but are no part of the
+    /// that lie on edges of others, which are sorted and searched for: O(n log n) whatever the
+    /// input. A vertex in the middle of more than 64 edges is taken to be on none; and where
+    /// boxes of very many polygons overlap, the search for vertices on edges ends with some
+    /// surfaces taken for open. Vertices that no polygon names are kept, but are no part of the
     /// surface.
     ///
     /// # Errors
@@ -449,6 +453,16 @@ impl PolygonMesh {
             self.flip_polygon(polygon as usize);
         }
         self.turn_outwards(topology.surface, &topology.twins);
+        let backs = topology
+            .twins
+            .iter()
+            .filter(|twin| twin.of.is_some() && twin.is_turned);
+        for twin in backs {
+            // They were turned to the front's side.
+            let count = self.polygons.len();
+            let inverted = self.inverted.get_or_insert_with(|| Bits::none(count));
+            inverted.toggle(twin.polygon);
+        }
         // A wall that is not within a solid is a surface.
         if self.open_edge.is_none() {
             let mut walls = topology.twins.iter().filter(|twin| twin.of.is_none());

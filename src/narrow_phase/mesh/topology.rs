@@ -75,28 +75,38 @@ impl Topology {
     ) -> Self {
         let mut edges = Edges::of(polygons, vertices.len());
         let mut shells = Shells::of(polygons, &edges);
-        let twins = duplicates::find(polygons, &edges);
+        let mut twins = duplicates::find(polygons, &edges);
         let search = Junctions {
             vertices,
             polygons,
             tree,
             slack,
         };
-        let at_odd_edges = edges.at_odd_edges.take();
+        let mut at_odd_edges = edges.at_odd_edges.take();
+        // Without the other sides of walls, more edges are.
+        for front in duplicates::fronts(&twins) {
+            let none = || Bits::none(vertices.len());
+            let at_odd_edges = at_odd_edges.get_or_insert_with(none);
+            let corners = polygons.get(front as usize).iter();
+            corners.for_each(|corner| at_odd_edges.insert(*corner));
+        }
         let mut junctions = at_odd_edges.map_or_else(Vec::new, |vertices| search.find(vertices));
         let undecided = shells.undecided(&edges, &twins, !junctions.is_empty());
-        if !undecided.is_empty() {
-            let found = solids::find(polygons, &undecided, &junctions);
-            for (polygon, verdict) in undecided.iter().zip(found) {
-                if let Some(bounding) = verdict {
-                    shells.surface[*polygon as usize] = undecided[bounding.first as usize];
-                    shells.flip[*polygon as usize] = bounding.flip;
-                }
-            }
+        shells.decide(polygons, &undecided, &junctions);
+        // What was given with two sides may be a solid.
+        let mut undecided_now: Vec<u32> = duplicates::fronts(&twins).collect();
+        if !undecided_now.is_empty() {
+            let left = undecided
+                .iter()
+                .filter(|polygon| !shells.is_solid(**polygon));
+            undecided_now.extend(left);
+            undecided_now.sort_unstable();
+            shells.decide(polygons, &undecided_now, &junctions);
+            duplicates::resolve(&mut twins, |polygon| shells.is_solid(polygon));
         }
         for twin in &twins {
             if let Some(first) = twin.of {
-                shells.flip[twin.polygon as usize] = shells.flip[first as usize];
+                shells.flip[twin.polygon as usize] = shells.flip[first as usize] ^ twin.is_turned;
             }
         }
         junctions.retain(|junction| shells.is_solid(polygons.owner(junction.side)));
@@ -245,6 +255,20 @@ impl Shells {
         }
         undecided.sort_unstable();
         undecided
+    }
+
+    /// Finds out which of some polygons, in their order, bound solids.
+    fn decide(&mut self, polygons: &Polygons, undecided: &[u32], junctions: &[Junction]) {
+        if undecided.is_empty() {
+            return;
+        }
+        let found = solids::find(polygons, undecided, junctions);
+        for (polygon, verdict) in undecided.iter().zip(found) {
+            if let Some(bounding) = verdict {
+                self.surface[*polygon as usize] = undecided[bounding.first as usize];
+                self.flip[*polygon as usize] = bounding.flip;
+            }
+        }
     }
 
     /// An edge of a polygon that bounds no solid: one of those that keep it from it, if it has one.

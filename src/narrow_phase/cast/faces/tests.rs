@@ -1,50 +1,14 @@
 //! What rays meet by their options, and what they pass through, against all faces one by one.
 
-use std::f32::consts::TAU;
-
 use bevy::math::{DVec3, Dir3, Quat, Vec3};
 use bevy::transform::components::Transform;
 use proptest::prelude::*;
 
-use crate::narrow_phase::cast::tests::{distance, placed, vectors};
+use crate::narrow_phase::cast::tests::{distance, large, placed, vectors};
 use crate::narrow_phase::tests::{at, box_of, mesh_of};
 use crate::narrow_phase::*;
 
 const DEFAULT: RayCastOptions = RayCastOptions::DEFAULT;
-
-/// A ring of many polygons, and an open sheet of as many, with bumps.
-fn large() -> [Shape; 2] {
-    let turned = |share: f32, radius: f32| {
-        let (sin, cos) = (TAU * share).sin_cos();
-        (radius * cos, radius * sin)
-    };
-    let (around, across) = (24u32, 10u32);
-    let ring = (0..around * across).map(|i| {
-        let (x, z) = turned((i % across) as f32 / across as f32, 0.3);
-        let (x, y) = turned((i / across) as f32 / around as f32, 1.0 + x);
-        Vec3::new(x, y, z)
-    });
-    let number = |i: u32, j: u32| (i % around) * across + j % across;
-    let quads =
-        |rows: u32, columns: u32| (0..rows).flat_map(move |i| (0..columns).map(move |j| (i, j)));
-    let triangles = quads(around, across).flat_map(|(i, j)| {
-        let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(k, l)| number(i + k, j + l));
-        [[a, b, c], [a, c, d]]
-    });
-    let ring = Shape::mesh(ring.collect::<Vec<_>>(), triangles).unwrap();
-    let side = 12;
-    let height = |i: u32, j: u32| ((i * 7 + j * 5) % 4) as f32 * 0.1;
-    let sheet = quads(side, side)
-        .map(|(i, j)| Vec3::new(i as f32 * 0.2 - 1.1, height(i, j), j as f32 * 0.2 - 1.1));
-    let triangles = quads(side - 1, side - 1).flat_map(|(i, j)| {
-        let [a, b, c, d] = [(0, 0), (0, 1), (1, 1), (1, 0)].map(|(k, l)| (i + k) * side + j + l);
-        [[a, b, c], [a, c, d]]
-    });
-    [
-        ring,
-        Shape::mesh(sheet.collect::<Vec<_>>(), triangles).unwrap(),
-    ]
-}
 
 fn all() -> impl Strategy<Value = (Shape, Transform)> {
     prop_oneof![

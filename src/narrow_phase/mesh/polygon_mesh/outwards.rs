@@ -5,6 +5,11 @@ use bevy::math::DVec3;
 use super::PolygonMesh;
 use crate::narrow_phase::mesh::{duplicates::Twin, edges::Bits, topology::NO_NEIGHBOR};
 
+/// So many polygons around surfaces are looked at for each polygon, on average, and so many anyway;
+/// what is left then faces outwards. Only thousands of surfaces one in the other need more.
+const EFFORT: usize = 64;
+const LEAST_EFFORT: usize = 1 << 23;
+
 /// A closed surface.
 #[derive(Clone, Copy, Debug)]
 struct Part {
@@ -49,8 +54,9 @@ impl PolygonMesh {
         let mut order: Vec<usize> = (0..parts.len()).collect();
         let size = |part: &usize| parts[*part].volume.abs();
         order.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        let mut effort = LEAST_EFFORT + EFFORT * self.polygon_count();
         for part in order {
-            parts[part].turns = Some(self.has_to_turn(&parts, &part_of, part));
+            parts[part].turns = Some(self.has_to_turn(&parts, &part_of, part, &mut effort));
         }
 
         let turns = |polygon: u32| {
@@ -113,24 +119,36 @@ impl PolygonMesh {
     }
 
     /// Whether a part has to be turned around, given which of those that are larger do.
-    fn has_to_turn(&self, parts: &[Part], part_of: &[u32], index: usize) -> bool {
+    fn has_to_turn(
+        &self,
+        parts: &[Part],
+        part_of: &[u32],
+        index: usize,
+        effort: &mut usize,
+    ) -> bool {
         let part = &parts[index];
+        if *effort == 0 {
+            return part.sign() < 0;
+        }
         let point = self.middle(part.first);
         // How often each that may be around it winds around it.
         let mut around: Vec<(u32, i32)> = Vec::new();
-        let mut outline = Vec::new();
         self.for_each_along_x(point, |polygon| {
             let other = part_of[polygon];
             let may_be_around = |other: &Part| other.turns.is_some() && other.holds(part);
             if parts.get(other as usize).is_some_and(may_be_around) {
-                let crossing = self.with_outline(polygon, &mut outline, |corners| {
-                    self.crossing(corners, point)
-                });
-                match around.iter_mut().find(|(known, _)| *known == other) {
-                    Some((_, winding)) => *winding += crossing,
-                    None => around.push((other, crossing)),
-                }
+                let crossing = self.crossing(polygon, point);
+                *effort = effort.saturating_sub(1);
+                around.push((other, crossing));
             }
+        });
+        around.sort_unstable();
+        around.dedup_by(|(next, crossing), (other, winding)| {
+            let is_same = next == other;
+            if is_same {
+                *winding += *crossing;
+            }
+            is_same
         });
         around.retain(|(_, winding)| *winding != 0);
         let turned = |other: u32| parts[other as usize].turns == Some(true);

@@ -2,43 +2,74 @@
 
 use bevy::math::{DVec3, bounding::Aabb3d};
 
+use smallvec::SmallVec;
+
 use super::PolygonMesh;
+use crate::narrow_phase::mesh::junctions::Junction;
+
+/// Outlines of so many corners, vertices on sides included, allocate nothing.
+const SHORT: usize = 64;
+
+/// The corners of a polygon, and the vertices on its sides, in the order around it.
+#[derive(Clone)]
+struct Outline<'a> {
+    corners: std::slice::Iter<'a, u32>,
+    /// The side that begins at the next corner.
+    next_side: usize,
+    /// Those on the sides from the first on.
+    junctions: &'a [Junction],
+}
+
+impl Iterator for Outline<'_> {
+    type Item = u32;
+
+    fn next(&mut self) -> Option<u32> {
+        if let [first, rest @ ..] = self.junctions
+            && (first.side as usize) < self.next_side
+        {
+            self.junctions = rest;
+            return Some(first.vertex);
+        }
+        let corner = self.corners.next()?;
+        self.next_side += 1;
+        Some(*corner)
+    }
+}
 
 impl PolygonMesh {
     /// Calls `found` with the corners of each polygon that bounds a solid, those vertices included
     /// that lie on its sides: so that polygons side by side have the same corners there.
     pub(in crate::narrow_phase) fn for_each_solid(&self, mut found: impl FnMut(&[u32])) {
-        let mut corners = Vec::new();
+        let mut outline = SmallVec::<[u32; SHORT]>::new();
         for polygon in 0..self.polygon_count() {
-            if self.solid.contains(polygon as u32) {
-                self.with_outline(polygon, &mut corners, &mut found);
+            if !self.solid.contains(polygon as u32) {
+                continue;
+            }
+            if self.has_junctions() {
+                outline.clear();
+                outline.extend(self.outline(polygon));
+                found(&outline);
+            } else {
+                found(self.polygon(polygon));
             }
         }
     }
 
-    pub(super) fn with_outline<R>(
-        &self,
-        polygon: usize,
-        outline: &mut Vec<u32>,
-        found: impl FnOnce(&[u32]) -> R,
-    ) -> R {
-        let corners = self.polygon(polygon);
-        if self.junctions.is_empty() {
-            return found(corners);
-        }
-        let sides = self.polygons.sides(polygon);
+    pub(in crate::narrow_phase) const fn has_junctions(&self) -> bool {
+        !self.junctions.is_empty()
+    }
+
+    /// The corners of a polygon, and the vertices on its sides.
+    fn outline(&self, polygon: usize) -> Outline<'_> {
+        let start = self.polygons.sides(polygon).start;
         let first = self
             .junctions
-            .partition_point(|junction| (junction.side as usize) < sides.start);
-        let mut junctions = self.junctions[first..].iter().peekable();
-        outline.clear();
-        for (side, corner) in sides.zip(corners) {
-            outline.push(*corner);
-            while let Some(junction) = junctions.next_if(|next| next.side as usize == side) {
-                outline.push(junction.vertex);
-            }
+            .partition_point(|junction| (junction.side as usize) < start);
+        Outline {
+            corners: self.polygon(polygon).iter(),
+            next_side: start,
+            junctions: &self.junctions[first..],
         }
-        found(outline)
     }
 
     /// Returns `true` if the mesh winds around a point that is not on its surface.
@@ -49,12 +80,10 @@ impl PolygonMesh {
         if !self.has_inside() {
             return false;
         }
-        let (mut winding, mut outline) = (0, Vec::new());
+        let mut winding = 0;
         self.for_each_along_x(point, |polygon| {
             if self.solid.contains(polygon as u32) {
-                winding += self.with_outline(polygon, &mut outline, |corners| {
-                    self.crossing(corners, point)
-                });
+                winding += self.crossing(polygon, point);
             }
         });
         winding != 0
@@ -75,10 +104,18 @@ impl PolygonMesh {
     }
 
     /// Which way a ray along x, from a point on, crosses a polygon: 1 or -1; 0 if it does not.
-    pub(super) fn crossing(&self, corners: &[u32], point: DVec3) -> i32 {
-        let at = |vertex: &u32| self.vertices[*vertex as usize].as_dvec3();
+    pub(super) fn crossing(&self, polygon: usize, point: DVec3) -> i32 {
+        if self.has_junctions() {
+            self.crossing_of(self.outline(polygon), point)
+        } else {
+            self.crossing_of(self.polygon(polygon).iter().copied(), point)
+        }
+    }
+
+    fn crossing_of(&self, corners: impl Iterator<Item = u32> + Clone, point: DVec3) -> i32 {
+        let at = |vertex: u32| self.vertices[vertex as usize].as_dvec3();
         let mut winding = 0;
-        for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+        for (a, b) in corners.clone().zip(corners.clone().cycle().skip(1)) {
             let (a, b) = (at(a), at(b));
             if (a.y > point.y) != (b.y > point.y) {
                 // From the lower end up, whichever polygon asks.
@@ -92,12 +129,16 @@ impl PolygonMesh {
         if winding == 0 {
             return 0;
         }
-        let origin = at(&corners[0]);
-        let normal: DVec3 = corners[1..]
-            .windows(2)
-            .map(|pair| (at(&pair[0]) - origin).cross(at(&pair[1]) - origin))
+        let mut ways = corners.clone().map(at);
+        let Some(origin) = ways.next() else {
+            return 0;
+        };
+        let normal: DVec3 = ways
+            .clone()
+            .zip(ways.skip(1))
+            .map(|(a, b)| (a - origin).cross(b - origin))
             .sum();
-        let (first, last) = corners.iter().map(at).fold(
+        let (first, last) = corners.map(at).fold(
             (f64::INFINITY, f64::NEG_INFINITY),
             |(first, last), corner| (first.min(corner.x), last.max(corner.x)),
         );

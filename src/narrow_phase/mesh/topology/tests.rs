@@ -76,8 +76,21 @@ fn copies_count_once() {
         .collect();
     assert_eq!((solid, found.open_edge), (vec![0, 1, 2, 3], None));
     let back = TETRAHEDRON.map(|[a, b, c]| [b, a, c]);
-    let found = topology(&[TETRAHEDRON, back].concat());
-    assert_eq!((found.solid, found.twins.len()), (Solid::None, 8));
+    // So do two sides of one, which are turned to the front's; with one side of one missing, too.
+    for count in [8, 7] {
+        let found = topology(&[TETRAHEDRON, back].concat()[..count]);
+        let solid: Vec<_> = (0..count as u32)
+            .filter(|polygon| found.solid.contains(*polygon))
+            .collect();
+        assert_eq!((solid, found.open_edge), (vec![0, 1, 2, 3], None));
+        assert_eq!(
+            (found.flipped, found.twins.len()),
+            ((4..count as u32).collect(), count - 4)
+        );
+    }
+    // With a face missing, all sides are surfaces.
+    let found = topology(&[&TETRAHEDRON[1..], &back[1..]].concat());
+    assert_eq!((found.solid, found.twins.len()), (Solid::None, 6));
 }
 
 #[test]

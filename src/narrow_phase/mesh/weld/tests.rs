@@ -299,12 +299,33 @@ fn polygons_that_are_there_twice_or_inside_out_do_no_harm() {
         }
         assert_solid(&triangles, &[MIDDLE], &[MIDDLE + Vec3::Y]);
     }
-    // Each triangle once each way is nothing but surface.
+    // Each triangle once each way: a solid; with one missing, nothing but surface.
     let back = cube
         .chunks(3)
         .flat_map(|corners| [corners[1], corners[0], corners[2]]);
     let both: Vec<_> = cube.iter().copied().chain(back).collect();
     let mesh = listed(&both);
+    assert!(mesh.has_inside() && mesh.is_closed());
+    for (corners, normal) in mesh.polygons().zip(mesh.normals()) {
+        let out = mesh.vertices()[corners[0] as usize] - MIDDLE;
+        assert!(normal.dot(out) > 0.0);
+    }
+    assert_solid(&both, &[MIDDLE], &[MIDDLE + Vec3::Y]);
+    // As a surface, its sides face both ways, as given.
+    let hollow = mesh.surface_only();
+    let sum: Vec3 = hollow.normals().iter().sum();
+    let [front, back] = [0, 12].map(|polygon| hollow.normals()[polygon]);
+    assert!(sum.length() < 1e-6 && front == -back);
+    // With a vertex on an edge, too.
+    let notched = cube_with_a_vertex_on_its_edge(false);
+    let back = notched
+        .chunks(3)
+        .flat_map(|corners| [corners[1], corners[0], corners[2]]);
+    let with_vertex: Vec<_> = notched.iter().copied().chain(back).collect();
+    assert!(listed(&with_vertex).is_closed());
+    assert_solid(&with_vertex, &[MIDDLE], &[MIDDLE + Vec3::Y]);
+    let open = [&both[3..36], &both[39..]].concat();
+    let mesh = listed(&open);
     assert!(!mesh.has_inside() && !mesh.is_closed());
     assert!(ball_at(&mesh, 0.1, MIDDLE).is_none());
     assert!(ball_at(&mesh, 0.1, Vec3::new(0.5, 1.05, 0.5)).is_some());
