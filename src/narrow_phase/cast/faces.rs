@@ -70,19 +70,19 @@ impl LocalRay {
             .ignores_start
             .then(|| self.start(mesh, reach))
             .flatten();
-        if let Some(start) = start {
-            if let Some(across) = start.across.filter(|_| self.goes_in(mesh, &start, options)) {
-                let met = Met::crossing(0.0, across.normal, Some(across.polygon));
-                return match options.faces {
-                    // Where it leaves is further on.
-                    Faces::Back if mesh.bounds_solid(across.polygon as usize) => {
-                        self.first(mesh, reach, max_distance, |crossing, _| {
-                            crossing.steep > 0.0 && !self.is_left(crossing)
-                        })
-                    }
-                    _ => Some(met),
-                };
-            }
+        if let Some(start) = start
+            && let Some(across) = start.across.filter(|_| self.goes_in(mesh, &start, options))
+        {
+            let met = Met::crossing(0.0, across.normal, Some(across.polygon));
+            return match options.faces {
+                // Where it leaves is further on.
+                Faces::Back if mesh.bounds_solid(across.polygon as usize) => {
+                    self.first(mesh, reach, max_distance, |crossing, _| {
+                        crossing.steep > 0.0 && !self.is_left(crossing)
+                    })
+                }
+                _ => Some(met),
+            };
         }
         let is_on_border = start.as_ref().is_some_and(|start| start.is_of_solid);
         if is_solid && !is_on_border && mesh.winds_around(self.origin) {
