@@ -69,7 +69,7 @@
 //! | feature | what it adds |
 //! |---|---|
 //! | `rapier` | the module `rapier`: side by side with `bevy_rapier3d`, whose colliders are shapes too |
-//! | `mesh` | `PolygonMesh::from_mesh`: shapes from Bevy's `Mesh` |
+//! | `mesh` | `PolygonMesh::from_mesh`: shapes from Bevy's `Mesh`; the component `ShapeFromMesh`, which builds them of assets on other threads |
 //! | `scene_files` | scenes read from RON files, and written to them: [`scene`] |
 //! | `asset` | the same through Bevy's asset system |
 //! | `reports` | the report over a clip, as CSV and JSON lines: [`CollisionReport`](scene::CollisionReport) |
@@ -102,6 +102,8 @@ pub mod filters;
 mod frame;
 mod hierarchy;
 mod maintenance;
+#[cfg(feature = "mesh")]
+pub mod mesh_shape;
 pub mod motion;
 pub mod narrow_phase;
 pub mod octree;
@@ -149,6 +151,8 @@ pub mod plugins {
 pub mod prelude {
     #[cfg(feature = "debug_draw")]
     pub use crate::debug_draw::{CollisionDebugPlugin, CollisionGizmos, DebugDraw, QueryGizmos};
+    #[cfg(feature = "mesh")]
+    pub use crate::mesh_shape::{MeshForm, ShapeFromMesh};
     #[cfg(feature = "picking")]
     pub use crate::picking::{CollisionPickable, CollisionPickingPlugin};
     #[cfg(feature = "rapier")]

@@ -143,6 +143,8 @@ impl Plugin for CollisionCorePlugin {
         motion::register(app);
         collision_index::register(app);
         components::register(app);
+        #[cfg(feature = "mesh")]
+        crate::mesh_shape::register(app);
         swept::register(app);
         contacts::register(app);
         response::register(app);

@@ -38,13 +38,7 @@ impl LocalRay {
             DVec3::splat(least),
             scale,
         );
-        let back = target
-            .transform
-            .rotation
-            .normalize()
-            .as_dquat()
-            .normalize()
-            .inverse();
+        let back = target.transform.rotation.as_dquat().normalize().conjugate();
         let from_center = origin.as_dvec3() - target.transform.translation.as_dvec3();
         let (origin_in_shape, along) = (
             back * from_center / scale,

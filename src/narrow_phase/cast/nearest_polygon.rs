@@ -73,8 +73,10 @@ pub fn nearest_polygon(
             let measure = ScaledDistance::new(at, scale.as_vec3().into());
             let reach = (center - local).abs() + half;
             let everywhere = (reach * Vec3A::from(scale.as_vec3())).length() * 2.0;
-            tree.search(&measure, everywhere, |polygon, _| {
-                ControlFlow::Continue(look(polygon) as f32 * (1.0 + 4.0 * f32::EPSILON))
+            // Squared, as the measure is.
+            tree.search(&measure, everywhere * everywhere, |polygon, _| {
+                let distance = look(polygon) as f32;
+                ControlFlow::Continue(distance * distance * (1.0 + 8.0 * f32::EPSILON))
             });
         }
         _ => (0..mesh.polygon_count() as u32).for_each(|polygon| _ = look(polygon)),

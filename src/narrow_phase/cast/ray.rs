@@ -16,6 +16,9 @@ use crate::narrow_phase::{
     shape::{Kind, Shape},
 };
 
+/// How close to each other two polygons are met, as a share of the distance, that may be met where
+/// they join.
+const TOGETHER: f64 = 1e-6;
 /// The sine of the angle below which a ray counts as along a plane.
 pub const ALONG: f64 = 1e-12;
 
@@ -205,19 +208,44 @@ impl LocalRay {
         // A rounded box may leave out what is on its side.
         let slack = BORDER * (f64::from(radius) + from_center.length());
         let within = from_center.abs().cmple(half.as_dvec3() + slack).all();
-        if within && self.is_inside(mesh) {
+        // Of a solid in one piece, the face that is met says from which side it is.
+        let is_told = mesh.is_one_solid();
+        if within && !is_told && self.is_inside(mesh) {
             return Some(Met::INSIDE);
         }
+        let (met, is_shared) = self.surface(mesh, max_distance, slack);
+        if !(within && is_told) {
+            return met;
+        }
+        let clear = met.as_ref().filter(|_| !is_shared);
+        let is_inside = match clear.and_then(|met| self.is_from_inside(mesh, met)) {
+            Some(is_inside) => is_inside,
+            None => self.is_inside(mesh),
+        };
+        if is_inside { Some(Met::INSIDE) } else { met }
+    }
+
+    /// Whether a face of a solid is met from within; `None` if that is not certain.
+    fn is_from_inside(&self, mesh: &PolygonMesh, met: &Met) -> Option<bool> {
+        let steep = met.face?.dot(self.direction);
+        let is_clear = met.crosses && steep != 0.0 && mesh.bounds_solid(met.polygon? as usize);
+        is_clear.then_some(steep > 0.0)
+    }
+
+    /// Where the ray first meets the surface of a mesh, and whether two polygons are met there.
+    fn surface(&self, mesh: &PolygonMesh, max_distance: f64, slack: f64) -> (Option<Met>, bool) {
+        let (center, _, radius) = mesh.local_bounds();
+        let from_center = self.origin - center.as_dvec3();
         let on = slack.max(self.slack / self.scale.abs().max_element());
         let mut first = First::within(max_distance);
         let Some(tree) = mesh.tree() else {
             for polygon in 0..mesh.polygon_count() {
                 let flow = self.polygon(mesh, polygon, slack, on, &mut first);
                 if let ControlFlow::Break(start) = flow {
-                    return Some(start);
+                    return (Some(start), false);
                 }
             }
-            return first.met;
+            return (first.met, first.is_shared);
         };
         // The tree's numbers are of 32 bits: from near the mesh, they are exact enough.
         let speed = self.direction.length();
@@ -230,7 +258,7 @@ impl LocalRay {
         );
         let left = |limit: f64| ((limit - skipped) as f32).next_up();
         if left(max_distance) < 0.0 {
-            return None;
+            return (None, false);
         }
         let (mut start, reach) = (None, Vec3A::splat(reach as f32));
         let (origin, way) = (origin.as_vec3a(), self.direction.as_vec3a());
@@ -244,7 +272,7 @@ impl LocalRay {
             // It is a little off.
             ControlFlow::Continue(left(first.limit) * (1.0 + 4.0 * f32::EPSILON))
         });
-        start.or(first.met)
+        (start.or(first.met), first.is_shared)
     }
 
     /// Meets a polygon, if it is the first so far; breaks if the ray starts on it.
@@ -260,7 +288,8 @@ impl LocalRay {
         let steep = normal.dot(self.direction);
         let height = normal.dot(self.origin - vertex(mesh, corners[0]));
         let distance = -height / steep;
-        if self.height(height, normal).abs() <= self.slack {
+        let may_be_on = height.abs() * self.scale.abs().min_element() <= self.slack;
+        if may_be_on && self.height(height, normal).abs() <= self.slack {
             if is_on_polygon(mesh, corners, normal, self.origin, on) {
                 let start = Met::touching(0.0, normal, Some(polygon as u32));
                 return ControlFlow::Break(start);
@@ -276,12 +305,45 @@ impl LocalRay {
         }
         // Not for a ray within the plane, for which this is not a number, or infinite.
         if distance >= 0.0 && distance <= first.limit {
-            let point = self.origin + self.direction * distance;
-            if is_on_polygon(mesh, corners, normal, point, slack) {
+            let is_on = match *corners {
+                [a, b, c] => self.passes_within(mesh, [a, b, c], slack),
+                _ => None,
+            };
+            let is_on = is_on.unwrap_or_else(|| {
+                let point = self.origin + self.direction * distance;
+                is_on_polygon(mesh, corners, normal, point, slack)
+            });
+            if is_on {
                 first.meet(Met::crossing(distance, normal, Some(polygon as u32)));
             }
         }
         ControlFlow::Continue(())
+    }
+
+    /// Whether the line of the ray passes through a triangle, if that is certain: further than a
+    /// slack from all of its sides.
+    ///
+    /// Which side of a segment it passes is the sign of the volume that the two span.
+    #[inline]
+    fn passes_within(&self, mesh: &PolygonMesh, corners: [u32; 3], slack: f64) -> Option<bool> {
+        let [a, b, c] = corners.map(|corner| vertex(mesh, corner) - self.origin);
+        let volume = |from: DVec3, to: DVec3| self.direction.dot(from.cross(to));
+        let volumes = [volume(a, b), volume(b, c), volume(c, a)];
+        // No side is longer than the sum of two others.
+        let (one, other) = ((b - a).abs(), (c - a).abs());
+        let longest = (one + other).element_sum();
+        let doubt = slack * longest * self.direction.abs().element_sum();
+        let [least, most] = [
+            volumes[0].min(volumes[1]).min(volumes[2]),
+            volumes[0].max(volumes[1]).max(volumes[2]),
+        ];
+        if least > doubt || most < -doubt {
+            Some(true)
+        } else if least < -doubt && most > doubt {
+            Some(false)
+        } else {
+            None
+        }
     }
 }
 
@@ -289,20 +351,33 @@ impl LocalRay {
 pub struct First {
     pub met: Option<Met>,
     pub limit: f64,
+    /// Is another polygon met at about the same distance?
+    is_shared: bool,
 }
 
 impl First {
     pub fn within(limit: f64) -> Self {
-        Self { met: None, limit }
+        Self {
+            met: None,
+            limit,
+            is_shared: false,
+        }
     }
 
     /// Of several at the same distance, the last in the order of the mesh counts, in whatever order
     /// they come.
     pub fn meet(&mut self, met: Met) {
+        // Two polygons that share a side are met there at the same distance, but for rounding.
+        let is_near = |first: &Met| {
+            (met.distance - first.distance).abs() <= TOGETHER * (met.distance + first.distance)
+        };
+        let is_shared = self.met.as_ref().is_some_and(is_near);
         let is_first = |first: Met| met.distance < self.limit || met.polygon > first.polygon;
         if self.met.is_none_or(is_first) {
             self.limit = met.distance;
-            self.met = Some(met);
+            (self.met, self.is_shared) = (Some(met), is_shared);
+        } else {
+            self.is_shared |= is_shared;
         }
     }
 }

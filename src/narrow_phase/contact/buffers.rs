@@ -9,8 +9,8 @@ use super::{facet::WayOut, hull::Hull, patch::Patch};
 pub struct Claim {
     /// Where its corners begin and end.
     pub corners: [u32; 2],
-    /// Of two meshes, which faces it is about.
-    pub faces: [u32; 2],
+    /// Of two meshes, which polygons it is about.
+    pub polygons: [u32; 2],
     pub normal: Vec3A,
     pub way: WayOut,
 }

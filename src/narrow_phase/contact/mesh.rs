@@ -163,7 +163,7 @@ impl OnMesh<'_> {
             if let Some(way) = self.body.way_out(&facet, self.bias()) {
                 claims.push(Claim {
                     corners: [start as u32, corners.len() as u32],
-                    faces: [0; 2],
+                    polygons: [0; 2],
                     normal,
                     way,
                 });

@@ -5,10 +5,12 @@
 //! How far the mesh without that normal reaches beyond is found by walking over its polygons to the
 //! nearest summit. As with a convex solid, what the deepest says counts.
 
+use std::ops::ControlFlow;
+
 use bevy::math::Vec3A;
 
 use super::{
-    buffers::{Buffers, Claim},
+    buffers::Claim,
     claims::settle,
     facet::{Best, Facet, highest, look_beyond},
     mesh,
@@ -16,7 +18,7 @@ use super::{
 use crate::narrow_phase::{
     answer::LocalContact,
     frame::{
-        edge_polygon,
+        near_faces::{Touching, for_each_near},
         placed::PlacedPair,
         surface::{PlacedFace, Surface, border},
         workspace::Workspace,
@@ -33,47 +35,42 @@ const BIAS: f32 = 1e-4;
 const ALIKE: f32 = 0.985;
 
 /// So many polygons at most are looked at on the way to a summit, and so many of a plateau.
-const MOST_STEPS: usize = 1024;
+const MOST_STEPS: usize = 256;
 const WIDEST_PLATEAU: usize = 24;
 
 /// The contact of two meshes.
 pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
-    let meshes = edge_polygon::fill(pair, workspace)?;
     let bias = BIAS * pair.box_a.radius.min(pair.box_b.radius);
-    let Workspace {
-        contact: buffers,
-        surfaces: [a, b],
-        ..
-    } = &mut *workspace;
-    let sides = [
-        Side::new(meshes[0], a, pair.tolerance),
-        Side::new(meshes[1], b, pair.tolerance),
-    ];
+    let (Shape::Mesh(mesh_a), Shape::Mesh(mesh_b)) = (pair.a.shape, pair.b.shape) else {
+        return None;
+    };
+    let meshes: [&PolygonMesh; 2] = [mesh_a, mesh_b];
+    let mut buffers = std::mem::take(&mut workspace.contact);
+    buffers.patch.clear();
     buffers.claims.clear();
     let (mut count, mut points) = (0.0, Vec3A::ZERO);
-    for_each_near(a, b, pair.tolerance, |faces| {
-        let [face, other] = [&a.faces[faces[0] as usize], &b.faces[faces[1] as usize]];
+    for_each_two(pair, pair.tolerance, workspace, |[a, b], face, other| {
         if let Some(touch) = touch(a, face, b, other, pair.tolerance) {
             count += 1.0;
             points += touch;
-            claim(&sides, faces, bias, buffers);
+            let sides = Sides::new(meshes, [a, b], pair.tolerance);
+            buffers.claims.extend(sides.claim(face, other, bias));
         }
     });
-    let deepest = settle(buffers, bias, |claim, _, direction, limit| {
-        let [face, other] = [
-            &a.faces[claim.faces[0] as usize],
-            &b.faces[claim.faces[1] as usize],
-        ];
-        let back = sides[0].summit(face, -direction, f32::INFINITY);
-        back + sides[1].summit(other, direction, limit - back)
+    let [a, b] = &workspace.surfaces;
+    let Sides([first, second]) = Sides::new(meshes, [a, b], pair.tolerance);
+    let deepest = settle(&mut buffers, bias, |claim, _, direction, limit| {
+        let back = first.summit(claim.polygons[0], -direction, f32::INFINITY);
+        back + second.summit(claim.polygons[1], direction, limit - back)
     });
-    let Some(deepest) = deepest else {
+    let way = deepest.map(|deepest| buffers.claims[deepest].way);
+    workspace.contact = buffers;
+    let Some(way) = way else {
         return nested(pair, workspace);
     };
-    let (way, point) = (buffers.claims[deepest].way, points / count);
     Some(LocalContact {
         normal: -way.direction,
-        point,
+        point: points / count,
         depth: way.depth.max(0.0),
     })
 }
@@ -83,16 +80,9 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
 pub fn gather(pair: &PlacedPair, normal: Vec3A, depth: f32, workspace: &mut Workspace) {
     workspace.contact.patch.clear();
     let margin = depth + pair.tolerance;
-    if edge_polygon::fill_near(pair, margin, workspace).is_none() {
-        return;
-    }
-    let Workspace {
-        contact: Buffers { patch, .. },
-        surfaces: [a, b],
-        ..
-    } = workspace;
-    for_each_near(a, b, margin, |faces| {
-        let [face, other] = [&a.faces[faces[0] as usize], &b.faces[faces[1] as usize]];
+    let mut buffers = std::mem::take(&mut workspace.contact);
+    let patch = &mut buffers.patch;
+    for_each_two(pair, margin, workspace, |[a, b], face, other| {
         let [along, along_other] = [face, other].map(|face| face.normal.dot(normal));
         if along.abs() < ALIKE || along_other.abs() < ALIKE {
             return;
@@ -109,17 +99,27 @@ pub fn gather(pair: &PlacedPair, normal: Vec3A, depth: f32, workspace: &mut Work
             patch.add(-normal, pair.tolerance, deep);
         }
     });
+    workspace.contact = buffers;
 }
 
-/// Calls `visit` with each two faces that may be as near each other as `margin`.
-fn for_each_near(a: &Surface, b: &Surface, margin: f32, mut visit: impl FnMut([u32; 2])) {
-    for (i, face) in a.faces.iter().enumerate() {
-        for (j, other) in b.faces.iter().enumerate() {
-            if face.bounds.gap_squared(&other.bounds) <= margin * margin {
-                visit([i as u32, j as u32]);
+/// Calls `visit` with each two faces that may be as near each other as `margin`, and the meshes, in
+/// place. Each two come once.
+fn for_each_two(
+    pair: &PlacedPair,
+    margin: f32,
+    workspace: &mut Workspace,
+    mut visit: impl FnMut([&Surface; 2], &PlacedFace, &PlacedFace),
+) {
+    for_each_near(&Touching(2.0 * margin), pair, workspace, 0.0, |[a, b]| {
+        for face in &a.faces {
+            for other in &b.faces {
+                if face.bounds.gap_squared(&other.bounds) <= margin * margin {
+                    visit([a, b], face, other);
+                }
             }
         }
-    }
+        ControlFlow::Continue(0.0)
+    });
 }
 
 /// One mesh inside the other, whose surfaces do not touch: out through what is nearest to its
@@ -159,24 +159,16 @@ struct Side<'a> {
     tolerance: f32,
 }
 
-impl<'a> Side<'a> {
-    fn new(mesh: &'a PolygonMesh, surface: &'a Surface, tolerance: f32) -> Self {
-        Self {
-            mesh,
-            surface,
-            tolerance,
-        }
-    }
-
+impl Side<'_> {
     /// The normal of a face; and whether only that way is outside.
     fn normal(&self, face: &PlacedFace) -> (Vec3A, bool) {
         let is_solid = self.mesh.bounds_solid(face.polygon as usize);
         (face.normal, is_solid)
     }
 
-    /// How far the mesh reaches along a direction on the summit that is nearest to a face; or
+    /// How far the mesh reaches along a direction on the summit that is nearest to a polygon; or
     /// somewhere beyond `limit`.
-    fn summit(&self, face: &PlacedFace, direction: Vec3A, limit: f32) -> f32 {
+    fn summit(&self, polygon: u32, direction: Vec3A, limit: f32) -> f32 {
         let top = |polygon: u32| {
             let corners = self.mesh.polygon(polygon as usize).iter();
             let heights = corners.map(|vertex| self.surface.vertex(self.mesh, *vertex));
@@ -185,9 +177,9 @@ impl<'a> Side<'a> {
             })
         };
         // Those of a plateau that have been looked at, and those beside which the way up may go on.
-        let mut plateau = [face.polygon; WIDEST_PLATEAU];
+        let mut plateau = [polygon; WIDEST_PLATEAU];
         let (mut known, mut next) = (1, 0);
-        let mut reached = highest(self.surface.corners(face), direction);
+        let mut reached = top(polygon);
         let mut steps = 0;
         while next < known && steps < MOST_STEPS && reached <= limit {
             let polygon = plateau[next];
@@ -215,64 +207,73 @@ impl<'a> Side<'a> {
     }
 }
 
-/// What two polygons in touch say: the way by which the first gets clear of the second.
-fn claim([a, b]: &[Side; 2], faces: [u32; 2], bias: f32, buffers: &mut Buffers) {
-    let face = &a.surface.faces[faces[0] as usize];
-    let other = &b.surface.faces[faces[1] as usize];
-    let (own, theirs) = (a.surface.corners(face), b.surface.corners(other));
-    let mut best = Best { way: None, bias };
-    // Along the normal of the second's polygon, and against that of the first's.
-    let ((normal_a, solid_a), (normal_b, solid_b)) = (a.normal(face), b.normal(other));
-    let normal = normal_b;
-    for (direction, allowed) in [(normal, true), (-normal, !solid_b)] {
-        if allowed && normal != Vec3A::ZERO {
-            let top = highest(theirs, direction);
-            let limit = best.way.map_or(f32::INFINITY, |way| way.depth) - top;
-            let depth = top + a.summit(face, -direction, limit);
-            if best.way.is_none_or(|way| depth < way.depth) {
-                best.take(direction, depth);
+/// Both meshes.
+struct Sides<'a>([Side<'a>; 2]);
+
+impl<'a> Sides<'a> {
+    fn new(meshes: [&'a PolygonMesh; 2], surfaces: [&'a Surface; 2], tolerance: f32) -> Self {
+        Self([0, 1].map(|i| Side {
+            mesh: meshes[i],
+            surface: surfaces[i],
+            tolerance,
+        }))
+    }
+
+    /// What two polygons in touch say: the way by which the first mesh gets clear of the second.
+    fn claim(&self, face: &PlacedFace, other: &PlacedFace, bias: f32) -> Option<Claim> {
+        let Self([a, b]) = self;
+        let (own, theirs) = (a.surface.corners(face), b.surface.corners(other));
+        let mut best = Best { way: None, bias };
+        // Along the normal of the second's polygon, and against that of the first's.
+        let ((normal_a, solid_a), (normal_b, solid_b)) = (a.normal(face), b.normal(other));
+        let normal = normal_b;
+        for (direction, allowed) in [(normal, true), (-normal, !solid_b)] {
+            if allowed && normal != Vec3A::ZERO {
+                let top = highest(theirs, direction);
+                let limit = best.way.map_or(f32::INFINITY, |way| way.depth) - top;
+                let depth = top + a.summit(face.polygon, -direction, limit);
+                if best.way.is_none_or(|way| depth < way.depth) {
+                    best.take(direction, depth);
+                }
             }
         }
-    }
-    let normal = normal_a;
-    for (direction, allowed) in [(-normal, true), (normal, !solid_a)] {
-        if allowed && normal != Vec3A::ZERO {
-            let top = highest(own, -direction);
-            let limit = best.way.map_or(f32::INFINITY, |way| way.depth) - top;
-            let depth = top + b.summit(other, direction, limit);
-            if best.is_beaten_by(depth) {
-                best.take(direction, depth);
+        let normal = normal_a;
+        for (direction, allowed) in [(-normal, true), (normal, !solid_a)] {
+            if allowed && normal != Vec3A::ZERO {
+                let top = highest(own, -direction);
+                let limit = best.way.map_or(f32::INFINITY, |way| way.depth) - top;
+                let depth = top + b.summit(other.polygon, direction, limit);
+                if best.is_beaten_by(depth) {
+                    best.take(direction, depth);
+                }
             }
         }
+        if best.way.is_none_or(|way| way.depth > bias) {
+            let beyond =
+                |side| look_beyond(a.mesh, face.polygon, side, |v| a.surface.vertex(a.mesh, v));
+            let other_beyond =
+                |side| look_beyond(b.mesh, other.polygon, side, |v| b.surface.vertex(b.mesh, v));
+            let first = Facet {
+                corners: own,
+                normal: normal_a,
+                beyond: &beyond,
+                is_solid: solid_a,
+            };
+            let second = Facet {
+                corners: theirs,
+                normal: normal_b,
+                beyond: &other_beyond,
+                is_solid: solid_b,
+            };
+            across_edges(&first, &second, &mut best);
+        }
+        best.way.map(|way| Claim {
+            corners: [0; 2],
+            polygons: [face.polygon, other.polygon],
+            normal: other.normal,
+            way,
+        })
     }
-    if best.way.is_none_or(|way| way.depth > bias) {
-        let beyond =
-            |side| look_beyond(a.mesh, face.polygon, side, |v| a.surface.vertex(a.mesh, v));
-        let other_beyond =
-            |side| look_beyond(b.mesh, other.polygon, side, |v| b.surface.vertex(b.mesh, v));
-        let first = Facet {
-            corners: own,
-            normal: normal_a,
-            beyond: &beyond,
-            is_solid: solid_a,
-        };
-        let second = Facet {
-            corners: theirs,
-            normal: normal_b,
-            beyond: &other_beyond,
-            is_solid: solid_b,
-        };
-        across_edges(&first, &second, &mut best);
-    }
-    let Some(way) = best.way else {
-        return;
-    };
-    buffers.claims.push(Claim {
-        corners: [0; 2],
-        faces,
-        normal: other.normal,
-        way,
-    });
 }
 
 /// Across two edges, where both polygons are highest there towards each other.

@@ -4,8 +4,11 @@ use bevy::math::Vec3A;
 
 use crate::narrow_phase::{
     answer::LocalContact,
-    frame::{edge_polygon, placed::PlacedPair, separation::sign, workspace::Workspace},
-    shape::Kind,
+    frame::{
+        edge_polygon, placed::PlacedPair, separation::sign, surface::ClosestPoint,
+        workspace::Workspace,
+    },
+    shape::{Kind, Shape},
 };
 
 /// Two spheres.
@@ -30,7 +33,8 @@ pub fn sphere_other(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Loca
         Kind::Cuboid => sphere_cuboid(pair),
         _ => {
             let (closest, inside) = edge_polygon::sphere_closest(pair, workspace)?;
-            (closest.point, closest.normal, inside)
+            let side = side(pair, &closest);
+            (closest.point, closest.normal * side, inside)
         }
     };
     let offset = point - center;
@@ -48,6 +52,22 @@ pub fn sphere_other(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Loca
         point,
         depth: depth.max(0.0),
     })
+}
+
+/// Which way a sphere leaves a mesh, the second of the pair, whose surface its centre is on: 1 along
+/// the normal of the polygon there, -1 against it. Outwards, off a solid; off a surface, to the side
+/// that the centre is on.
+fn side(pair: &PlacedPair, closest: &ClosestPoint) -> f32 {
+    let bounds_solid = match pair.b.shape {
+        Shape::Mesh(mesh) => mesh.bounds_solid(closest.polygon as usize),
+        _ => true,
+    };
+    let height = (pair.box_a.center - closest.point).dot(closest.normal);
+    if bounds_solid || height >= 0.0 {
+        1.0
+    } else {
+        -1.0
+    }
 }
 
 /// The point on a cuboid closest to the centre of a sphere, its normal, and whether the centre is

@@ -217,17 +217,6 @@ pub fn fill<'a>(pair: &PlacedPair<'a>, workspace: &mut Workspace) -> Option<[&'a
     fill_region(pair, region, workspace)
 }
 
-/// Puts both meshes in place, with the edges and faces where their boxes come as near as `margin`.
-pub fn fill_near<'a>(
-    pair: &PlacedPair<'a>,
-    margin: f32,
-    workspace: &mut Workspace,
-) -> Option<[&'a PolygonMesh; 2]> {
-    let reach = |bounds: &OrientedBox| (bounds.center, bounds.reach());
-    let region = LocalAabb::shared(reach(&pair.box_a), reach(&pair.box_b), margin);
-    fill_region(pair, region, workspace)
-}
-
 /// Puts both meshes in place, with all edges and faces.
 pub fn fill_all<'a>(
     pair: &PlacedPair<'a>,

@@ -41,6 +41,8 @@ pub struct ClosestPoint {
     pub distance: f32,
     /// That of the face, or of one of the faces, that it is on.
     pub normal: Vec3A,
+    /// The number of that face in the mesh.
+    pub polygon: u32,
 }
 
 /// A mesh in place: the edges and polygons within a region.
@@ -250,6 +252,7 @@ impl Surface {
             point: self.closest_point_of(face, point)?,
             distance: squared.sqrt(),
             normal: face.normal,
+            polygon,
         })
     }
 
@@ -395,6 +398,7 @@ impl Surface {
                     point: closest,
                     distance: closest.distance(point),
                     normal: face.normal,
+                    polygon: face.polygon,
                 })
         });
         candidates.min_by(|a, b| a.distance.total_cmp(&b.distance))

@@ -94,7 +94,7 @@ impl PolygonMesh {
         vertices: impl Into<Vec<Vec3>>,
         polygons: impl IntoIterator<Item = P>,
     ) -> Result<Self, ShapeError> {
-        Self::build(vertices.into(), polygons, |error| Some(error), 0.0)
+        Self::build(vertices.into(), polygons, Some, 0.0)
     }
 
     /// The same; polygons are left out for which `refuse` makes nothing of an error. Vertices have
@@ -284,6 +284,30 @@ impl PolygonMesh {
         self.open_edge
     }
 
+    /// Whether it looks as if it was meant to be closed: few sides are alone, and its polygons face
+    /// all ways alike, as those of closed surfaces do.
+    #[cfg(feature = "mesh")]
+    pub(crate) fn is_nearly_closed(&self) -> bool {
+        use super::topology::NO_NEIGHBOR;
+        const FEW: f32 = 0.1;
+        let alone = self.across.iter().filter(|other| **other == NO_NEIGHBOR);
+        if alone.count() as f32 > FEW * self.across.len() as f32 {
+            return false;
+        }
+        let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+        for corners in self.polygons() {
+            let at = |corner: u32| self.vertices[corner as usize].as_dvec3();
+            let origin = at(corners[0]);
+            let fan = corners[1..].windows(2);
+            let area: DVec3 = fan
+                .map(|pair| (at(pair[0]) - origin).cross(at(pair[1]) - origin))
+                .sum();
+            sum += area;
+            total += area.length();
+        }
+        sum.length() <= f64::from(FEW) * total
+    }
+
     /// Returns how much memory the mesh takes, without what Rapier's shapes make of it.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
@@ -339,9 +363,9 @@ impl PolygonMesh {
         self.shells.iter().map(first)
     }
 
-    /// The first polygon of each connected part of the surface.
-    pub(in crate::narrow_phase) fn shell_polygons(&self) -> &[u32] {
-        &self.shells
+    /// Whether the mesh is one solid, in one piece.
+    pub(in crate::narrow_phase) fn is_one_solid(&self) -> bool {
+        self.shells.len() == 1 && self.is_closed() && self.has_inside()
     }
 
     /// Whether a polygon stands for its connected part of the surface: each has one that does.

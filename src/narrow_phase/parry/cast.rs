@@ -7,7 +7,7 @@ use bevy_rapier3d::parry::query;
 
 use super::convert::{posed, turn};
 use super::convex::Convex;
-use super::gjk::Gap;
+use super::gap::Gap;
 use super::parts::{self, Part, PosedShape};
 use super::probe::Search;
 use crate::narrow_phase::{

@@ -11,6 +11,7 @@
 use bevy::math::DVec3;
 
 use super::convex::Convex;
+use super::gap::Gap;
 use super::segment_triangle;
 
 /// Where a search for the distance ends that finds no end by itself: it is exact long before.
@@ -22,55 +23,6 @@ const FLAT: f64 = 1e-13;
 /// So often is a polytope expanded: enough for the depth of round shapes to be off by less than a
 /// hundredth.
 const MOST_EXPANSIONS: usize = 64;
-
-/// How two shapes are to each other.
-#[derive(Clone, Copy, Debug)]
-pub struct Gap {
-    /// The distance of the two; less than zero if they overlap: how far one has to be pushed along
-    /// the normal to part them.
-    pub distance: f64,
-    /// A unit vector from the first to the second.
-    pub normal: DVec3,
-    /// Of the first and of the second: those that are closest to each other, or deepest in each
-    /// other.
-    pub points: [DVec3; 2],
-    /// A point of both, if they overlap, and between the two if not.
-    pub between: DVec3,
-}
-
-impl Gap {
-    /// As the other one sees it.
-    pub fn reversed(self) -> Self {
-        let [a, b] = self.points;
-        Self {
-            normal: -self.normal,
-            points: [b, a],
-            ..self
-        }
-    }
-
-    /// From cores to shapes with a radius around them.
-    pub fn grown(self, [a, b]: [f64; 2]) -> Self {
-        let Self {
-            distance,
-            normal,
-            points: [on_a, on_b],
-            between,
-        } = self;
-        // Cores that are apart have a line between them that is in both shapes where these overlap.
-        let between = if distance > 0.0 {
-            on_a + normal * (0.5 * (a + distance - b)).clamp(0.0, distance)
-        } else {
-            between
-        };
-        Self {
-            distance: distance - a - b,
-            normal,
-            points: [on_a + normal * a, on_b - normal * b],
-            between,
-        }
-    }
-}
 
 /// The gap between two shapes; `None` if it is wider than `limit`. Where the depth is not asked
 /// for, the distance of two that overlap is no more than negative.

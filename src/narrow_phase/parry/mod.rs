@@ -8,6 +8,7 @@ mod cast;
 mod convert;
 mod convex;
 mod faces;
+mod gap;
 mod gjk;
 mod own;
 mod own_contact;

@@ -10,7 +10,8 @@ use bevy::math::DVec3;
 use smallvec::SmallVec;
 
 use super::convex::{Convex, Isometry};
-use super::gjk::{self, Gap};
+use super::gap::Gap;
+use super::gjk;
 use super::own_mesh::OwnMesh;
 use super::parts::{self, Part, PosedShape};
 use super::probe::Search;
@@ -56,7 +57,7 @@ pub fn contact(body: &Convex, mesh: &OwnMesh, tolerance: f64) -> Option<Gap> {
     settle(body, &mut claims, BIAS * half.length())
 }
 
-/// The way out of a closed mesh, of a shape inside that does not touch it: through what is nearest.
+/// The way out of a mesh, of a shape inside that does not touch it: through what is nearest.
 pub fn from_inside(body: &Convex, mesh: &OwnMesh) -> Option<Gap> {
     if !mesh.mesh.has_inside() {
         return None;

@@ -7,10 +7,11 @@ use bevy_rapier3d::parry::partitioning::BvhNode;
 use bevy_rapier3d::parry::shape::{self, CompositeShape, HeightField, Voxels};
 
 use super::convex::{Convex, Isometry};
-use super::gjk::{self, Gap};
+use super::gap::Gap;
+use super::gjk;
 use super::own_mesh::OwnMesh;
 use super::probe::{Probe, Search};
-use super::segment_triangle::{self, near_from};
+use super::segment_triangle;
 
 /// So often may one on its way look how far the other is: more often only if they no more than
 /// graze each other.
@@ -324,35 +325,66 @@ pub fn first_impact(
     {
         return Ok(found.filter(|(distance, _)| *distance <= limit));
     }
-    if let (Part::Convex(a), Part::Convex(b)) = (a, b) {
-        let radii = [a.radius, b.radius];
-        let reach = a.radius + b.radius;
-        let beyond = f64::INFINITY;
-        if let (Some(segment), Some(corners)) = (a.core_segment(), b.core_triangle()) {
-            let start = near_from(segment, corners, direction, [reach, near[0]], limit);
-            let gap_at = |time: f64| {
-                let segment = segment.map(|end| end + direction * time);
-                let gap = segment_triangle::gap(segment, corners, beyond, false)?;
-                Some(gap.grown(radii))
-            };
-            return Ok(start.and_then(|start| first_zero(direction, start, limit, near, gap_at)));
+    let (Part::Convex(a), Part::Convex(b)) = (a, b) else {
+        if matches!((a, b), (Part::HalfSpace { .. }, Part::HalfSpace { .. })) {
+            return Err(Unknown);
         }
-        if let (Some(corners), Some(segment)) = (a.core_triangle(), b.core_segment()) {
-            let start = near_from(segment, corners, -direction, [reach, near[0]], limit);
-            let gap_at = |time: f64| {
-                let corners = corners.map(|corner| corner + direction * time);
-                let gap = segment_triangle::gap(segment, corners, beyond, false)?;
-                Some(gap.reversed().grown(radii))
-            };
-            return Ok(start.and_then(|start| first_zero(direction, start, limit, near, gap_at)));
-        }
+        return Ok(first_zero(direction, 0.0, limit, near, |time| {
+            gap(&a.moved(direction * time), b, f64::INFINITY, false).ok()?
+        }));
+    };
+    let start = if let Some(corners) = b.core_triangle() {
+        near_from(a, corners, direction, [b.radius, near[0]], limit)
+    } else if let Some(corners) = a.core_triangle() {
+        near_from(b, corners, -direction, [a.radius, near[0]], limit)
+    } else {
+        Some(0.0)
+    };
+    let Some(start) = start else {
+        return Ok(None);
+    };
+    // What does not change on the way is looked up once.
+    let radii = [a.radius, b.radius];
+    if let (Some(segment), Some(corners)) = (a.core_segment(), b.core_triangle()) {
+        return Ok(first_zero(direction, start, limit, near, |time| {
+            let segment = segment.map(|end| end + direction * time);
+            let gap = segment_triangle::gap(segment, corners, f64::INFINITY, false)?;
+            Some(gap.grown(radii))
+        }));
     }
-    if matches!((a, b), (Part::HalfSpace { .. }, Part::HalfSpace { .. })) {
-        return Err(Unknown);
-    }
-    Ok(first_zero(direction, 0.0, limit, near, |time| {
-        gap(&a.moved(direction * time), b, f64::INFINITY, false).ok()?
+    Ok(first_zero(direction, start, limit, near, |time| {
+        gjk::gap(&a.moved(direction * time), b, f64::INFINITY, false)
     }))
+}
+
+/// From when on a shape may touch a triangle if it goes in a direction: at once, if it begins no
+/// further than `near` from the triangle's plane, with a radius around it; `None` if it never does
+/// within `limit`.
+pub fn near_from(
+    body: &Convex,
+    [a, b, c]: [DVec3; 3],
+    direction: DVec3,
+    [radius, near]: [f64; 2],
+    limit: f64,
+) -> Option<f64> {
+    let Some(up) = (b - a).cross(c - a).try_normalize() else {
+        return Some(0.0);
+    };
+    let [low, high] = match body.core_segment() {
+        Some(ends) => {
+            let [one, other] = ends.map(|end| up.dot(end - a));
+            [one.min(other), one.max(other)]
+        }
+        None => [-up, up].map(|way| up.dot(body.furthest(way) - a)),
+    };
+    let reach = body.radius + radius;
+    let (low, high) = (low - reach, high + reach);
+    if low <= near && high >= -near {
+        return Some(0.0);
+    }
+    // Along the plane or away from it, never.
+    let start = if low > 0.0 { -low } else { -high } / up.dot(direction);
+    (start >= 0.0 && start <= limit).then_some(start)
 }
 
 /// When the gap of one that goes in a direction and another is first no more than nothing, and how

@@ -5,7 +5,7 @@ use bevy::math::{DVec3, Vec3, Vec3A, primitives::HalfSpace};
 
 use super::convert::{posed, turn};
 use super::convex::Convex;
-use super::gjk::Gap;
+use super::gap::Gap;
 use super::own_contact;
 use super::own_mesh::OwnMesh;
 use super::parts::{self, Part, PosedShape};

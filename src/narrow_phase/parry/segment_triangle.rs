@@ -2,7 +2,7 @@
 
 use bevy::math::DVec3;
 
-use super::gjk::Gap;
+use super::gap::Gap;
 
 /// How small a distance tells no direction any more, as a share of the lengths at hand.
 const NOTHING: f64 = 1e-14;
@@ -90,33 +90,6 @@ pub fn gap(segment: [DVec3; 2], corners: [DVec3; 3], limit: f64, with_depth: boo
         points: [on_segment, on_side],
         between: on_segment.midpoint(on_side),
     })
-}
-
-/// From when on a segment, with a radius around it, may touch a triangle if it goes in a direction:
-/// at once, if it begins no further than `near` from the triangle's plane; `None` if it never does
-/// within `limit`.
-pub fn near_from(
-    segment: [DVec3; 2],
-    [a, b, c]: [DVec3; 3],
-    direction: DVec3,
-    [radius, near]: [f64; 2],
-    limit: f64,
-) -> Option<f64> {
-    let normal = (b - a).cross(c - a);
-    let length = normal.length();
-    if length == 0.0 {
-        return Some(0.0);
-    }
-    let [one, other] = segment.map(|end| normal.dot(end - a) / length);
-    let (low, high) = (one.min(other) - radius, one.max(other) + radius);
-    if low <= near && high >= -near {
-        // It may leave the plane at once, and still be on it as far as can be told.
-        return Some(0.0);
-    }
-    let speed = normal.dot(direction) / length;
-    let start = if low > 0.0 { -low } else { -high } / speed;
-    // Along the plane or away from it, never.
-    (start >= 0.0 && start <= limit).then_some(start)
 }
 
 /// A segment and a triangle that cross each other, and how to part the two by the least way.

@@ -4,6 +4,7 @@ use bevy::math::{DQuat, DVec3, EulerRot, Quat, Vec3};
 use bevy::transform::components::Transform;
 
 use super::tests::{contact, grid};
+use crate::narrow_phase::mesh::polygon_mesh::tests::cube;
 use crate::narrow_phase::tests::box_of;
 use crate::narrow_phase::*;
 
@@ -94,7 +95,7 @@ fn ball() -> ConvexMesh {
 #[test]
 fn the_way_out_is_between_the_least_and_that_along_normals() {
     let mut random = fastrand::Rng::with_seed(11);
-    let cube = crate::narrow_phase::mesh::polygon_mesh::tests::cube();
+    let cube = cube();
     let round = ball();
     let round_shape = Shape::from(round.clone());
     let mut checked = 0;

@@ -383,3 +383,39 @@ fn shells_that_face_differently_each_know_their_outside() {
         }
     }
 }
+
+/// As small as rounding is at the size of the ground: the centre is as good as on it.
+#[test]
+fn a_ball_with_its_centre_on_the_surface_leaves_to_its_side() {
+    let large = at(0.0, 0.0, 0.0).with_scale(Vec3::splat(1000.0));
+    let ball = Shape::sphere(1e-3);
+    for floor in [square(), square_downwards()] {
+        for side in [1.0, -1.0] {
+            let found = contact((&floor, large), (&ball, at(3000.0, side * 5e-4, 2000.0)));
+            assert_eq!(found.normal, Vec3::Y * side);
+        }
+    }
+    // Wound inwards: outwards is out all the same.
+    let corner = |bits: u32| {
+        [
+            (bits & 1) as f32,
+            (bits >> 1 & 1) as f32,
+            (bits >> 2) as f32,
+        ]
+    };
+    let corners: Vec<_> = (0..8).map(corner).map(Vec3::from).collect();
+    let sides = [
+        [1, 3, 2, 0],
+        [6, 7, 5, 4],
+        [4, 5, 1, 0],
+        [3, 7, 6, 2],
+        [2, 6, 4, 0],
+        [5, 7, 3, 1],
+    ];
+    let inside_out = Shape::mesh(corners, sides).unwrap();
+    let found = contact(
+        (&inside_out, at(0.0, 0.0, 0.0)),
+        (&Shape::sphere(0.1), at(0.4, 1.0, 0.6)),
+    );
+    assert_eq!(found.normal, Vec3::Y);
+}

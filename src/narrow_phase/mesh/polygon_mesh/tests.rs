@@ -132,6 +132,9 @@ fn what_is_across_a_side_shares_it() {
 /// A box, in its given size and place, with its polygons turned around or not.
 type Nested = (f32, Vec3, bool);
 
+/// Boxes, where along x is inside and where is not, and which of the boxes face outwards then.
+type Case<'a> = (&'a [Nested], &'a [(f32, bool)], &'a [bool]);
+
 fn boxes(given: &[Nested]) -> PolygonMesh {
     let cube = cube();
     let (mut vertices, mut polygons) = (Vec::new(), Vec::new());
@@ -153,7 +156,7 @@ fn boxes(given: &[Nested]) -> PolygonMesh {
 fn solids_face_outwards_however_they_are_given() {
     let zero = Vec3::ZERO;
     // Where a point is inside, and which of the boxes then face away from their middle.
-    let cases: [(&[Nested], &[(f32, bool)], &[bool]); 5] = [
+    let cases: [Case; 5] = [
         (&[(1.0, zero, true)], &[(0.1, true), (1.5, false)], &[true]),
         // Side by side, and overlapping.
         (

@@ -280,3 +280,38 @@ fn what_is_not_finite_is_named_as_given() {
         "{error}"
     );
 }
+
+#[test]
+fn polygons_that_are_there_twice_or_inside_out_do_no_harm() {
+    let cube = cuboid(Vec3::ZERO, Vec3::ONE);
+    let mut inside_out = cube.clone();
+    inside_out[..6]
+        .chunks_mut(3)
+        .for_each(|triangle| triangle.swap(0, 1));
+    let twice = [cube.clone(), cube.clone()].concat();
+    let some_twice = [&cube[..], &cube[6..15]].concat();
+    for triangles in [inside_out, twice, some_twice] {
+        let mesh = listed(&triangles);
+        assert!(mesh.is_closed() && mesh.has_inside());
+        for (corners, normal) in mesh.polygons().zip(mesh.normals()) {
+            let out = mesh.vertices()[corners[0] as usize] - MIDDLE;
+            assert!(normal.dot(out) > 0.0);
+        }
+        assert_solid(&triangles, &[MIDDLE], &[MIDDLE + Vec3::Y]);
+    }
+    // Each triangle once each way is nothing but surface.
+    let back = cube
+        .chunks(3)
+        .flat_map(|corners| [corners[1], corners[0], corners[2]]);
+    let both: Vec<_> = cube.iter().copied().chain(back).collect();
+    let mesh = listed(&both);
+    assert!(!mesh.has_inside() && !mesh.is_closed());
+    assert!(ball_at(&mesh, 0.1, MIDDLE).is_none());
+    assert!(ball_at(&mesh, 0.1, Vec3::new(0.5, 1.05, 0.5)).is_some());
+    // A flag on an edge, and a membrane across the cube.
+    let flag = [Vec3::ZERO, Vec3::Y, Vec3::new(-1.0, 0.5, -1.0)];
+    let membrane = [Vec3::ZERO, Vec3::ONE.with_z(0.0), Vec3::ONE];
+    let more = [membrane[0], membrane[2], Vec3::Z];
+    let with_more = [&cube[..], &flag, &membrane, &more].concat();
+    assert_solid(&with_more, &[MIDDLE.with_x(0.8)], &[MIDDLE + Vec3::Y]);
+}

@@ -4,6 +4,7 @@ use super::*;
 use crate::narrow_phase::parry::{
     convex::{Convex, Isometry},
     gjk,
+    parts::near_from,
 };
 
 /// A point of a lattice, so that much is in one plane or on one line, or of the whole cube.
@@ -111,7 +112,8 @@ fn nothing_touches_a_triangle_before_it_is_near_its_plane() {
         let segment = [0; 2].map(|_| point(&mut random, false) * 2.0);
         let direction = point(&mut random, false).normalize();
         let radius = random.f64() * 0.5;
-        let from = near_from(segment, corners, direction, [radius, 1e-9], 6.0);
+        let body = Convex::segment(segment, Isometry::IDENTITY);
+        let from = near_from(&body, corners, direction, [radius, 1e-9], 6.0);
         early += usize::from(from.is_some_and(|from| from > 0.0));
         never += usize::from(from.is_none());
         for step in 0..60 {

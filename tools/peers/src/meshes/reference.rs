@@ -1,6 +1,6 @@
 //! Who is right where the two differ: each triangle looked at, in 64-bit floats, slow and plain.
 
-use bevy::math::{DQuat, DVec3};
+use bevy::math::{DQuat, DVec3, Vec3};
 
 use super::{
     engines::Answer,
@@ -137,7 +137,7 @@ fn apart(
     let radius = body.radius();
     let mut least = f64::INFINITY;
     for triangle in triangles {
-        let corners = mesh.corners(triangle).map(|corner| corner.as_dvec3());
+        let corners = mesh.corners(triangle).map(Vec3::as_dvec3);
         if box_distance(at, corners) - radius < least {
             least = least.min(body.distance(at, turn, corners));
         }
@@ -155,7 +155,7 @@ fn sweep(mesh: &Mesh, body: Body, start: DVec3, turn: DQuat, direction: DVec3) -
     let (middle, reach) = (start + direction * (way / 2.0), way / 2.0 + body.radius());
     let near: Vec<_> = (0..mesh.triangles.len())
         .filter(|triangle| {
-            let corners = mesh.corners(*triangle).map(|corner| corner.as_dvec3());
+            let corners = mesh.corners(*triangle).map(Vec3::as_dvec3);
             box_distance(middle, corners) <= reach
         })
         .collect();
