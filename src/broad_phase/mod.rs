@@ -115,6 +115,7 @@ pub mod object_octree;
 mod pairs;
 mod proxy;
 mod query;
+mod still_octree;
 mod unbounded;
 
 pub use auto::Auto;
@@ -131,3 +132,4 @@ pub use pairs::{Pair, PairSet};
 pub use proxy::Proxies;
 pub use query::{Cast, Flow, Hit, Region};
 pub(crate) use query::{Overlap, ScaledDistance, Sweep};
+pub(crate) use still_octree::{JoinStack, StillOctree};

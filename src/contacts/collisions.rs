@@ -44,8 +44,8 @@ impl Collisions<'_, '_> {
     }
 
     /// Returns the contacts of an entity, as seen from it; not those with a
-    /// [detector](crate::filters::Detector) that it does not hear of. O(1) for each, O(log n) for those with
-    /// geometry; and O(contacts + objects), once, for the first call of this or
+    /// [detector](crate::filters::Detector) that it does not hear of. O(1) for each, O(log n) for
+    /// those with geometry; and O(contacts + objects), once, for the first call of this or
     /// [`colliding_with`](Self::colliding_with) in a tick.
     pub fn of(&self, entity: Entity) -> impl Iterator<Item = Collision> {
         self.pairs_of(entity)

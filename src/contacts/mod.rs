@@ -1,5 +1,5 @@
-//! Contacts: the exact verdict on every candidate pair, how it changes from tick to tick, and who
-//! is told.
+//! Contacts: the exact verdict on every candidate pair, how it changes from tick to tick, who is
+//! told, and for those who ask, the points at which two lie on each other.
 //!
 //! ```text
 //! CandidatePairs --test_candidates--> Verdicts --merge_verdicts--> Contacts --Report--> messages, events, CollidingEntities

@@ -15,8 +15,8 @@ use crate::{
 
 /// The layers that an entity is on, and those that it may meet. Two entities meet if each is on a
 /// layer that the other may meet; to have one of them hear of the other, and not the other way
-/// round, see [`Detector`](super::Detector). Without this component, an entity is on the first layer and may
-/// meet all.
+/// round, see [`Detector`](super::Detector). Without this component, an entity is on the first
+/// layer and may meet all.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]

@@ -20,10 +20,10 @@
 //! assert_eq!(app.world().resource::<Contacts>().len(), 2); // each red one with the blue one
 //! ```
 //!
-//! Layers, static entities, detectors and [worlds] are looked at in the broad phase, as are the kinds of pairs
-//! in its [settings](crate::settings::BroadPhaseSettings::pair_kinds): a pair that they rule out is
-//! gone before anything else sees it. Lists and hooks are asked about candidate pairs, before the
-//! exact tests.
+//! Layers, static entities, detectors and [worlds] are looked at in the broad phase, as are the
+//! kinds of pairs in its [settings](crate::settings::BroadPhaseSettings::pair_kinds): a pair that
+//! they rule out is gone before anything else sees it. Lists and hooks are asked about candidate
+//! pairs, before the exact tests.
 
 mod hooks;
 mod ignore;

@@ -116,7 +116,8 @@ impl Shape {
         Ok(ConvexMesh::new(mesh)?.into())
     }
 
-    /// Makes a mesh of planar polygons, each a list of vertex indices. See [`PolygonMesh::new`].
+    /// Makes a mesh of planar polygons, each a list of vertex indices: solid where parts of it are
+    /// closed. See [`PolygonMesh::new`], and for rooms [`PolygonMesh::surface_only`].
     ///
     /// # Errors
     /// Those of [`PolygonMesh::new`].

@@ -19,6 +19,9 @@ impl NarrowPhase {
     /// Returns `true` if two shapes are in contact. The order of the two makes no difference.
     ///
     /// Shapes that are not finite are in contact with nothing.
+    ///
+    /// Cuboids, spheres: O(1); meshes: O(log n) for each polygon that is near the other shape, and
+    /// two meshes: for each two that are near each other, until two touch.
     #[doc(alias = "overlap")]
     #[doc(alias = "collide")]
     #[doc(alias = "intersection")]
@@ -75,6 +78,20 @@ impl NarrowPhase {
     }
 
     fn decide(&self, pair: &PlacedPair, workspace: &mut Workspace) -> bool {
+        self.decide_early(pair, workspace).unwrap_or_else(|| {
+            let verdict = complete(pair, workspace);
+            workspace.counters.count(Stage::Complete, Some(verdict));
+            verdict
+        })
+    }
+
+    /// What the stages before the last say.
+    #[inline]
+    pub(super) fn decide_early(
+        &self,
+        pair: &PlacedPair,
+        workspace: &mut Workspace,
+    ) -> Option<bool> {
         let counters = &mut workspace.counters;
         let mut verdict = counters
             .count(Stage::Bounds, bounds(pair))
@@ -82,11 +99,7 @@ impl NarrowPhase {
         if self.exactness() == Exactness::Cheapest || pair.case() != Case::Cuboids {
             verdict = verdict.or_else(|| counters.count(Stage::Boxes, boxes(pair)));
         }
-        verdict.unwrap_or_else(|| {
-            let verdict = complete(pair, workspace);
-            workspace.counters.count(Stage::Complete, Some(verdict));
-            verdict
-        })
+        verdict
     }
 }
 

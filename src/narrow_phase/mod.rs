@@ -36,14 +36,20 @@
 //! Two meshes are in contact where their surfaces come as close as the tolerance, or where one is
 //! inside the other.
 //!
+//! * Every mesh of more than a few polygons has a tree of them, in its own space, built with the
+//!   mesh and shared by all that have the shape. Scale, mirrors and turns are put on what is asked,
+//!   not on the mesh. A search of the tree, or a join of two, finds the polygons that are near
+//!   enough to the other shape for the question; only these are looked at.
 //! * Every edge of one against every polygon of the other, both ways, decides whether the
 //!   *surfaces* meet: an edge crosses a polygon, ends on it, or comes close to its border. Each of
 //!   the closest pairs of points of two surfaces has an edge on one side, so nothing is missed, and
 //!   the borders are part of the polygons, so edges that run along borders and polygons that share
-//!   a plane are contact.
-//! * It does *not* see one mesh that is wholly inside the other, and so a point of each connected
-//!   part of one is tested against the volume of the other, by winding number. Only a
-//!   [closed](PolygonMesh::is_closed) mesh has a volume; inside an open one there is no contact.
+//!   a plane are contact. A cuboid and the triangles of a mesh with a tree are compared along the
+//!   axes that could part them, which says the same; a sphere, by the closest point.
+//! * That does *not* see one mesh that is wholly inside the other, and so a point of each connected
+//!   part of one is tested against the volume of the other, by winding number. What the closed
+//!   parts of a mesh enclose is [inside](PolygonMesh::has_inside), whatever else is in the mesh; of
+//!   an open one, and of a [surface only](PolygonMesh::surface_only), nothing is.
 //! * Nothing is swept: as in the report, an object that moves further in a tick than objects are
 //!   thick can pass through them. For those see [`NarrowPhase::time_of_impact`].
 //!
@@ -59,9 +65,10 @@
 //! scale, by a power of two. Where even a position or a sum of sizes exceeds the range of 32-bit
 //! floats, there are [no bounds](BoundsError::NonFinite) and no contacts.
 //!
-//! Nothing is allocated per pair once the buffers of the [`Workspace`] have grown to the largest
-//! mesh (but for the depth of Rapier shapes that overlap). Two cuboids take in the
-//! order of 15 ns if turned alike, and 75 ns if not.
+//! Nothing is allocated per pair once the buffers of the [`Workspace`] have grown to what meshes
+//! have near each other (but for the depth of Rapier shapes that overlap, and for points that may
+//! be inside a mesh with vertices on the edges of other polygons). Two cuboids take in the order of
+//! 15 ns if turned alike, and 75 ns if not.
 //!
 //! # Rays, sweeps, distances
 //!
@@ -70,7 +77,12 @@
 //! [`NarrowPhase::time_of_impact`] is a sweep of two that both move, and may turn. The first time
 //! of impact of two shapes made of polygons is the least of those of corners and faces, both ways,
 //! and of edges, each the solution of a linear equation: nothing is iterated, and nothing has to be
-//! convex.
+//! convex. A cuboid meets the triangles of a mesh with a tree when it overlaps them along each axis
+//! that could part the two.
+//!
+//! [`RayCastOptions`] and [`ShapeCastOptions`] say what is met: which faces, whether solids are
+//! hollow, and whether what is touched at the start counts; [`NarrowPhase::cast_ray_through`] tells
+//! where a ray leaves what it enters. What is met of a mesh is told by the number of the polygon.
 //!
 //! # Rapier
 //!

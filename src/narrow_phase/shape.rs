@@ -53,7 +53,8 @@ pub enum Shape {
     },
     /// A convex solid bounded by polygons.
     Convex(Arc<ConvexMesh>),
-    /// Any mesh of planar polygons: a solid if it is closed, a surface otherwise.
+    /// Any mesh of planar polygons: solid where parts of it are closed, and a surface elsewhere; or a
+    /// [surface only](PolygonMesh::surface_only). Its tree makes a whole level one shape.
     Mesh(Arc<PolygonMesh>),
     /// A shape of `bevy_rapier3d`.
     #[cfg(feature = "rapier")]

@@ -16,9 +16,9 @@ pub enum Stage {
     /// Oriented boxes by separating axes, and the closest point of a box to a sphere. Rejects;
     /// accepts cuboids and spheres that overlap.
     Boxes,
-    /// Every edge of one mesh against every polygon of the other, both ways, then the test whether
-    /// one is inside the other; or the distance of what the two consist of, if one is a Rapier
-    /// shape. Decides all that is left.
+    /// Every edge of one mesh against every polygon of the other, both ways, as far as these are near
+    /// each other, then the test whether one is inside the other; or the distance of what the two
+    /// consist of, if one is a Rapier shape. Decides all that is left.
     Complete,
 }
 

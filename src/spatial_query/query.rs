@@ -36,7 +36,7 @@ use crate::{
 /// of. What touches counts as met: see [`NarrowPhase::intersects`],
 /// [`cast_ray`](NarrowPhase::cast_ray), [`sweep`](NarrowPhase::sweep),
 /// [`closest_point`](NarrowPhase::closest_point). Solids are solid: a ray that starts inside one
-/// meets it at a distance of 0.
+/// meets it at a distance of 0, unless its [options](super::RayCastOptions) say otherwise.
 ///
 /// # What is seen
 ///

@@ -31,6 +31,7 @@ mod random_scenes;
 mod rapier;
 #[cfg(feature = "rapier")]
 mod rapier_bodies;
+mod rooms;
 mod schedule;
 mod seams;
 mod shapes;

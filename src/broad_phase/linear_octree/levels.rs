@@ -18,7 +18,7 @@ pub(super) const JOB: usize = 4096;
 
 /// All levels: the boxes at the bottom, a single block on top.
 #[derive(Clone, Debug)]
-pub(super) struct Levels {
+pub(in crate::broad_phase) struct Levels {
     levels: Vec<Vec<Block>>,
     looseness: Looseness,
 }
@@ -35,7 +35,7 @@ impl Default for Levels {
 impl Levels {
     /// Makes room for exactly so many boxes in a new order, which are to be set before the next
     /// refit.
-    pub(super) fn resize(&mut self, boxes: usize) {
+    pub(in crate::broad_phase) fn resize(&mut self, boxes: usize) {
         let blocks = boxes.div_ceil(WIDTH).max(1);
         self.levels.truncate(1);
         self.levels[0].resize(blocks, Block::EMPTY);
@@ -89,20 +89,20 @@ impl Levels {
 
     /// Puts a box in its slot. The levels above know of it only after a refit.
     #[inline]
-    pub(super) fn set(&mut self, slot: usize, aabb: &Aabb3d) {
+    pub(in crate::broad_phase) fn set(&mut self, slot: usize, aabb: &Aabb3d) {
         self.levels[0][slot / WIDTH].set(slot % WIDTH, aabb);
     }
 
     /// The box in a slot.
     #[inline]
-    pub(super) fn get(&self, slot: usize) -> Aabb3d {
+    pub(in crate::broad_phase) fn get(&self, slot: usize) -> Aabb3d {
         self.levels[0]
             .get(slot / WIDTH)
             .map_or(NOWHERE, |block| block.get(slot % WIDTH))
     }
 
     /// Brings all levels above the boxes up to date. O(n), with a small constant.
-    pub(super) fn refit(&mut self) {
+    pub(in crate::broad_phase) fn refit(&mut self) {
         for height in 1..self.levels.len() {
             let (below, above) = self.levels.split_at_mut(height);
             let chunks = above[0]
@@ -138,7 +138,7 @@ impl Levels {
 
     /// Blocks by level, the boxes first.
     #[inline]
-    pub(super) fn as_slice(&self) -> &[Vec<Block>] {
+    pub(in crate::broad_phase) fn as_slice(&self) -> &[Vec<Block>] {
         &self.levels
     }
 
@@ -175,7 +175,7 @@ impl Levels {
     }
 
     /// The number of levels.
-    pub(super) fn height(&self) -> u32 {
+    pub(in crate::broad_phase) fn height(&self) -> u32 {
         self.levels.len() as u32
     }
 
@@ -189,7 +189,7 @@ impl Levels {
         self.levels[0].len()
     }
 
-    pub(super) fn memory_bytes(&self) -> usize {
+    pub(in crate::broad_phase) fn memory_bytes(&self) -> usize {
         self.levels
             .iter()
             .map(|level| level.capacity() * size_of::<Block>())

@@ -52,15 +52,14 @@ mod compare;
 mod crowd;
 mod follow;
 mod join;
-mod levels;
+pub(super) mod levels;
 mod list;
 mod looseness;
 mod near;
 mod octree;
-mod order;
-mod query;
+pub(super) mod order;
+pub(super) mod query;
 mod skin;
-mod still;
 mod upkeep;
 mod validate;
 
@@ -71,4 +70,3 @@ mod tests;
 
 pub(super) use crowd::Crowd;
 pub use octree::LinearOctree;
-pub(crate) use still::{JoinStack, StillOctree};

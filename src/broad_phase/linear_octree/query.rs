@@ -27,7 +27,7 @@ struct Task {
 const MOST_TASKS: usize = 11 * (WIDTH - 1) + 1;
 
 /// What a query goes down: blocks of boxes, and who is in them.
-pub(super) trait Blocks {
+pub(in crate::broad_phase) trait Blocks {
     /// Blocks by level, the boxes first.
     fn levels(&self) -> &[Vec<Block>];
 
@@ -43,7 +43,7 @@ pub(super) trait Blocks {
 
 /// Calls `visit` with the owner of each box within the limit, and its distance; it tells the limit
 /// from then on.
-pub(super) fn search<M: Measure>(
+pub(in crate::broad_phase) fn search<M: Measure>(
     level: Level,
     blocks: &impl Blocks,
     measure: &M,

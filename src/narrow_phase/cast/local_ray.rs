@@ -1,6 +1,6 @@
 //! A ray in the coordinates of a shape, and what it meets there.
 
-use bevy::math::{DVec3, Dir3, Vec3};
+use bevy::math::{DVec3, Dir3, Quat, Vec3, Vec3A};
 
 use crate::narrow_phase::{
     answer::{Impact, against, slack},
@@ -14,6 +14,12 @@ pub const BORDER: f64 = 1e-9;
 /// The least scale along an axis, as a share of the greatest: a shape flattened by a scale of zero
 /// is so thick to rays.
 const FLAT: f64 = 1e-7;
+
+/// How far the square of the length of a rotation may be from 1 that is not made shorter.
+const UNIT: f32 = 1e-5;
+/// How much larger a box is taken that a ray is to miss, as a share of the distances at hand: more
+/// than the rounding of 32-bit floats.
+const ROUGHLY: f32 = 1e-5;
 
 /// A ray in the coordinates of a shape, in which distances along it are those in the world. In
 /// double precision, so that neither the scale nor the way from afar costs exactness.
@@ -38,12 +44,17 @@ impl LocalRay {
             DVec3::splat(least),
             scale,
         );
-        let back = target.transform.rotation.as_dquat().normalize().conjugate();
         let from_center = origin.as_dvec3() - target.transform.translation.as_dvec3();
-        let (origin_in_shape, along) = (
-            back * from_center / scale,
-            back * direction.as_dvec3() / scale,
-        );
+        let (mut start, mut along) = (from_center, direction.as_dvec3());
+        // Much of a level is neither turned nor scaled.
+        if target.transform.rotation != Quat::IDENTITY {
+            let back = target.transform.rotation.as_dquat().normalize().conjugate();
+            (start, along) = (back * start, back * along);
+        }
+        if scale != DVec3::ONE {
+            (start, along) = (start / scale, along / scale);
+        }
+        let (origin_in_shape, along) = (start, along);
         let slack = slack(origin, from_center);
         let ray = Self {
             origin: origin_in_shape,
@@ -52,6 +63,37 @@ impl LocalRay {
             slack,
         };
         (ray.origin.is_finite() && ray.direction.is_finite()).then_some(ray)
+    }
+
+    /// Whether a ray may meet the box of a mesh, quickly. In doubt, it may.
+    #[inline]
+    pub fn may_meet(
+        mesh: &PolygonMesh,
+        target: Placed,
+        origin: Vec3,
+        direction: Dir3,
+        max_distance: f32,
+    ) -> bool {
+        let (center, half, _) = mesh.local_bounds();
+        let scale = Vec3A::from(target.transform.scale);
+        let rotation = target.transform.rotation;
+        if (rotation.length_squared() - 1.0).abs() > UNIT {
+            return true;
+        }
+        let back = rotation.conjugate();
+        let from = back * Vec3A::from(origin - target.transform.translation);
+        let way = back * Vec3A::from(*direction);
+        let (center, half) = (center * scale, half * scale.abs());
+        let sizes = from.abs() + center.abs() + half + origin.abs().max_element();
+        let reach = half + ROUGHLY * sizes.max_element();
+        let least = Vec3A::splat(f32::MIN_POSITIVE);
+        let way = Vec3A::select(way.abs().cmplt(least), least, way);
+        let (one, other) = ((center - reach - from) / way, (center + reach - from) / way);
+        let enters = one.min(other).max_element();
+        let leaves = one.max(other).min_element();
+        // Not a number in doubt.
+        let misses = enters > leaves || leaves < 0.0 || enters > max_distance * (1.0 + ROUGHLY);
+        !misses
     }
 
     /// The impact in the world; `None` if it is further than that, or nowhere.

@@ -77,6 +77,11 @@ impl<'a> Moving<'a> {
         }
     }
 
+    /// On a way beside its own.
+    pub(super) fn beside(self, by: Vec3) -> Self {
+        self.along(self.start.translation + by, self.end.translation + by)
+    }
+
     /// Turning as it does, on another way.
     pub(crate) fn along(self, from: Vec3, to: Vec3) -> Self {
         let (start, end) = (

@@ -35,8 +35,8 @@ impl NarrowPhase {
     /// a scale of zero shrinks to a point is met by rays that start there only. `None` too if
     /// anything is not finite, but for `max_distance`, or that is negative or NaN.
     ///
-    /// Allocates nothing, but for a mesh that is a shape of Rapier's. Cuboids, spheres: O(1);
-    /// meshes: linear in their polygons.
+    /// Allocates nothing, but for a mesh that is a shape of Rapier's. Cuboids, spheres: O(1); convex
+    /// meshes: linear in their polygons; meshes: O(log n) for each polygon that comes into question.
     ///
     /// ```
     /// use bevy::{math::{Dir3, Vec3}, transform::components::Transform};
@@ -65,6 +65,11 @@ impl NarrowPhase {
                 }
                 None => parry::cast_ray(target, origin, direction, max_distance),
             };
+        }
+        if let Shape::Mesh(mesh) = target.shape
+            && !LocalRay::may_meet(mesh, target, origin, direction, max_distance)
+        {
+            return None;
         }
         let ray = LocalRay::new(target, origin, direction)?;
         let met = match target.shape {
@@ -206,7 +211,7 @@ impl LocalRay {
         let (center, half, radius) = mesh.local_bounds();
         let from_center = self.origin - center.as_dvec3();
         // A rounded box may leave out what is on its side.
-        let slack = BORDER * (f64::from(radius) + from_center.length());
+        let slack = BORDER * (f64::from(radius) + from_center.abs().element_sum());
         let within = from_center.abs().cmple(half.as_dvec3() + slack).all();
         // Of a solid in one piece, the face that is met says from which side it is.
         let is_told = mesh.is_one_solid();
@@ -248,10 +253,13 @@ impl LocalRay {
             return (first.met, first.is_shared);
         };
         // The tree's numbers are of 32 bits: from near the mesh, they are exact enough.
-        let speed = self.direction.length();
-        let skipped = ((from_center.length() - f64::from(radius)) / speed
-            - f64::from(radius) / speed)
-            .max(0.0);
+        let near = 2.0 * f64::from(radius);
+        let squared = from_center.length_squared();
+        let skipped = if squared > near * near {
+            ((squared.sqrt() - near) / self.direction.length()).max(0.0)
+        } else {
+            0.0
+        };
         let origin = self.origin + self.direction * skipped;
         let reach = on.max(
             8.0 * f64::from(f32::EPSILON) * (center.as_dvec3().length() + 4.0 * f64::from(radius)),

@@ -29,8 +29,10 @@ impl NarrowPhase {
     /// may count as meeting or not. `None` too if anything is not finite, but for `max_distance`,
     /// or that is negative or NaN.
     ///
-    /// Two shapes made of polygons: linear in the pairs of their edges; a sphere and one of these:
-    /// linear in its edges; two spheres: O(1). Allocates nothing once the workspace is warm.
+    /// Two spheres: O(1); a sphere or a cuboid and a mesh: O(log n) for each polygon that comes into
+    /// question, which is what the box of the moving shape meets before the shape meets anything;
+    /// two meshes: the same for each two polygons. Of shapes of a few polygons, cuboids included,
+    /// each two edges are looked at. Allocates nothing once the workspace is warm.
     ///
     /// ```
     /// use bevy::{math::{Dir3, Vec3}, transform::components::Transform};

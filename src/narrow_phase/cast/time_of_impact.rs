@@ -12,7 +12,11 @@ use super::moments::Moments;
 use super::moving::Moving;
 use crate::narrow_phase::{
     answer::{Contact, TimedContact},
-    frame::{case::Case, placed::Placed, workspace::Workspace},
+    frame::{
+        case::Case,
+        placed::{Placed, ROUNDING},
+        workspace::Workspace,
+    },
     length::direction_and_length,
     settings::NarrowPhase,
 };
@@ -21,21 +25,25 @@ use crate::narrow_phase::{
 /// there is becomes one after 149.
 const MOST_PARTING_STEPS: u32 = 192;
 
+/// How far beyond what it touches a shape is lifted, in tolerances: no longer in touch.
+const LIFT: f32 = 2.5;
+
+/// So many times at most is a shape lifted off what it touches: off the walls of a corner, and off
+/// what is close to these.
+const MOST_LIFTS: u32 = 8;
+
 /// So many times at most may two graze each other before they meet.
 const MOST_GRAZES: u32 = 8;
-
-/// The longest step, as a share of the way, in search of a moment at which two have parted that may
-/// soon meet again.
-const LONGEST_STEP: f32 = 1.0 / 16.0;
 
 impl NarrowPhase {
     /// Returns when two shapes on their way first come into contact, and how they then touch;
     /// `None` if they do not, or anything is not finite.
     ///
     /// Two that are [in contact](Self::intersects) at the start meet at once if they come nearer to
-    /// each other, and if they stay in contact to the end; those that part count from then on, if
-    /// they are apart for more than 1/16 of the way or do so at once. Whatever is in contact at the
-    /// end has met.
+    /// each other. Those that do not, as a body that slides over a floor or leaves it, meet when
+    /// they first come to what keeps them from going on: another wall of the same room, say. If there
+    /// is nothing, they meet at once if they are in contact at the end too, and else not at all.
+    /// Whatever is in contact at the end has met.
     ///
     /// Where two touch so that more than one plane parts them, as edge on edge, the normal is the
     /// one along which they come nearer to each other the least. If that is not at all, as for a
@@ -81,6 +89,9 @@ impl Moments<'_> {
             if self.come_nearer(&met) {
                 return Some(met);
             }
+            if !self.are_convex() {
+                return self.meeting_off(met, grazes, workspace);
+            }
             match self.parted(workspace) {
                 Some(time) => free_from = time,
                 None => return Some(met),
@@ -123,12 +134,43 @@ impl Moments<'_> {
         Some(met)
     }
 
+    /// The first meeting that keeps two from going on that touch at the start and may go on, as a
+    /// body that slides over the floor of a room: it is lifted off what it touches, and met is then
+    /// what comes, whether it goes on touching the first or not.
+    fn meeting_off(
+        self,
+        met: TimedContact,
+        grazes: u32,
+        workspace: &mut Workspace,
+    ) -> Option<TimedContact> {
+        let far = self.a.start.translation.length();
+        let margin = LIFT * self.tests.tolerance() + ROUNDING * far;
+        let (mut lifted, mut touch) = (*self.a, met);
+        for _ in 0..MOST_LIFTS {
+            let Contact { normal, depth, .. } = touch.contact;
+            lifted = lifted.beside(-normal * (depth + margin));
+            let rest = Moments { a: &lifted, ..self };
+            match rest.touch(0.0, workspace) {
+                // Of several that it touches, one that it goes into.
+                Some(next) if rest.come_nearer(&next) => return Some(next),
+                Some(next) => touch = next,
+                None => {
+                    let later = rest.meeting(grazes, workspace);
+                    if later.is_some_and(|later| rest.come_nearer(&later)) {
+                        return later;
+                    }
+                    break;
+                }
+            }
+        }
+        // All the way along what it touches, or off it.
+        self.touches(1.0, workspace).then_some(met)
+    }
+
     /// A moment at which two that are in contact at the start have parted, soon after they did.
     /// `None` if they do not.
     fn parted(&self, workspace: &mut Workspace) -> Option<f32> {
         let speed = self.velocity().length() + self.a.turning_speed() + self.b.turning_speed();
-        // Two convex shapes that part do not come back, but for turns.
-        let longest = if self.are_convex() { 1.0 } else { LONGEST_STEP };
         let (mut last, mut time) = (0.0, 4.0 * self.tests.tolerance() / speed);
         for _ in 0..MOST_PARTING_STEPS {
             // Not if nothing moves, nor if something is not finite.
@@ -145,7 +187,8 @@ impl Moments<'_> {
                 });
             }
             last = now;
-            time += time.min(longest);
+            // Two convex shapes that part do not come back, but for turns.
+            time += time.min(1.0);
         }
         None
     }

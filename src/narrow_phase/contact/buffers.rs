@@ -2,7 +2,7 @@
 
 use bevy::math::Vec3A;
 
-use super::{facet::WayOut, hull::Hull, patch::Patch};
+use super::{facet::WayOut, hull::Hull, patch::Patch, summit::Summits};
 
 /// What a polygon says about the contact of its mesh with a solid.
 #[derive(Clone, Copy, Debug)]
@@ -29,4 +29,6 @@ pub struct Buffers {
     /// A face of the solid.
     pub face: Vec<Vec3A>,
     pub patch: Patch,
+    /// How far two meshes reach.
+    pub summits: Summits,
 }

@@ -13,10 +13,10 @@ use crate::narrow_phase::mesh::{polygon_mesh::PolygonMesh, topology::NO_NEIGHBOR
 
 /// The sine of the angle up to which two polygons count as in one plane, and the share of a length
 /// that is more than rounding.
-const FLAT: f32 = 1e-3;
+pub const FLAT: f32 = 1e-3;
 
 /// The sine of the angle below which two edges span no plane.
-const PARALLEL: f32 = 1e-2;
+pub const PARALLEL: f32 = 1e-2;
 
 /// A translation that takes a solid off a polygon.
 #[derive(Clone, Copy, Debug)]
@@ -133,6 +133,15 @@ impl Facet<'_> {
         bend < -FLAT || (bend <= FLAT && direction.dot(self.normal) >= 0.0)
     }
 
+    /// From where to where it reaches along an axis, as seen from one of its corners.
+    #[inline]
+    pub fn heights(&self, from: Vec3A, axis: Vec3A) -> [f32; 2] {
+        let heights = self.corners.iter().map(|corner| (*corner - from).dot(axis));
+        heights.fold([0.0, 0.0], |[low, high]: [f32; 2], height| {
+            [low.min(height), high.max(height)]
+        })
+    }
+
     /// The direction at right angles to a side and to an edge along which the polygon is highest at
     /// that side, if there is one.
     #[inline]
@@ -145,11 +154,7 @@ impl Facet<'_> {
             return None;
         }
         let axis = cross / squared.sqrt();
-        let [mut low, mut high] = [0f32; 2];
-        for corner in self.corners {
-            let height = (*corner - from).dot(axis);
-            (low, high) = (low.min(height), high.max(height));
-        }
+        let [low, high] = self.heights(from, axis);
         // Turned so that the polygon is below.
         let (axis, rises, falls) = if high > -low {
             (-axis, -low, high)

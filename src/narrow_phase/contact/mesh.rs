@@ -102,7 +102,7 @@ impl OnMesh<'_> {
     fn contact(&self, buffers: &mut Buffers) -> Option<LocalContact> {
         self.find_claims(buffers);
         let bias = self.bias();
-        let deepest = settle(buffers, bias, |_, corners, direction, _| {
+        let deepest = settle(buffers, bias, |_, corners, _, direction, _| {
             highest(corners, direction) - self.body.lowest(direction)
         })?;
         let way = buffers.claims[deepest].way;

@@ -12,8 +12,9 @@ use bevy::math::Vec3A;
 use super::{
     buffers::Claim,
     claims::settle,
-    facet::{Best, Facet, highest, look_beyond},
+    facet::{Best, FLAT, Facet, PARALLEL, highest, look_beyond},
     mesh,
+    summit::{Course, Slope, Summits},
 };
 use crate::narrow_phase::{
     answer::LocalContact,
@@ -23,7 +24,7 @@ use crate::narrow_phase::{
         surface::{PlacedFace, Surface, border},
         workspace::Workspace,
     },
-    mesh::{polygon_mesh::PolygonMesh, topology::NO_NEIGHBOR},
+    mesh::polygon_mesh::PolygonMesh,
     shape::Shape,
 };
 
@@ -33,10 +34,6 @@ const BIAS: f32 = 1e-4;
 
 /// The cosine of the angle up to which a polygon shares the normal of another.
 const ALIKE: f32 = 0.985;
-
-/// So many polygons at most are looked at on the way to a summit, and so many of a plateau.
-const MOST_STEPS: usize = 256;
-const WIDEST_PLATEAU: usize = 24;
 
 /// The contact of two meshes.
 pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
@@ -48,21 +45,30 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
     let mut buffers = std::mem::take(&mut workspace.contact);
     buffers.patch.clear();
     buffers.claims.clear();
+    buffers.summits.clear();
     let (mut count, mut points) = (0.0, Vec3A::ZERO);
     for_each_two(pair, pair.tolerance, workspace, |[a, b], face, other| {
         if let Some(touch) = touch(a, face, b, other, pair.tolerance) {
             count += 1.0;
             points += touch;
             let sides = Sides::new(meshes, [a, b], pair.tolerance);
-            buffers.claims.extend(sides.claim(face, other, bias));
+            let claim = sides.claim(face, other, bias, &mut buffers.summits);
+            buffers.claims.extend(claim);
         }
     });
     let [a, b] = &workspace.surfaces;
-    let Sides([first, second]) = Sides::new(meshes, [a, b], pair.tolerance);
-    let deepest = settle(&mut buffers, bias, |claim, _, direction, limit| {
-        let back = first.summit(claim.polygons[0], -direction, f32::INFINITY);
-        back + second.summit(claim.polygons[1], direction, limit - back)
+    let sides = Sides::new(meshes, [a, b], pair.tolerance);
+    let mut summits = std::mem::take(&mut buffers.summits);
+    summits.clear();
+    let deepest = settle(&mut buffers, bias, |claim, _, index, direction, limit| {
+        sides.depth(
+            claim.polygons,
+            (index as u32, direction),
+            limit,
+            &mut summits,
+        )
     });
+    buffers.summits = summits;
     let way = deepest.map(|deepest| buffers.claims[deepest].way);
     workspace.contact = buffers;
     let Some(way) = way else {
@@ -140,6 +146,11 @@ fn touch(
     other: &PlacedFace,
     tolerance: f32,
 ) -> Option<Vec3A> {
+    if b.is_off_plane(other, a.corners(face), tolerance)
+        || a.is_off_plane(face, b.corners(other), tolerance)
+    {
+        return None;
+    }
     let (mut count, mut points) = (0.0, Vec3A::ZERO);
     for (edges, edged, faces, faced) in [(a, face, b, other), (b, other, a, face)] {
         for side in border(edges.corners(edged)) {
@@ -166,44 +177,9 @@ impl Side<'_> {
         (face.normal, is_solid)
     }
 
-    /// How far the mesh reaches along a direction on the summit that is nearest to a polygon; or
-    /// somewhere beyond `limit`.
-    fn summit(&self, polygon: u32, direction: Vec3A, limit: f32) -> f32 {
-        let top = |polygon: u32| {
-            let corners = self.mesh.polygon(polygon as usize).iter();
-            let heights = corners.map(|vertex| self.surface.vertex(self.mesh, *vertex));
-            heights.fold(f32::NEG_INFINITY, |top, corner| {
-                top.max(corner.dot(direction))
-            })
-        };
-        // Those of a plateau that have been looked at, and those beside which the way up may go on.
-        let mut plateau = [polygon; WIDEST_PLATEAU];
-        let (mut known, mut next) = (1, 0);
-        let mut reached = top(polygon);
-        let mut steps = 0;
-        while next < known && steps < MOST_STEPS && reached <= limit {
-            let polygon = plateau[next];
-            next += 1;
-            for &other in self.mesh.across(polygon as usize) {
-                if other == NO_NEIGHBOR || plateau[..known].contains(&other) {
-                    continue;
-                }
-                steps += 1;
-                let height = top(other);
-                if height > reached + self.tolerance {
-                    plateau[0] = other;
-                    (known, next) = (1, 0);
-                    reached = height;
-                    break;
-                }
-                if height >= reached - self.tolerance && known < WIDEST_PLATEAU {
-                    plateau[known] = other;
-                    known += 1;
-                    reached = reached.max(height);
-                }
-            }
-        }
-        reached
+    /// The mesh, seen along a direction.
+    fn slope(&self, direction: Vec3A) -> Slope<'_> {
+        Slope::new(self.mesh, self.surface.placing(), direction)
     }
 }
 
@@ -219,8 +195,35 @@ impl<'a> Sides<'a> {
         }))
     }
 
+    /// How far it is along a direction until two polygons are clear of each other, each mesh as far
+    /// as it reaches there; anything more than `limit`, if it is more than that. Directions are
+    /// known by their numbers.
+    fn depth(
+        &self,
+        polygons: [u32; 2],
+        (index, direction): (u32, Vec3A),
+        limit: f32,
+        summits: &mut Summits,
+    ) -> f32 {
+        let Self([a, b]) = self;
+        let courses = [false, true].map(|is_second| Course::new(is_second, index, false));
+        let [back, forth] = [a.slope(-direction), b.slope(direction)];
+        let (least, _) = forth.top(polygons[1]);
+        let start = summits.find(courses[0], &back, polygons[0], limit - least, a.tolerance);
+        if start > limit - least {
+            return start + least;
+        }
+        start + summits.find(courses[1], &forth, polygons[1], limit - start, b.tolerance)
+    }
+
     /// What two polygons in touch say: the way by which the first mesh gets clear of the second.
-    fn claim(&self, face: &PlacedFace, other: &PlacedFace, bias: f32) -> Option<Claim> {
+    fn claim(
+        &self,
+        face: &PlacedFace,
+        other: &PlacedFace,
+        bias: f32,
+        summits: &mut Summits,
+    ) -> Option<Claim> {
         let Self([a, b]) = self;
         let (own, theirs) = (a.surface.corners(face), b.surface.corners(other));
         let mut best = Best { way: None, bias };
@@ -231,7 +234,13 @@ impl<'a> Sides<'a> {
             if allowed && normal != Vec3A::ZERO {
                 let top = highest(theirs, direction);
                 let limit = best.way.map_or(f32::INFINITY, |way| way.depth) - top;
-                let depth = top + a.summit(face.polygon, -direction, limit);
+                // No way up is needed where the polygon alone is too high.
+                if highest(own, -direction) > limit {
+                    continue;
+                }
+                let course = Course::new(false, other.polygon, direction == normal);
+                let slope = a.slope(-direction);
+                let depth = top + summits.find(course, &slope, face.polygon, limit, a.tolerance);
                 if best.way.is_none_or(|way| depth < way.depth) {
                     best.take(direction, depth);
                 }
@@ -242,7 +251,12 @@ impl<'a> Sides<'a> {
             if allowed && normal != Vec3A::ZERO {
                 let top = highest(own, -direction);
                 let limit = best.way.map_or(f32::INFINITY, |way| way.depth) - top;
-                let depth = top + b.summit(other.polygon, direction, limit);
+                if highest(theirs, direction) > limit - bias {
+                    continue;
+                }
+                let course = Course::new(true, face.polygon, direction != normal);
+                let slope = b.slope(direction);
+                let depth = top + summits.find(course, &slope, other.polygon, limit, b.tolerance);
                 if best.is_beaten_by(depth) {
                     best.take(direction, depth);
                 }
@@ -279,20 +293,37 @@ impl<'a> Sides<'a> {
 /// Across two edges, where both polygons are highest there towards each other.
 fn across_edges(first: &Facet, second: &Facet, best: &mut Best) {
     for side in 0..second.corners.len() {
+        let [from, to] = second.ends(side);
         for other in 0..first.corners.len() {
-            let [from, to] = second.ends(side);
             let [start, end] = first.ends(other);
-            let (Some(direction), Some(back)) = (
-                second.across(side, end - start),
-                first.across(other, to - from),
-            ) else {
+            let (along, edge) = (to - from, end - start);
+            let cross = along.cross(edge);
+            let squared = cross.length_squared();
+            if squared <= PARALLEL * PARALLEL * along.length_squared() * edge.length_squared() {
                 continue;
+            }
+            let ([low, high], [least, most]) =
+                (second.heights(from, cross), first.heights(start, cross));
+            let turn = if high > -low { -1.0 } else { 1.0 };
+            // The second is below, and the first above.
+            let (rises, falls) = if turn < 0.0 {
+                (-low, high)
+            } else {
+                (high, -low)
             };
+            let (drops, climbs) = if turn < 0.0 {
+                (most, -least)
+            } else {
+                (-least, most)
+            };
+            if rises > FLAT * falls || drops > FLAT * climbs {
+                continue;
+            }
+            let direction = cross * (turn / squared.sqrt());
             let depth = (from - start).dot(direction);
-            if direction.dot(back) < 0.0
-                && best.is_beaten_by(depth)
+            if best.is_beaten_by(depth)
                 && second.is_ridge(side, direction)
-                && first.is_ridge(other, back)
+                && first.is_ridge(other, -direction)
             {
                 best.take(direction, depth);
             }

@@ -14,5 +14,6 @@ mod patch;
 mod place;
 mod query;
 mod sphere;
+mod summit;
 #[cfg(test)]
 mod tests;

@@ -16,6 +16,8 @@ use crate::narrow_phase::{
     },
     parry,
     settings::NarrowPhase,
+    shape::Shape,
+    stage::Stage,
 };
 
 impl NarrowPhase {
@@ -53,11 +55,13 @@ impl NarrowPhase {
     #[doc(alias = "penetration")]
     #[must_use]
     pub fn contact(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Contact> {
+        if let Some(found) = self.sphere_mesh(a, b, workspace) {
+            return found;
+        }
         if !self.intersects(a, b, workspace) {
             return None;
         }
         let (first, second, swapped) = in_order(a, b);
-        let origin = Vec3A::from(first.transform.translation);
         let found = match PlacedPair::new(first, second, self.tolerance()) {
             Ok(pair) if pair.is_large() => {
                 let found = self
@@ -73,12 +77,61 @@ impl NarrowPhase {
             // So large that squares are beyond all numbers.
             Err(BoundsError::NonFinite) => straight(first, second),
         };
-        let found = if swapped { found.reversed() } else { found };
-        Some(Contact {
-            normal: found.normal.into(),
-            point: (origin + found.point).into(),
-            depth: found.depth,
-        })
+        Some(in_world(found, first, swapped))
+    }
+}
+
+/// A contact in the frame of a pair, of which the first is known, as seen from that which was asked
+/// about first.
+#[inline]
+fn in_world(found: LocalContact, first: Placed, swapped: bool) -> Contact {
+    let found = if swapped { found.reversed() } else { found };
+    let origin = Vec3A::from(first.transform.translation);
+    Contact {
+        normal: found.normal.into(),
+        point: (origin + found.point).into(),
+        depth: found.depth,
+    }
+}
+
+/// # Of spheres on meshes
+impl NarrowPhase {
+    /// The contact of a sphere and a mesh, convex or not, by one search for the verdict and the point. `None` if
+    /// they are something else, or large.
+    #[inline]
+    fn sphere_mesh(
+        &self,
+        a: Placed,
+        b: Placed,
+        workspace: &mut Workspace,
+    ) -> Option<Option<Contact>> {
+        let are_these = matches!(
+            (a.shape, b.shape),
+            (Shape::Sphere { .. }, Shape::Mesh(_) | Shape::Convex(_))
+                | (Shape::Mesh(_) | Shape::Convex(_), Shape::Sphere { .. })
+        );
+        if !are_these {
+            return None;
+        }
+        let (first, second, swapped) = in_order(a, b);
+        let pair = PlacedPair::new(first, second, self.tolerance()).ok()?;
+        if pair.is_large() {
+            return None;
+        }
+        if self.decide_early(&pair, workspace) == Some(false) {
+            return Some(None);
+        }
+        let met = match pair.case() {
+            Case::SphereFirst => sphere::sphere_mesh(&pair, workspace),
+            _ => sphere::sphere_mesh(&pair.swapped(), workspace)
+                .map(|found| found.map(LocalContact::reversed)),
+        };
+        let counters = &mut workspace.counters;
+        counters.count(Stage::Complete, Some(met.is_some()));
+        Some(met.map(|found| {
+            let found = found.unwrap_or_else(|| from_centers(&pair));
+            in_world(found, first, swapped)
+        }))
     }
 }
 

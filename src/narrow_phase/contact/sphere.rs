@@ -27,16 +27,34 @@ pub fn spheres(pair: &PlacedPair) -> Option<LocalContact> {
 
 /// A sphere, the first of the pair, and a shape made of polygons.
 pub fn sphere_other(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
+    let met = match pair.b.shape.kind() {
+        Kind::Cuboid => sphere_cuboid(pair),
+        _ => on_mesh(pair, edge_polygon::sphere_closest(pair, workspace)?),
+    };
+    from_point(pair, met)
+}
+
+/// A sphere, the first of the pair, and a mesh, of which it is not known whether they are in
+/// contact: `None` if not. The contact is none if there is no direction for it.
+pub fn sphere_mesh(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Option<LocalContact>> {
+    let found = edge_polygon::sphere_touching(pair, workspace)?;
+    Some(from_point(pair, on_mesh(pair, found)))
+}
+
+/// The point of a mesh closest to the centre of a sphere, the way out there, and whether the centre
+/// is inside.
+fn on_mesh(pair: &PlacedPair, (closest, inside): (ClosestPoint, bool)) -> (Vec3A, Vec3A, bool) {
+    let side = side(pair, &closest);
+    (closest.point, closest.normal * side, inside)
+}
+
+/// The contact of a sphere with a surface of which the closest point is known.
+fn from_point(
+    pair: &PlacedPair,
+    (point, outwards, inside): (Vec3A, Vec3A, bool),
+) -> Option<LocalContact> {
     let center = pair.box_a.center;
     let radius = pair.box_a.radius;
-    let (point, outwards, inside) = match pair.b.shape.kind() {
-        Kind::Cuboid => sphere_cuboid(pair),
-        _ => {
-            let (closest, inside) = edge_polygon::sphere_closest(pair, workspace)?;
-            let side = side(pair, &closest);
-            (closest.point, closest.normal * side, inside)
-        }
-    };
     let offset = point - center;
     let distance = offset.length();
     // From the sphere to the other: the way to the surface, or back from it if the centre is

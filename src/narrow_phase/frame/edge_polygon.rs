@@ -1,5 +1,5 @@
-//! The last stage: every edge of one mesh against every polygon of the other, both ways, then the
-//! question whether one is inside the other.
+//! The last stage: every edge of one mesh against every polygon of the other, both ways, as far as
+//! trees find them near each other, then the question whether one is inside the other.
 
 use std::ops::ControlFlow;
 
@@ -148,7 +148,39 @@ pub fn sphere_closest(
     let (mesh, surface) = fill_second_to_search(pair, workspace)?;
     let center = pair.box_a.center;
     let closest = surface.closest_of_all(mesh, center, f32::INFINITY)?;
-    Some((closest, surface.encloses(mesh, center)))
+    let is_told = mesh.is_one_solid() && !surface.placing().is_flat();
+    let is_inside = is_behind(&closest, center, pair.tolerance)
+        .filter(|_| is_told)
+        .unwrap_or_else(|| surface.encloses(mesh, center));
+    Some((closest, is_inside))
+}
+
+/// Whether a point is on the inner side of the face of a mesh that it is closest to; `None` if that
+/// is not straight over that face, or below it. Of a solid in one piece, it tells whether the point
+/// is inside.
+fn is_behind(closest: &ClosestPoint, point: Vec3A, tolerance: f32) -> Option<bool> {
+    let height = (point - closest.point).dot(closest.normal);
+    let is_straight = height.abs() >= STRAIGHT * closest.distance;
+    let is_clear = is_straight && closest.distance > tolerance;
+    is_clear.then_some(height < 0.0)
+}
+
+/// The same as [`sphere_closest`] if the sphere is in contact with the mesh, and only then.
+pub fn sphere_touching(
+    pair: &PlacedPair,
+    workspace: &mut Workspace,
+) -> Option<(ClosestPoint, bool)> {
+    let (mesh, surface) = fill_second_to_search(pair, workspace)?;
+    let sphere = &pair.box_a;
+    let limit = sphere.radius + pair.tolerance;
+    let near = surface.closest_of_all(mesh, sphere.center, limit);
+    let is_inside = surface.encloses(mesh, sphere.center);
+    let closest = match near {
+        Some(closest) => closest,
+        None if is_inside => surface.closest_of_all(mesh, sphere.center, f32::INFINITY)?,
+        None => return None,
+    };
+    Some((closest, is_inside))
 }
 
 /// Whether a point is inside a mesh, the second of the pair.
@@ -269,6 +301,9 @@ fn one_way(
     }
     ControlFlow::Continue(())
 }
+
+/// The least cosine of the angle between a normal and a way that counts as straight.
+const STRAIGHT: f32 = 0.9999;
 
 /// A mesh of so many parts, or fewer, is looked at part by part.
 const FEW_PARTS: usize = 8;

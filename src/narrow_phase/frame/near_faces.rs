@@ -31,6 +31,48 @@ pub trait Near {
     /// What is asked of the boxes in the tree of a mesh, of which a box of the other shape is in
     /// its space. The box is one of the first shape if it is `first`.
     fn measure(&self, of: &Aabb3d, tree: &Placing, first: bool) -> Self::Measure;
+
+    /// Whether two triangles may be near, the first of the first shape, by how high the corners of
+    /// the one are over the plane of the other. In doubt, they may.
+    fn may_be(&self, heights: &Heights, limit: f32) -> bool;
+}
+
+/// How high the corners of a triangle are over the plane of another.
+pub struct Heights {
+    low: f32,
+    high: f32,
+    /// Of the plane.
+    normal: Vec3A,
+    /// Are the corners those of the first?
+    of_first: bool,
+}
+
+impl Heights {
+    /// `None` if the other has no plane.
+    #[inline(always)]
+    fn of(corners: &[Vec3A; 3], [a, b, c]: &[Vec3A; 3], of_first: bool) -> Option<Self> {
+        let normal = (*b - *a).cross(*c - *a);
+        let length = normal.length();
+        let normal = normal / length;
+        let heights = corners.map(|corner| (corner - *a).dot(normal));
+        // More than rounding makes of them.
+        let far = corners
+            .iter()
+            .fold(Vec3A::ZERO, |far, corner| far.max((*corner - *a).abs()));
+        let doubt = 8.0 * f32::EPSILON * far.max_element();
+        (length > f32::MIN_POSITIVE).then(|| Self {
+            low: heights[0].min(heights[1]).min(heights[2]) - doubt,
+            high: heights[0].max(heights[1]).max(heights[2]) + doubt,
+            normal,
+            of_first,
+        })
+    }
+
+    /// How far the corners are at least from the plane.
+    #[inline(always)]
+    fn gap(&self) -> f32 {
+        self.low.max(-self.high)
+    }
 }
 
 /// Those that touch, or are no further apart than a margin along each axis.
@@ -46,6 +88,11 @@ impl Near for Touching {
     #[inline(always)]
     fn measure(&self, of: &Aabb3d, _: &Placing, _: bool) -> Overlap {
         Overlap::new(*of)
+    }
+
+    #[inline(always)]
+    fn may_be(&self, heights: &Heights, _: f32) -> bool {
+        heights.gap() <= self.0
     }
 }
 
@@ -69,6 +116,19 @@ impl Near for OnTheWay {
         let direction = if first { direction } else { -direction };
         Sweep::along(Vec3A::ZERO, direction, of.min, of.max, f32::INFINITY).0
     }
+
+    #[inline(always)]
+    fn may_be(&self, heights: &Heights, limit: f32) -> bool {
+        let gap = heights.gap() - self.margin;
+        if gap <= 0.0 {
+            return true;
+        }
+        // How fast the corners come to the plane from their side.
+        let climbs = heights.normal.dot(self.direction);
+        let climbs = if heights.of_first { climbs } else { -climbs };
+        let closing = if heights.low > 0.0 { -climbs } else { climbs };
+        closing > 0.0 && gap <= closing * limit * (1.0 + 1e-5)
+    }
 }
 
 /// Those within a distance, near ones first. The limit is the square of the distance.
@@ -84,6 +144,12 @@ impl Near for Within {
     #[inline(always)]
     fn measure(&self, of: &Aabb3d, tree: &Placing, _: bool) -> ScaledDistance {
         ScaledDistance::new(*of, tree.scale())
+    }
+
+    #[inline(always)]
+    fn may_be(&self, heights: &Heights, limit: f32) -> bool {
+        let gap = heights.gap();
+        gap <= 0.0 || gap * gap <= limit
     }
 }
 
@@ -132,6 +198,7 @@ pub fn for_each_near<'a, N: Near>(
             let way: Way = placings[0]
                 .to(&placings[1])
                 .with_margin(near.margin(), &placings[1]);
+            let mut left = limit;
             tree.join(
                 other,
                 stack,
@@ -139,14 +206,42 @@ pub fn for_each_near<'a, N: Near>(
                 |aabb| way.place(aabb),
                 |aabb| near.measure(aabb, &placings[1], true),
                 |polygon, other, _| {
+                    let corners = [
+                        triangle(a, &placings[0], polygon),
+                        triangle(b, &placings[1], other),
+                    ];
+                    if let [Some(one), Some(other)] = &corners
+                        && !may_be(near, one, other, left)
+                    {
+                        return ControlFlow::Continue(left);
+                    }
                     surfaces[0].select(a, polygon, tolerance);
                     surfaces[1].select(b, other, tolerance);
-                    visit(surfaces)
+                    left = visit(surfaces)?;
+                    ControlFlow::Continue(left)
                 },
             );
         }
     }
     Some([a, b])
+}
+
+/// The corners of a polygon in place, if it is a triangle.
+#[inline(always)]
+fn triangle(mesh: &PolygonMesh, placing: &Placing, polygon: u32) -> Option<[Vec3A; 3]> {
+    let vertices = mesh.vertices();
+    match mesh.polygon(polygon as usize) {
+        &[a, b, c] => Some([a, b, c].map(|vertex| placing.place(vertices[vertex as usize]))),
+        _ => None,
+    }
+}
+
+/// Whether two triangles may be near, by the planes of both.
+#[inline(always)]
+fn may_be(near: &impl Near, one: &[Vec3A; 3], other: &[Vec3A; 3], limit: f32) -> bool {
+    let by_plane =
+        |heights: Option<Heights>| heights.is_none_or(|heights| near.may_be(&heights, limit));
+    by_plane(Heights::of(one, other, true)) && by_plane(Heights::of(other, one, false))
 }
 
 /// The box of one of two meshes, in the space of the other.

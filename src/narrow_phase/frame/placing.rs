@@ -55,6 +55,12 @@ impl Placing {
         (scale.x == scale.y && scale.y == scale.z && scale.x > 0.0).then_some(scale.x)
     }
 
+    /// Whether the mesh is much thinner along one axis than along another for its scale.
+    pub fn is_flat(&self) -> bool {
+        let scale = self.scale.abs();
+        scale.min_element() < 1e-3 * scale.max_element()
+    }
+
     /// The box of the mesh in its own space.
     pub fn bounds(&self) -> Aabb3d {
         Aabb3d {
@@ -80,6 +86,9 @@ impl Placing {
     /// would turn them inside out.
     #[inline]
     pub fn normal(&self, normal: Vec3) -> Vec3A {
+        if self.uniform_scale().is_some() {
+            return self.axes * (Vec3A::from(normal) * self.scale.signum());
+        }
         let largest = self.scale.abs().max_element();
         let relative = if largest > 0.0 {
             self.scale / largest

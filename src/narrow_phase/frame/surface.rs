@@ -343,6 +343,20 @@ impl Surface {
         &self.corners[start as usize..end as usize]
     }
 
+    /// Returns `true` if points are all on one side of the plane of a face, further from it than the
+    /// tolerance, so that nothing between them [touches](Self::touch) the face.
+    #[inline]
+    pub fn is_off_plane(&self, face: &PlacedFace, points: &[Vec3A], tolerance: f32) -> bool {
+        let reach = tolerance + face.thickness;
+        let heights = points
+            .iter()
+            .map(|point| point.dot(face.normal) - face.plane);
+        let (low, high) = heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| {
+            (low.min(h), high.max(h))
+        });
+        face.normal != Vec3A::ZERO && (low > reach || high < -reach)
+    }
+
     /// A point at which an edge comes as close to a face as the tolerance, if it does: where it
     /// crosses the polygon, where it ends on it, or where it meets the border.
     #[inline]
@@ -374,6 +388,12 @@ impl Surface {
         // Rounding may put a point beside a polygon that it is on, but then the border is this
         // close.
         border(corners).find_map(|border| {
+            if !edge
+                .bounds
+                .overlaps(&LocalAabb::around(border.into_iter(), 0.0))
+            {
+                return None;
+            }
             let (on_edge, on_border) = closest::segments(edge.ends, border);
             let close = on_edge.distance_squared(on_border) <= tolerance * tolerance;
             close.then(|| on_edge.midpoint(on_border))

@@ -1,7 +1,7 @@
 //! Memory that outlives a test, so that a test allocates nothing once warm.
 
 use super::surface::Surface;
-use crate::broad_phase::linear_octree::JoinStack;
+use crate::broad_phase::JoinStack;
 use crate::narrow_phase::{contact::buffers::Buffers, stage::StageCounters};
 
 /// The memory that the tests write to: counters, and buffers for meshes. One per thread; reuse it.

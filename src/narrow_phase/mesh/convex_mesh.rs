@@ -25,7 +25,8 @@ const LONG: usize = 8;
 /// A closed [`PolygonMesh`] in one piece that encloses a convex solid, its polygons facing
 /// outwards.
 ///
-/// Knowing that a solid is convex buys contacts with the normal of least penetration.
+/// Knowing that a solid is convex buys contacts with the axis along which it and another such, or a
+/// cuboid, overlap least.
 #[doc(alias = "convex hull")]
 #[doc(alias = "polyhedron")]
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use bevy::math::{Vec3, Vec3A, bounding::Aabb3d};
 
 use super::{edges::Bits, polygons::Polygons};
-use crate::broad_phase::linear_octree::StillOctree;
+use crate::broad_phase::StillOctree;
 
 /// How far off an edge a vertex on it may be, as a share of the edge's length.
 const OFF_EDGE: f64 = 1e-5;

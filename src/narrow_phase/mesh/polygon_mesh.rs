@@ -10,7 +10,7 @@ use super::{
     topology::{Solid, Topology},
 };
 use crate::{
-    broad_phase::linear_octree::StillOctree,
+    broad_phase::StillOctree,
     narrow_phase::{error::ShapeError, length::length},
 };
 

@@ -15,7 +15,7 @@ use super::{
     polygons::Polygons,
     solids,
 };
-use crate::broad_phase::linear_octree::StillOctree;
+use crate::broad_phase::StillOctree;
 
 pub use super::edges::NO_NEIGHBOR;
 

@@ -10,7 +10,7 @@ use bevy::math::{BVec3, DVec3, Vec3A, bounding::Aabb3d, primitives::HalfSpace};
 use super::convex::Isometry;
 use super::probe::{Probe, Search, passage};
 use super::triangulate::triangulate;
-use crate::broad_phase::{Measure, Overlap, ScaledDistance, Sweep, linear_octree::StillOctree};
+use crate::broad_phase::{Measure, Overlap, ScaledDistance, StillOctree, Sweep};
 use crate::narrow_phase::mesh::polygon_mesh::PolygonMesh;
 
 /// The least scale along an axis by which is divided, as a share of the greatest.

@@ -25,8 +25,8 @@ impl NarrowPhase {
     ///
     /// Exact for every kind of shape. `None` if anything is not finite.
     ///
-    /// Cuboids, spheres: O(1); meshes: linear in their polygons. Allocates nothing once the
-    /// workspace is warm.
+    /// Cuboids, spheres: O(1); meshes: O(log n) for each polygon that is about as near as the
+    /// closest. Allocates nothing once the workspace is warm.
     ///
     /// ```
     /// use bevy::{math::Vec3, transform::components::Transform};
@@ -83,10 +83,10 @@ impl NarrowPhase {
     /// is known, such as two half-spaces: see the [module](crate::narrow_phase).
     ///
     /// Two cuboids: O(1), in the order of 0.1 µs if turned alike, and 1 µs if not; two spheres, and
-    /// a sphere and a cuboid: O(1); a sphere and a mesh: linear in its polygons; two meshes: linear
-    /// in their polygons where they are far from each other, and in the pairs of those that are
-    /// close to the other mesh. Height fields and voxels: linear in the cells that are as near, in
-    /// each direction, as what is closest. Allocates nothing once the workspace is warm.
+    /// a sphere and a cuboid: O(1); one of these and a mesh: O(log n) for each polygon that is about
+    /// as near as the closest; two meshes: the same for each two polygons. Of meshes of a few
+    /// polygons, all are looked at. Height fields and voxels: linear in the cells that are as near,
+    /// in each direction, as what is closest. Allocates nothing once the workspace is warm.
     ///
     /// ```
     /// use bevy::{math::Vec3, transform::components::Transform};

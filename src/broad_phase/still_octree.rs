@@ -8,12 +8,12 @@ use bevy::math::bounding::Aabb3d;
 use fearless_simd::Level;
 
 use super::{
-    levels::Levels,
-    order::order,
-    query::{self, Blocks},
-};
-use crate::broad_phase::{
     block::{Block, WIDTH},
+    linear_octree::{
+        levels::Levels,
+        order::order,
+        query::{self, Blocks},
+    },
     measure::Measure,
     query::Region,
 };
