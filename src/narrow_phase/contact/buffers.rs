@@ -15,12 +15,25 @@ pub struct Claim {
     pub way: WayOut,
 }
 
+/// A polygon in touch with a solid.
+#[derive(Clone, Copy, Debug)]
+pub struct Touching {
+    pub polygon: u32,
+    /// Where its corners begin and end.
+    pub corners: [u32; 2],
+    pub normal: Vec3A,
+    /// The least and the greatest components of its corners.
+    pub bounds: [Vec3A; 2],
+}
+
 /// The memory that contacts write to.
 #[derive(Clone, Debug, Default)]
 pub struct Buffers {
     pub hull: Hull,
     /// Polygons that may be in touch, by index.
     pub polygons: Vec<u32>,
+    /// Those that are.
+    pub touching: Vec<Touching>,
     /// The corners of those that are, in the frame of the solid.
     pub corners: Vec<Vec3A>,
     pub claims: Vec<Claim>,

@@ -9,7 +9,7 @@
 
 use bevy::math::Vec3A;
 
-use crate::narrow_phase::mesh::{polygon_mesh::PolygonMesh, topology::NO_NEIGHBOR};
+use super::around::{Around, is_up};
 
 /// The sine of the angle up to which two polygons count as in one plane, and the share of a length
 /// that is more than rounding.
@@ -52,44 +52,13 @@ pub fn highest(points: &[Vec3A], direction: Vec3A) -> f32 {
     heights.fold(f32::NEG_INFINITY, f32::max)
 }
 
-/// What is beyond a side of a polygon: the next corners of the neighbour at the side's two ends.
-/// `None` at a border.
-pub type Beyond = Option<[Vec3A; 2]>;
-
-/// What is beyond a side of a polygon of a mesh.
-pub fn look_beyond(
-    mesh: &PolygonMesh,
-    polygon: u32,
-    side: usize,
-    place: impl Fn(u32) -> Vec3A,
-) -> Beyond {
-    let other = mesh.across(polygon as usize)[side];
-    if other == NO_NEIGHBOR {
-        return None;
-    }
-    let corners = mesh.polygon(polygon as usize);
-    let ends = [corners[side], corners[(side + 1) % corners.len()]];
-    let others = mesh.polygon(other as usize);
-    let count = others.len();
-    let at = others.iter().position(|vertex| *vertex == ends[0])?;
-    // The neighbour runs along the side the other way, if the two are turned alike.
-    let near = if others[(at + count - 1) % count] == ends[1] {
-        [at + 1, at + count - 2]
-    } else {
-        [at + count - 1, at + 2]
-    };
-    Some(near.map(|at| place(others[at % count])))
-}
-
 /// A polygon and what is beside it.
 #[derive(Clone, Copy)]
 pub struct Facet<'a> {
     pub corners: &'a [Vec3A],
     /// Zero for one that a scale of zero flattened.
     pub normal: Vec3A,
-    /// Tells what is beyond each side, from a corner to the next. Most are not asked about: it is
-    /// far away in memory.
-    pub beyond: &'a dyn Fn(usize) -> Beyond,
+    pub around: Around<'a>,
     /// Is only the side that the normal points to outside?
     pub is_solid: bool,
 }
@@ -108,23 +77,46 @@ impl Facet<'_> {
     /// Is a direction a normal of the surface where the polygon is highest along it?
     pub fn allows(&self, direction: Vec3A) -> bool {
         let top = highest(self.corners, direction);
-        (0..self.corners.len()).all(|side| {
+        let is_highest_of_neighbours = (0..self.corners.len()).all(|side| {
             let ends = self.ends(side);
             let slack = FLAT * (ends[1] - ends[0]).abs().element_sum();
             let is_top = ends.map(|end| top - end.dot(direction) <= slack);
             if is_top == [false; 2] {
                 return true;
             }
-            let Some(beyond) = (self.beyond)(side) else {
+            let Some(beyond) = self.around.beyond(side) else {
                 return !self.is_solid || direction.dot(self.normal) >= 0.0;
             };
-            let is_below = |end: usize| {
-                let way = beyond[end] - ends[end];
-                way.dot(direction) <= FLAT * way.abs().element_sum()
-            };
-            let rises = |end: usize| is_top[end] && !is_below(end);
+            let rises = |end: usize| is_top[end] && is_up(beyond[end] - ends[end], direction, 0.0);
             !(rises(0) || rises(1)) && (!self.is_solid || self.is_outside(ends, beyond, direction))
-        })
+        });
+        is_highest_of_neighbours && !self.is_topped(top, direction)
+    }
+
+    /// Is anything else around the corners that are highest along a direction higher?
+    fn is_topped(&self, top: f32, direction: Vec3A) -> bool {
+        let is_top = |corner: usize, slack: f32| top - self.corners[corner].dot(direction) <= slack;
+        let count = self.corners.len();
+        let mut is_line = false;
+        for side in 0..count {
+            let ends = self.ends(side);
+            let slack = FLAT * (ends[1] - ends[0]).abs().element_sum();
+            if !is_top(side, slack) {
+                continue;
+            }
+            if self.around.rises_at(side, direction) {
+                return true;
+            }
+            if is_top((side + 1) % count, slack) {
+                is_line = true;
+                if self.around.is_topped(ends, direction) {
+                    return true;
+                }
+            }
+        }
+        let corner = |corner: &Vec3A| top - corner.dot(direction) <= 0.0;
+        let mut highest = self.corners.iter().filter(|c| corner(c));
+        !is_line && highest.any(|corner| self.around.is_topped([*corner; 2], direction))
     }
 
     /// Of the directions along which a solid is highest at a side, those that point out of it.
@@ -165,20 +157,22 @@ impl Facet<'_> {
     }
 
     /// Is such a direction a normal that the side has of its own? Not between polygons in one plane,
-    /// nor, of a solid, at the bottom of a fold.
+    /// nor, of a solid, at the bottom of a fold, nor where anything else that lies against the side
+    /// is higher.
     pub fn is_ridge(&self, side: usize, direction: Vec3A) -> bool {
-        let Some(beyond) = (self.beyond)(side) else {
-            return !self.is_solid || direction.dot(self.normal) >= 0.0;
+        let Some(beyond) = self.around.beyond(side) else {
+            return (!self.is_solid || direction.dot(self.normal) >= 0.0)
+                && !self.around.is_topped(self.ends(side), direction);
         };
         let ends = self.ends(side);
         let bend = bend(ends, beyond, self.normal);
         if bend.abs() <= FLAT || (self.is_solid && bend > 0.0) {
             return false;
         }
-        [0, 1].iter().all(|end| {
-            let way = beyond[*end] - ends[*end];
-            way.dot(direction) <= FLAT * way.abs().element_sum()
-        })
+        ![0, 1]
+            .iter()
+            .any(|end| is_up(beyond[*end] - ends[*end], direction, 0.0))
+            && !self.around.is_topped(ends, direction)
     }
 }
 

@@ -3,7 +3,7 @@
 use bevy::math::{Vec3, Vec3A};
 use bevy::reflect::Reflect;
 
-use super::{convex, mesh, meshes, patch::PatchPoint};
+use super::{convex, meshes, patch::PatchPoint};
 use crate::narrow_phase::{
     answer::Contact,
     frame::{
@@ -33,7 +33,7 @@ pub struct ManifoldPoint {
 
 /// The points at which two shapes lie on each other, up to four, with one normal for all.
 ///
-/// The deepest comes first, then the one that is furthest from it, then those that span the largest
+/// The deepest comes first, as deep as the [`Contact`], then the one that is furthest from it, then those that span the largest
 /// area with these. There is at least one.
 #[doc(alias = "contact points")]
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
@@ -62,6 +62,23 @@ impl Manifold {
             normal: -self.normal,
             ..self
         }
+    }
+
+    /// With the deepest point first, as deep as the contact, and none deeper.
+    fn of_depth(mut self, depth: f32) -> Self {
+        let points = &mut self.points[..usize::from(self.count)];
+        let mut deepest = 0;
+        for (index, point) in points.iter().enumerate() {
+            if point.depth > points[deepest].depth {
+                deepest = index;
+            }
+        }
+        points[..=deepest].rotate_right(1);
+        points[0].depth = depth;
+        for point in points {
+            point.depth = point.depth.min(depth);
+        }
+        self
     }
 
     /// At larger scale.
@@ -132,10 +149,12 @@ impl NarrowPhase {
         let (first, second, swapped) = in_order(a, b);
         let seen = if swapped { contact.reversed() } else { contact };
         let found = self.in_order_manifold(first, second, seen, workspace);
+        let found = found.of_depth(contact.depth);
         Some(if swapped { found.reversed() } else { found })
     }
 
-    /// Of two in the order in which pairs are computed, of which the contact is known.
+    /// Of two in the order in which pairs are computed, of which the contact is known: the workspace
+    /// is as that left it.
     fn in_order_manifold(
         &self,
         first: Placed,
@@ -164,9 +183,9 @@ impl NarrowPhase {
             Case::Polygons => {
                 let is_convex = [first, second].map(|placed| placed.shape.kind().is_convex());
                 match is_convex {
-                    [true, _] => _ = mesh::contact(&pair, workspace),
-                    [_, true] => _ = mesh::contact(&pair.swapped(), workspace),
-                    _ => meshes::gather(&pair, normal, contact.depth, workspace),
+                    [false, false] => meshes::gather(&pair, normal, contact.depth, workspace),
+                    // The contact has gathered them.
+                    _ => {}
                 }
             }
         }

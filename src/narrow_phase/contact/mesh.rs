@@ -7,10 +7,11 @@
 use bevy::math::Vec3A;
 
 use super::{
-    body::Body,
-    buffers::{Buffers, Claim},
+    around::{Around, Look},
+    body::{Body, bounds},
+    buffers::{Buffers, Claim, Touching},
     claims::settle,
-    facet::{Facet, highest, look_beyond},
+    facet::{Facet, highest},
     place::MeshPlace,
 };
 use crate::narrow_phase::{
@@ -122,12 +123,12 @@ impl OnMesh<'_> {
         BIAS * self.pair.box_a.radius
     }
 
-    /// What each polygon in touch says.
-    fn find_claims(&self, buffers: &mut Buffers) {
+    /// Finds the polygons in touch.
+    fn find_touching(&self, buffers: &mut Buffers) {
         let Buffers {
             polygons,
+            touching,
             corners,
-            claims,
             ..
         } = buffers;
         let (mesh, tolerance) = (self.mesh, self.pair.tolerance);
@@ -138,7 +139,7 @@ impl OnMesh<'_> {
         // In the order of the mesh, whatever that of the tree.
         polygons.sort_unstable();
         corners.clear();
-        claims.clear();
+        touching.clear();
         for &polygon in &*polygons {
             let start = corners.len();
             let vertices = mesh.polygon(polygon as usize).iter();
@@ -149,25 +150,82 @@ impl OnMesh<'_> {
                 corners.truncate(start);
                 continue;
             }
-            let beyond = |side| {
-                look_beyond(mesh, polygon, side, |vertex| {
-                    self.place.place(mesh.vertices()[vertex as usize])
-                })
-            };
-            let facet = Facet {
-                corners: own,
+            touching.push(Touching {
+                polygon,
+                corners: [start as u32, corners.len() as u32],
                 normal,
-                beyond: &beyond,
-                is_solid: mesh.bounds_solid(polygon as usize),
+                bounds: bounds(corners[start..].iter().copied()),
+            });
+        }
+    }
+
+    /// What each polygon in touch says.
+    fn find_claims(&self, buffers: &mut Buffers) {
+        self.find_touching(buffers);
+        let Buffers {
+            touching,
+            corners,
+            claims,
+            ..
+        } = buffers;
+        let (mesh, reach) = (self.mesh, self.pair.tolerance.max(self.bias()));
+        let corners_of =
+            |[start, end]: [u32; 2]| -> &[Vec3A] { &corners[start as usize..end as usize] };
+        let place = |vertex: u32| self.place.place(mesh.vertices()[vertex as usize]);
+        let clip = |line| self.clip(line);
+        let others = |line: [Vec3A; 2], is_it: Look| {
+            let [low, high] = bounds(line.into_iter());
+            touching.iter().any(|other| {
+                let [min, max] = other.bounds;
+                min.cmple(high + reach).all()
+                    && max.cmpge(low - reach).all()
+                    && is_it(other.polygon, corners_of(other.corners), other.normal)
+            })
+        };
+        claims.clear();
+        for own in touching.iter() {
+            let facet = Facet {
+                corners: corners_of(own.corners),
+                normal: own.normal,
+                around: Around {
+                    mesh,
+                    polygon: own.polygon,
+                    place: &place,
+                    clip: &clip,
+                    others: &others,
+                    reach,
+                },
+                is_solid: mesh.bounds_solid(own.polygon as usize),
             };
             if let Some(way) = self.body.way_out(&facet, self.bias()) {
                 claims.push(Claim {
-                    corners: [start as u32, corners.len() as u32],
+                    corners: own.corners,
                     polygons: [0; 2],
-                    normal,
+                    normal: own.normal,
                     way,
                 });
             }
+        }
+    }
+
+    /// The part of a line inside the solid; all of it, if there is none.
+    fn clip(&self, line: [Vec3A; 2]) -> [Vec3A; 2] {
+        let [from, to] = line;
+        let [mut start, mut end] = [0f32, 1f32];
+        self.body.for_each_plane(|normal, plane| {
+            let [first, last] = line.map(|point| point.dot(normal) - plane);
+            if first > 0.0 && last > 0.0 {
+                end = -1.0;
+            } else if first > 0.0 {
+                start = start.max(first / (first - last));
+            } else if last > 0.0 {
+                end = end.min(first / (first - last));
+            }
+        });
+        if start <= end {
+            [from.lerp(to, start), from.lerp(to, end)]
+        } else {
+            line
         }
     }
 
@@ -201,7 +259,7 @@ impl OnMesh<'_> {
                 let plane = highest(own, up);
                 patch.piece.clone_from(face);
                 patch.cut_to(own, direction);
-                patch.add(direction, tolerance, |point| {
+                patch.add_up_to(way.depth, direction, tolerance, |point| {
                     (plane - point.dot(up)) / along
                 });
             }
@@ -212,7 +270,9 @@ impl OnMesh<'_> {
                 patch.piece.clear();
                 patch.piece.extend_from_slice(corners_of(claim));
                 patch.cut_to(face, direction);
-                patch.add(-direction, tolerance, |point| point.dot(direction) - plane);
+                patch.add_up_to(way.depth, -direction, tolerance, |point| {
+                    point.dot(direction) - plane
+                });
             }
         } else {
             // Edge on edge.

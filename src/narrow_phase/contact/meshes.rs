@@ -10,15 +10,18 @@ use std::ops::ControlFlow;
 use bevy::math::Vec3A;
 
 use super::{
+    around::{Around, Look},
+    body,
     buffers::Claim,
     claims::settle,
-    facet::{Best, FLAT, Facet, PARALLEL, highest, look_beyond},
+    facet::{Best, FLAT, Facet, PARALLEL, highest},
     mesh,
     summit::{Course, Slope, Summits},
 };
 use crate::narrow_phase::{
     answer::LocalContact,
     frame::{
+        local_aabb::LocalAabb,
         near_faces::{Touching, for_each_near},
         placed::PlacedPair,
         surface::{PlacedFace, Surface, border},
@@ -82,9 +85,13 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
 }
 
 /// Puts the points at which two meshes lie on each other into the workspace: those of polygons of
-/// both that have the normal of the contact. None where there are none.
+/// both that have the normal of the contact. None where there are none, as of one inside the other.
+/// The workspace is as [`contact`] left it.
 pub fn gather(pair: &PlacedPair, normal: Vec3A, depth: f32, workspace: &mut Workspace) {
     workspace.contact.patch.clear();
+    if workspace.contact.claims.is_empty() {
+        return;
+    }
     let margin = depth + pair.tolerance;
     let mut buffers = std::mem::take(&mut workspace.contact);
     let patch = &mut buffers.patch;
@@ -102,7 +109,7 @@ pub fn gather(pair: &PlacedPair, normal: Vec3A, depth: f32, workspace: &mut Work
         let deep = |point: Vec3A| (point.dot(up) - plane) / along_other.abs();
         // The far side of what is deeper than the contact lies on nothing.
         if patch.piece.iter().all(|point| deep(*point) <= margin) {
-            patch.add(-normal, pair.tolerance, deep);
+            patch.add_up_to(depth, -normal, pair.tolerance, deep);
         }
     });
     workspace.contact = buffers;
@@ -129,13 +136,17 @@ fn for_each_two(
 }
 
 /// One mesh inside the other, whose surfaces do not touch: out through what is nearest to its
-/// centre.
+/// centre. The centre of the outer one may be in the inner one too; that way is longer.
 fn nested(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
     let (Shape::Mesh(a), Shape::Mesh(b)) = (pair.a.shape, pair.b.shape) else {
         return None;
     };
-    mesh::nested(pair, b, workspace)
-        .or_else(|| mesh::nested(&pair.swapped(), a, workspace).map(LocalContact::reversed))
+    let first = mesh::nested(pair, b, workspace);
+    let second = mesh::nested(&pair.swapped(), a, workspace).map(LocalContact::reversed);
+    match (first, second) {
+        (Some(first), Some(second)) if second.depth < first.depth => Some(second),
+        (first, second) => first.or(second),
+    }
 }
 
 /// The mean of the points at which the sides of one of two faces touch the other.
@@ -175,6 +186,17 @@ impl Side<'_> {
     fn normal(&self, face: &PlacedFace) -> (Vec3A, bool) {
         let is_solid = self.mesh.bounds_solid(face.polygon as usize);
         (face.normal, is_solid)
+    }
+
+    /// Shows the faces that may be as near a line as `reach`, until one is the one looked for;
+    /// whether one was.
+    fn any_near(&self, line: [Vec3A; 2], reach: f32, is_it: Look) -> bool {
+        let [low, high] = body::bounds(line.into_iter());
+        self.surface.faces.iter().any(|face| {
+            face.bounds.min.cmple(high + reach).all()
+                && face.bounds.max.cmpge(low - reach).all()
+                && is_it(face.polygon, self.surface.corners(face), face.normal)
+        })
     }
 
     /// The mesh, seen along a direction.
@@ -270,20 +292,37 @@ impl<'a> Sides<'a> {
             }
         }
         if best.way.is_none_or(|way| way.depth > bias) {
-            let beyond =
-                |side| look_beyond(a.mesh, face.polygon, side, |v| a.surface.vertex(a.mesh, v));
-            let other_beyond =
-                |side| look_beyond(b.mesh, other.polygon, side, |v| b.surface.vertex(b.mesh, v));
+            let place = |vertex| a.surface.vertex(a.mesh, vertex);
+            let place_other = |vertex| b.surface.vertex(b.mesh, vertex);
+            let reach = a.tolerance.max(bias);
+            let near = |line: [Vec3A; 2], is_it: Look| a.any_near(line, reach, is_it);
+            let near_other = |line: [Vec3A; 2], is_it: Look| b.any_near(line, reach, is_it);
+            let clip = |line| clip(line, &other.bounds);
+            let clip_other = |line| self::clip(line, &face.bounds);
             let first = Facet {
                 corners: own,
                 normal: normal_a,
-                beyond: &beyond,
+                around: Around {
+                    mesh: a.mesh,
+                    polygon: face.polygon,
+                    place: &place,
+                    clip: &clip,
+                    others: &near,
+                    reach,
+                },
                 is_solid: solid_a,
             };
             let second = Facet {
                 corners: theirs,
                 normal: normal_b,
-                beyond: &other_beyond,
+                around: Around {
+                    mesh: b.mesh,
+                    polygon: other.polygon,
+                    place: &place_other,
+                    clip: &clip_other,
+                    others: &near_other,
+                    reach,
+                },
                 is_solid: solid_b,
             };
             across_edges(&first, &second, &mut best);
@@ -294,6 +333,27 @@ impl<'a> Sides<'a> {
             normal: other.normal,
             way,
         })
+    }
+}
+
+/// The part of a line in a box; all of it, if there is none.
+fn clip(line: [Vec3A; 2], bounds: &LocalAabb) -> [Vec3A; 2] {
+    let [from, to] = line;
+    let way = to - from;
+    let [mut start, mut end] = [0f32, 1f32];
+    for axis in 0..3 {
+        let at = |side: f32| (side - from[axis]) / way[axis];
+        let [one, other] = [at(bounds.min[axis]), at(bounds.max[axis])];
+        // Along a box, the two are no numbers, or infinite.
+        if one.is_finite() && other.is_finite() {
+            start = start.max(one.min(other));
+            end = end.min(one.max(other));
+        }
+    }
+    if start <= end {
+        [from.lerp(to, start), from.lerp(to, end)]
+    } else {
+        line
     }
 }
 

@@ -1,5 +1,6 @@
 //! Where, which way and how deep two shapes meet.
 
+mod around;
 mod body;
 pub(super) mod buffers;
 mod claims;

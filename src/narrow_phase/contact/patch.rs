@@ -72,9 +72,23 @@ impl Patch {
     /// Takes the piece up, or what of it is below the other shape's surface, to within a tolerance:
     /// it is as deep as `depth` says, against `axis`.
     pub fn add(&mut self, axis: Vec3A, tolerance: f32, depth: impl Fn(Vec3A) -> f32) {
-        let halfway = |point: Vec3A| PatchPoint {
-            point: point + axis * (depth(point) * 0.5),
-            depth: depth(point).max(0.0),
+        self.add_up_to(f32::INFINITY, axis, tolerance, depth);
+    }
+
+    /// The same, with nothing deeper than `most`.
+    pub fn add_up_to(
+        &mut self,
+        most: f32,
+        axis: Vec3A,
+        tolerance: f32,
+        depth: impl Fn(Vec3A) -> f32,
+    ) {
+        let halfway = |point: Vec3A| {
+            let depth = depth(point).min(most);
+            PatchPoint {
+                point: point + axis * (depth * 0.5),
+                depth: depth.max(0.0),
+            }
         };
         let piece = &self.piece;
         let deep = piece.iter().filter(|point| depth(**point) >= -tolerance);

@@ -115,3 +115,18 @@ fn one_mesh_inside_another_leaves_from_centre_to_centre() {
     let found = NarrowPhase::default().contact(one, two, &mut Workspace::default());
     assert_eq!(found.unwrap().normal.length(), 1.0);
 }
+
+/// The outer one's centre is in the inner one.
+#[test]
+fn a_mesh_that_is_inside_leaves_through_the_outer_one() {
+    let (large, small) = (mesh_of(Vec3::splat(50.0)), mesh_of(Vec3::splat(0.5)));
+    let place = at(0.1, 0.3, 0.2);
+    let found = contact((&large, at(0.0, 0.0, 0.0)), (&small, place));
+    assert_close(found, Vec3::Y, 50.2);
+    let found = contact((&small, place), (&large, at(0.0, 0.0, 0.0)));
+    assert_close(found, Vec3::NEG_Y, 50.2);
+    let here = at(0.0, 0.0, 0.0);
+    let (one, two) = (Placed::new(&large, &here), Placed::new(&small, &place));
+    let found = NarrowPhase::default().manifold(one, two, &mut Workspace::default());
+    assert_eq!(found.unwrap().points().len(), 1);
+}

@@ -17,6 +17,9 @@ fn manifold(a: (&Shape, Transform), b: (&Shape, Transform)) -> Manifold {
     assert_eq!(found, back.reversed());
     let contact = tests.contact(one, two, &mut workspace).unwrap();
     assert_eq!(found.normal, contact.normal);
+    let depths = found.points().iter().map(|point| point.depth);
+    assert!(depths.clone().all(|depth| depth <= contact.depth));
+    assert_eq!(found.points()[0].depth, contact.depth);
     assert_eq!(
         found,
         tests.manifold(one, two, &mut Workspace::default()).unwrap()

@@ -419,3 +419,134 @@ fn a_ball_with_its_centre_on_the_surface_leaves_to_its_side() {
     );
     assert_eq!(found.normal, Vec3::Y);
 }
+
+/// Polygons, each with vertices of its own.
+fn unwelded(polygons: &[Vec<[f32; 3]>]) -> Shape {
+    let vertices: Vec<_> = polygons.iter().flatten().copied().map(Vec3::from).collect();
+    let mut next = 0;
+    let number = |polygon: &Vec<[f32; 3]>| {
+        next += polygon.len() as u32;
+        (next - polygon.len() as u32..next).collect::<Vec<_>>()
+    };
+    let lists: Vec<_> = polygons.iter().map(number).collect();
+    Shape::mesh(vertices, lists).unwrap()
+}
+
+/// From one x to another, with normals upwards.
+fn tile([from, to]: [f32; 2], [near, far]: [f32; 2]) -> Vec<[f32; 3]> {
+    let corners = [[from, near], [from, far], [to, far], [to, near]];
+    corners.map(|[x, z]| [x, 0.0, z]).to_vec()
+}
+
+/// Two cuboids of polygons side by side.
+fn bricks() -> Shape {
+    let mut vertices = Vec::new();
+    let mut lists = Vec::new();
+    for from in [-2.0, 0.0] {
+        let first = vertices.len() as u32;
+        vertices.extend((0..8).map(|bits: u32| {
+            let [x, y, z] = [bits & 1, bits >> 1 & 1, bits >> 2].map(|bit| bit as f32);
+            Vec3::new(from + 2.0 * x, y - 1.0, 4.0 * z - 2.0)
+        }));
+        let sides = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        lists.extend(sides.map(|side| side.map(|vertex| vertex + first)));
+    }
+    Shape::mesh(vertices, lists).unwrap()
+}
+
+#[test]
+fn a_floor_goes_on_over_seams_that_share_no_vertices() {
+    let (wide, narrow) = ([-2.0, 2.0], [-2.0, 0.13]);
+    let floors = [
+        (
+            "tiles",
+            unwelded(&[tile([-2., 0.], wide), tile([0., 2.], wide)]),
+        ),
+        (
+            "a long side against two",
+            unwelded(&[
+                tile([-2., 0.], wide),
+                tile([0., 2.], narrow),
+                tile([0., 2.], [0.13, 2.0]),
+            ]),
+        ),
+        ("bricks", bricks()),
+    ];
+    let solids = [
+        ("cuboid", box_of(0.5, 0.5, 0.5)),
+        ("convex", convex_cube(0.5)),
+    ];
+    let height = 0.5f32.sqrt() - 0.001;
+    for (name, floor) in &floors {
+        for (solid_name, solid) in &solids {
+            for (x, z, yaw) in [
+                (0.0, 0.2, 0.0),
+                (0.0, 0.2, 0.3),
+                (0.0, 0.5, 1.2),
+                (0.0003, -0.4, 0.0),
+                (-0.0003, 0.0, 0.0),
+            ] {
+                let turn =
+                    Quat::from_rotation_y(yaw) * Quat::from_rotation_z(std::f32::consts::FRAC_PI_4);
+                let place = at(x, height, z).with_rotation(turn);
+                let found = contact((floor, at(0.0, 0.0, 0.0)), (solid, place));
+                assert_close(
+                    found,
+                    Vec3::Y,
+                    0.001,
+                    &format!("{solid_name} on {name}, {x} {yaw}"),
+                );
+            }
+        }
+    }
+}
+
+/// A ball of triangles, by latitude and longitude.
+fn globe(bands: u32, radius: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let around = 2 * bands;
+    let mut vertices = vec![Vec3::Y * radius];
+    for band in 1..bands {
+        for step in 0..around {
+            let t = band as f32 / bands as f32 * std::f32::consts::PI;
+            let p = step as f32 / around as f32 * std::f32::consts::TAU;
+            vertices.push(Vec3::new(t.sin() * p.cos(), t.cos(), t.sin() * p.sin()) * radius);
+        }
+    }
+    vertices.push(Vec3::NEG_Y * radius);
+    let last = vertices.len() as u32 - 1;
+    let vertex = |band: u32, step: u32| 1 + (band - 1) * around + step % around;
+    let mut list = Vec::new();
+    for step in 0..around {
+        list.push([0, vertex(1, step + 1), vertex(1, step)]);
+        list.push([last, vertex(bands - 1, step), vertex(bands - 1, step + 1)]);
+        for band in 1..bands - 1 {
+            let [a, b] = [vertex(band, step), vertex(band, step + 1)];
+            let [c, d] = [vertex(band + 1, step), vertex(band + 1, step + 1)];
+            list.extend([[a, b, c], [b, d, c]]);
+        }
+    }
+    (vertices, list)
+}
+
+#[test]
+fn nothing_around_a_corner_is_higher() {
+    let flat = grid(12, |_, _| 0.0);
+    let (vertices, list) = globe(5, 0.5);
+    let ball = Shape::convex(vertices, list).unwrap();
+    let mirrored = Vec3::new(0.83, -1.0, 0.83);
+    for scale in [mirrored, Vec3::new(0.83, 1.0, 0.83)] {
+        for step in 0..200 {
+            let [x, z] = [0.37, 0.53].map(|by| 2.0 + (step as f32 * by) % 5.0);
+            let floor = at(0.0, 0.0, 0.0).with_scale(scale);
+            let found = contact((&flat, floor), (&ball, at(x, -0.1, z)));
+            assert_close(found, Vec3::NEG_Y, 0.4, &format!("{scale} {x} {z}"));
+        }
+    }
+}
