@@ -2,6 +2,7 @@
 
 use bevy::math::Vec3A;
 
+
 use super::{facet::WayOut, hull::Hull, patch::Patch, summit::Summits};
 
 /// What a polygon says about the contact of its mesh with a solid.

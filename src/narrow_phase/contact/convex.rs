@@ -79,15 +79,16 @@ fn least_overlap(a: &Surface, b: &Surface, bias: f32) -> Option<(Vec3A, f32)> {
 /// Puts the points at which two convex shapes lie on each other into the workspace: those of a face
 /// of one over a face of the other. None where two edges cross.
 pub fn gather(pair: &PlacedPair, normal: Vec3A, workspace: &mut Workspace) {
-    workspace.contact.patch.clear();
+    workspace.contact.of::<Buffers>().patch.clear();
     if edge_polygon::fill_all(pair, workspace).is_none() {
         return;
     }
     let Workspace {
-        contact: Buffers { patch, .. },
+        contact,
         surfaces: [a, b],
         ..
     } = workspace;
+    let patch = &mut contact.of::<Buffers>().patch;
     let (Some((along_a, on_a)), Some((along_b, on_b))) = (facing(a, normal), facing(b, -normal))
     else {
         return;

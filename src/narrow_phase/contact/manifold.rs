@@ -3,7 +3,7 @@
 use bevy::math::{Vec3, Vec3A};
 use bevy::reflect::Reflect;
 
-use super::{convex, meshes, patch::PatchPoint};
+use super::{buffers::Buffers, convex, meshes, patch::PatchPoint};
 use crate::narrow_phase::{
     answer::Contact,
     frame::{
@@ -190,7 +190,7 @@ impl NarrowPhase {
             }
         }
         let size = pair.box_a.radius.min(pair.box_b.radius);
-        let points = &workspace.contact.patch.points;
+        let points = &workspace.contact.of::<Buffers>().patch.points;
         let (chosen, count) = choose(points, normal, size);
         if count == 0 {
             return single;

@@ -37,7 +37,7 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
     let Shape::Mesh(mesh) = pair.b.shape else {
         return None;
     };
-    let Workspace { contact, .. } = &mut *workspace;
+    let contact = workspace.contact.of::<Buffers>();
     contact.patch.clear();
     let mut hull = std::mem::take(&mut contact.hull);
     let (body, middle) = match pair.a.shape {

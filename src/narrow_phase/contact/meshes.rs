@@ -12,6 +12,7 @@ use bevy::math::Vec3A;
 use super::{
     around::{Around, Look},
     body,
+    buffers::Buffers,
     buffers::Claim,
     claims::settle,
     facet::{Best, FLAT, Facet, PARALLEL, highest},
@@ -45,7 +46,7 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
         return None;
     };
     let meshes: [&PolygonMesh; 2] = [mesh_a, mesh_b];
-    let mut buffers = std::mem::take(&mut workspace.contact);
+    let mut buffers = std::mem::take(workspace.contact.of::<Buffers>());
     buffers.patch.clear();
     buffers.claims.clear();
     buffers.summits.clear();
@@ -73,7 +74,7 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
     });
     buffers.summits = summits;
     let way = deepest.map(|deepest| buffers.claims[deepest].way);
-    workspace.contact = buffers;
+    *workspace.contact.of() = buffers;
     let Some(way) = way else {
         return nested(pair, workspace);
     };
@@ -88,12 +89,13 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
 /// both that have the normal of the contact. None where there are none, as of one inside the other.
 /// The workspace is as [`contact`] left it.
 pub fn gather(pair: &PlacedPair, normal: Vec3A, depth: f32, workspace: &mut Workspace) {
-    workspace.contact.patch.clear();
-    if workspace.contact.claims.is_empty() {
+    let buffers = workspace.contact.of::<Buffers>();
+    buffers.patch.clear();
+    if buffers.claims.is_empty() {
         return;
     }
     let margin = depth + pair.tolerance;
-    let mut buffers = std::mem::take(&mut workspace.contact);
+    let mut buffers = std::mem::take(workspace.contact.of::<Buffers>());
     let patch = &mut buffers.patch;
     for_each_two(pair, margin, workspace, |[a, b], face, other| {
         let [along, along_other] = [face, other].map(|face| face.normal.dot(normal));
@@ -112,7 +114,7 @@ pub fn gather(pair: &PlacedPair, normal: Vec3A, depth: f32, workspace: &mut Work
             patch.add_up_to(depth, -normal, pair.tolerance, deep);
         }
     });
-    workspace.contact = buffers;
+    *workspace.contact.of() = buffers;
 }
 
 /// Calls `visit` with each two faces that may be as near each other as `margin`, and the meshes, in

@@ -9,6 +9,7 @@ pub(super) mod cuboid_mesh;
 pub(super) mod cuboid_triangle;
 pub(super) mod edge_polygon;
 pub(super) mod local_aabb;
+pub(super) mod memory;
 pub(super) mod near_faces;
 pub(super) mod oriented_box;
 pub(super) mod placed;

@@ -1,8 +1,8 @@
 //! Memory that outlives a test, so that a test allocates nothing once warm.
 
-use super::surface::Surface;
+use super::{memory::Memory, surface::Surface};
 use crate::broad_phase::JoinStack;
-use crate::narrow_phase::{contact::buffers::Buffers, stage::StageCounters};
+use crate::narrow_phase::stage::StageCounters;
 
 /// The memory that the tests write to: counters, and buffers for meshes. One per thread; reuse it.
 #[derive(Clone, Debug, Default)]
@@ -14,7 +14,7 @@ pub struct Workspace {
     /// The parts of two trees that are still to be compared.
     pub(in crate::narrow_phase) stack: JoinStack,
     /// What contacts are found with.
-    pub(in crate::narrow_phase) contact: Buffers,
+    pub(in crate::narrow_phase) contact: Memory,
     /// There was a pair of shapes about which nothing can be said; and somebody has been told.
     #[cfg(feature = "rapier")]
     unknown: [bool; 2],
