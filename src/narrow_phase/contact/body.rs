@@ -4,7 +4,8 @@
 //! A cuboid is three numbers there, and all axes that may part it from a triangle have closed forms
 //! (Akenine-Möller, *Fast 3D Triangle-Box Overlap Testing*, 2001). Of the edges of a convex mesh,
 //! those count whose normals an edge of the polygon can meet, by the Gauss map (Gregorius, *The
-//! Separating Axis Test between Convex Polyhedra*, 2013).
+//! Separating Axis Test between Convex Polyhedra*, 2013). Of a mesh of many faces, those near the
+//! polygon are looked for.
 
 use bevy::math::{Vec3A, Vec3Swizzles};
 

@@ -2,7 +2,7 @@
 
 use bevy::math::Vec3A;
 
-use super::{buffers::Buffers, facet::highest, large_hull::MOST_FACES, support::highest_vertex};
+use super::{buffers::Buffers, facet::highest, support::highest_vertex};
 use crate::narrow_phase::{
     answer::LocalContact,
     frame::{
@@ -19,6 +19,8 @@ use crate::narrow_phase::{
 
 /// Up to so many pairs of edges, their cross products are tried as axes.
 const MOST_EDGE_PAIRS: usize = 1024;
+/// All faces of a mesh of so many, or fewer, are tried.
+const FEW_FACES: usize = 64;
 /// How much less the overlap along a later axis has to be to be preferred, as a share of the pair's
 /// size.
 const BIAS: f32 = 1e-3;
@@ -55,7 +57,7 @@ fn has_large(pair: &PlacedPair) -> bool {
     let [Some((a, _)), Some((b, _))] = meshes else {
         return false;
     };
-    a.polygon_count().max(b.polygon_count()) > MOST_FACES
+    a.polygon_count().max(b.polygon_count()) > FEW_FACES
         && a.edges().len() * b.edges().len() > MOST_EDGE_PAIRS
 }
 

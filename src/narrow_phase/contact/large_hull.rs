@@ -6,7 +6,10 @@
 //! polygon does not allow that direction, what is next are the faces with normals that it does
 //! allow: they are all around the one that faces it.
 
-use std::{cell::RefCell, ops::ControlFlow};
+use std::{
+    cell::{Cell, RefCell},
+    ops::ControlFlow,
+};
 
 use bevy::math::{Vec3A, bounding::Aabb3d};
 
@@ -24,7 +27,7 @@ use crate::narrow_phase::{
 };
 
 /// A mesh of so many faces, or fewer, is looked at as a whole.
-pub const MOST_FACES: usize = 64;
+const MOST_FACES: usize = 128;
 
 /// Memory that outlives a contact.
 #[derive(Clone, Debug, Default)]
@@ -71,15 +74,23 @@ pub struct LargeHull<'a> {
     /// A point inside, in place.
     inside: Vec3A,
     room: RefCell<Room>,
+    /// Where it begins along the last two directions: those of a flat floor are always the same.
+    begins: Cell<[(Vec3A, f32); 2]>,
 }
 
 impl<'a> LargeHull<'a> {
     /// Says where a mesh is, if it has many faces and no scale flattens it. O(corners).
     pub fn new(mesh: &'a PolygonMesh, scale: Vec3A, room: &mut Room) -> Option<Self> {
+        let has_many = mesh.polygon_count() > MOST_FACES;
+        has_many.then(|| Self::searched(mesh, scale, room))?
+    }
+
+    /// The same of any number of faces for which there is a tree.
+    fn searched(mesh: &'a PolygonMesh, scale: Vec3A, room: &mut Room) -> Option<Self> {
         let tree = mesh.tree()?;
         let sizes = scale.abs();
         let is_solid = sizes.min_element() > 1e-3 * sizes.max_element();
-        if mesh.polygon_count() <= MOST_FACES || !is_solid {
+        if !is_solid {
             return None;
         }
         let (middle, ..) = mesh.local_bounds();
@@ -96,6 +107,7 @@ impl<'a> LargeHull<'a> {
             to_normal: cofactors(scale),
             inside: sum / count * scale,
             room: RefCell::new(std::mem::take(room)),
+            begins: Cell::new([(Vec3A::NAN, 0.0); 2]),
         })
     }
 
@@ -143,7 +155,13 @@ impl<'a> LargeHull<'a> {
 
     /// Where it begins along a direction.
     pub fn lowest(&self, direction: Vec3A) -> f32 {
-        -highest_vertex(self.mesh, -direction * self.scale).1
+        let known = self.begins.get();
+        if let Some((_, height)) = known.iter().find(|known| known.0 == direction) {
+            return *height;
+        }
+        let height = -highest_vertex(self.mesh, -direction * self.scale).1;
+        self.begins.set([(direction, height), known[0]]);
+        height
     }
 
     /// A corner that is as far along a direction as any.

@@ -54,7 +54,7 @@ fn polygons_meet_the_faces_near_them_as_they_meet_all() {
         let mesh = sphere(rings, around);
         for _ in 0..400 {
             let scale = Vec3A::new(1.0, 0.5, -0.7) * (0.5 + random.f32());
-            let large = LargeHull::new(&mesh, scale, &mut room).unwrap();
+            let large = LargeHull::searched(&mesh, scale, &mut room).unwrap();
             hull.fill(&mesh, scale);
             let (all, near) = (Body::Hull(&hull), Body::Large(&large));
             let size = scale.length();
