@@ -131,5 +131,5 @@ pub use object_octree::{ObjectOctree, ObjectOctreeSettings, RootPolicy, Settings
 pub use pairs::{Pair, PairSet};
 pub use proxy::Proxies;
 pub use query::{Cast, Flow, Hit, Region};
-pub(crate) use query::{Overlap, ScaledDistance, Sweep};
+pub(crate) use query::{Height, Overlap, ScaledDistance, Sweep};
 pub(crate) use still_octree::{JoinStack, StillOctree};

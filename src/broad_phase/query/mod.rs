@@ -2,6 +2,7 @@
 
 mod cast;
 mod flow;
+mod height;
 mod hit;
 mod pairs;
 mod point_distance;
@@ -14,6 +15,7 @@ mod tests;
 pub use cast::Cast;
 pub(crate) use cast::Sweep;
 pub use flow::Flow;
+pub(crate) use height::Height;
 pub use hit::Hit;
 pub(crate) use region::Overlap;
 pub use region::Region;

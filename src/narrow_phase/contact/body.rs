@@ -4,13 +4,15 @@
 //! A cuboid is three numbers there, and all axes that may part it from a triangle have closed forms
 //! (Akenine-Möller, *Fast 3D Triangle-Box Overlap Testing*, 2001). Of the edges of a convex mesh,
 //! those count whose normals an edge of the polygon can meet, by the Gauss map (Gregorius, *The
-//! Separating Axis Test between Convex Polyhedra*, 2013).
+//! Separating Axis Test between Convex Polyhedra*, 2013). Of a mesh of many faces, those near the
+//! polygon are looked for.
 
 use bevy::math::{Vec3A, Vec3Swizzles};
 
 use super::{
     facet::{Best, Facet, WayOut, highest},
     hull::Hull,
+    large_hull::LargeHull,
 };
 use crate::narrow_phase::frame::surface::{border, covers};
 
@@ -20,6 +22,8 @@ pub enum Body<'a> {
     /// By half its sides.
     Cuboid(Vec3A),
     Hull(&'a Hull),
+    /// One of many faces.
+    Large(&'a LargeHull<'a>),
 }
 
 /// Do all corners of a polygon turn the same way?
@@ -51,6 +55,7 @@ impl Body<'_> {
         match self {
             Self::Cuboid(half) => -half.dot(direction.abs()),
             Self::Hull(hull) => hull.lowest(direction),
+            Self::Large(hull) => hull.lowest(direction),
         }
     }
 
@@ -61,6 +66,7 @@ impl Body<'_> {
         match self {
             Self::Cuboid(half) => cuboid_touches(*half, corners, normal, tolerance),
             Self::Hull(hull) => hull.touches(corners, normal, tolerance),
+            Self::Large(hull) => hull.touches(corners, tolerance),
         }
     }
 
@@ -93,6 +99,7 @@ impl Body<'_> {
         match self {
             Self::Cuboid(half) => *half * direction.signum(),
             Self::Hull(hull) => hull.furthest(direction),
+            Self::Large(hull) => hull.furthest(direction),
         }
     }
 
@@ -108,6 +115,7 @@ impl Body<'_> {
             match self {
                 Self::Cuboid(half) => cuboid_ways(*half, facet, &mut best),
                 Self::Hull(hull) => hull.ways(facet, &mut best),
+                Self::Large(hull) => hull.ways(facet, &mut best),
             }
         }
         best.way
@@ -133,6 +141,7 @@ impl Body<'_> {
         corners.clear();
         match self {
             Self::Hull(hull) => hull.face_towards(direction, corners),
+            Self::Large(hull) => hull.face_towards(direction, corners),
             Self::Cuboid(half) => {
                 let axis = direction.abs().max_position();
                 let sign = 1f32.copysign(direction[axis]);
@@ -155,6 +164,7 @@ impl Body<'_> {
     pub fn for_each_plane(&self, mut cut: impl FnMut(Vec3A, f32)) {
         match self {
             Self::Hull(hull) => hull.for_each_plane(cut),
+            Self::Large(hull) => hull.for_each_plane(cut),
             Self::Cuboid(half) => {
                 for axis in 0..3 {
                     cut(Vec3A::AXES[axis], half[axis]);

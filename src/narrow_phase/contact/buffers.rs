@@ -2,8 +2,7 @@
 
 use bevy::math::Vec3A;
 
-
-use super::{facet::WayOut, hull::Hull, patch::Patch, summit::Summits};
+use super::{facet::WayOut, hull::Hull, large_hull::Room, patch::Patch, summit::Summits};
 
 /// What a polygon says about the contact of its mesh with a solid.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +30,8 @@ pub struct Touching {
 #[derive(Clone, Debug, Default)]
 pub struct Buffers {
     pub hull: Hull,
+    /// That of a solid of many faces.
+    pub room: Room,
     /// Polygons that may be in touch, by index.
     pub polygons: Vec<u32>,
     /// Those that are.

@@ -2,20 +2,25 @@
 
 use bevy::math::Vec3A;
 
-use super::{buffers::Buffers, facet::highest};
+use super::{buffers::Buffers, facet::highest, support::highest_vertex};
 use crate::narrow_phase::{
     answer::LocalContact,
     frame::{
         common_point::mean_touch,
         edge_polygon,
+        local_aabb::LocalAabb,
         placed::PlacedPair,
+        placing::Placing,
         surface::{PlacedFace, Surface},
         workspace::Workspace,
     },
+    mesh::polygon_mesh::PolygonMesh,
 };
 
 /// Up to so many pairs of edges, their cross products are tried as axes.
 const MOST_EDGE_PAIRS: usize = 1024;
+/// All faces of a mesh of so many, or fewer, are tried.
+const FEW_FACES: usize = 64;
 /// How much less the overlap along a later axis has to be to be preferred, as a share of the pair's
 /// size.
 const BIAS: f32 = 1e-3;
@@ -28,10 +33,14 @@ const LEAST_BETTER: f32 = 1e-4;
 /// The contact of two convex shapes made of polygons, cuboids among them.
 pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
     let meeting = mean_touch(pair, workspace);
-    edge_polygon::fill_all(pair, workspace)?;
-    let [a, b] = &workspace.surfaces;
     let bias = BIAS * (pair.box_a.radius + pair.box_b.radius);
-    let (normal, gap) = least_overlap(a, b, bias)?;
+    let (normal, gap) = if has_large(pair) {
+        least_overlap_near(pair, bias, workspace)?
+    } else {
+        edge_polygon::fill_all(pair, workspace)?;
+        let [a, b] = &workspace.surfaces;
+        least_overlap(a, b, bias)?
+    };
     let (a, b) = (&pair.box_a, &pair.box_b);
     let smaller = if b.radius < a.radius { b } else { a };
     Some(LocalContact {
@@ -40,6 +49,80 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
         point: meeting.unwrap_or(smaller.center),
         depth: (-gap).max(0.0),
     })
+}
+
+/// Is one of the two so large that not all faces are looked at, and no products of edges?
+fn has_large(pair: &PlacedPair) -> bool {
+    let meshes = [pair.a, pair.b].map(|placed| placed.shape.polygons());
+    let [Some((a, _)), Some((b, _))] = meshes else {
+        return false;
+    };
+    a.polygon_count().max(b.polygon_count()) > FEW_FACES
+        && a.edges().len() * b.edges().len() > MOST_EDGE_PAIRS
+}
+
+/// A convex mesh in place, to be asked how far it reaches.
+struct Reach<'a> {
+    mesh: &'a PolygonMesh,
+    placing: Placing,
+    /// The vertex that was the highest the last time.
+    last: Vec3A,
+}
+
+impl Reach<'_> {
+    /// How far it reaches along a direction, if that is less than `limit`.
+    fn below(&mut self, direction: Vec3A, limit: f32) -> Option<f32> {
+        if self.last.dot(direction) >= limit {
+            return None;
+        }
+        let (linear, ..) = self.placing.linear();
+        let (vertex, _) = highest_vertex(self.mesh, linear.transpose() * direction);
+        self.last = self.placing.place(vertex);
+        let height = self.last.dot(direction);
+        (height < limit).then_some(height)
+    }
+}
+
+/// The same as [`least_overlap`], along the normals of the faces that are near the other shape: that
+/// of the least overlap is no further from it than that is deep.
+fn least_overlap_near(
+    pair: &PlacedPair,
+    bias: f32,
+    workspace: &mut Workspace,
+) -> Option<(Vec3A, f32)> {
+    let (a, b) = (pair.a.shape.polygons()?, pair.b.shape.polygons()?);
+    let [mut of_a, mut of_b] =
+        [(a, pair.a, &pair.box_a), (b, pair.b, &pair.box_b)].map(|(polygons, placed, bounds)| {
+            Reach {
+                mesh: polygons.0,
+                placing: Placing::of(polygons, placed, bounds),
+                // No vertex has been asked for.
+                last: Vec3A::NAN,
+            }
+        });
+    // Some overlap, and hardly more than the least if both are round.
+    let apart = pair.box_b.center - pair.box_a.center;
+    let towards = apart.try_normalize().unwrap_or(Vec3A::Y);
+    let reach = of_a.below(towards, f32::INFINITY)? + of_b.below(-towards, f32::INFINITY)?;
+    let region = LocalAabb::shared(
+        (pair.box_a.center, pair.box_a.reach()),
+        (pair.box_b.center, pair.box_b.reach()),
+        2.0 * pair.tolerance + reach.max(0.0),
+    );
+    let [on_a, on_b] = &mut workspace.surfaces;
+    on_a.fill(a, pair.a, &pair.box_a, &region, pair.tolerance);
+    on_b.fill(b, pair.b, &pair.box_b, &region, pair.tolerance);
+    let mut best: Option<(Vec3A, f32)> = None;
+    for (surface, other, turn) in [(&*on_a, &mut of_b, 1.0), (&*on_b, &mut of_a, -1.0)] {
+        for face in surface.faces.iter().filter(|f| f.normal != Vec3A::ZERO) {
+            let top = highest(surface.corners(face), face.normal);
+            let widest = best.map_or(f32::NEG_INFINITY, |(_, widest)| widest + bias);
+            if let Some(reach) = other.below(-face.normal, -top - widest) {
+                best = Some((face.normal * turn, -top - reach));
+            }
+        }
+    }
+    best.or(Some((towards, -reach)))
 }
 
 /// The unit axis from the first to the second of the greatest gap (the least overlap), and that
@@ -119,3 +202,6 @@ fn facing(surface: &Surface, direction: Vec3A) -> Option<(f32, &PlacedFace)> {
     let along = faces.map(|face| (face.normal.dot(direction), face));
     along.max_by(|a, b| a.0.total_cmp(&b.0))
 }
+
+#[cfg(test)]
+mod tests;

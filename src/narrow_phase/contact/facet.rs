@@ -156,6 +156,14 @@ impl Facet<'_> {
         (rises <= FLAT * falls).then_some(axis)
     }
 
+    /// Can a side have normals of its own? See [`is_ridge`](Self::is_ridge).
+    pub fn is_bent(&self, side: usize) -> bool {
+        self.around.beyond(side).is_none_or(|beyond| {
+            let bend = bend(self.ends(side), beyond, self.normal);
+            bend.abs() > FLAT && !(self.is_solid && bend > 0.0)
+        })
+    }
+
     /// Is such a direction a normal that the side has of its own? Not between polygons in one plane,
     /// nor, of a solid, at the bottom of a fold, nor where anything else that lies against the side
     /// is higher.

@@ -12,6 +12,7 @@ use super::{
     buffers::{Buffers, Claim, Touching},
     claims::settle,
     facet::{Facet, highest},
+    large_hull::LargeHull,
     place::MeshPlace,
 };
 use crate::narrow_phase::{
@@ -40,11 +41,18 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
     let contact = workspace.contact.of::<Buffers>();
     contact.patch.clear();
     let mut hull = std::mem::take(&mut contact.hull);
+    let mut large = None;
     let (body, middle) = match pair.a.shape {
         Shape::Convex(solid) => {
             let scale = Vec3A::from(pair.a.transform.scale);
-            hull.fill(solid, scale);
-            (Body::Hull(&hull), solid.local_bounds().0)
+            large = LargeHull::new(solid, scale, &mut contact.room);
+            let body = if let Some(large) = &large {
+                Body::Large(large)
+            } else {
+                hull.fill(solid, scale);
+                Body::Hull(&hull)
+            };
+            (body, solid.local_bounds().0)
         }
         _ => (Body::Cuboid(pair.box_a.half), Vec3A::ZERO),
     };
@@ -57,6 +65,9 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
     }
     .contact(contact);
     contact.hull = hull;
+    if let Some(large) = large {
+        contact.room = large.into_room();
+    }
     let Some(found) = found else {
         return nested(pair, mesh, workspace);
     };

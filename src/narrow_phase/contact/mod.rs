@@ -7,6 +7,7 @@ mod claims;
 mod convex;
 mod facet;
 mod hull;
+mod large_hull;
 pub(super) mod manifold;
 mod mesh;
 mod meshes;
@@ -16,5 +17,6 @@ mod place;
 mod query;
 mod sphere;
 mod summit;
+mod support;
 #[cfg(test)]
 mod tests;

@@ -50,8 +50,12 @@ impl NarrowPhase {
     /// The point is the middle of what they share, seen along the normal.
     ///
     /// Of a mesh, only the polygons near the other shape are looked at: O(log n) for each of these;
-    /// for two meshes, for each two of them that are near each other. A convex mesh is looked at as
-    /// a whole for each polygon that it touches. Allocates nothing once the workspace is warm.
+    /// for two meshes, for each two of them that are near each other. A convex mesh of up to 128
+    /// faces is looked at as a whole for each polygon that it touches. Of a larger one, O(log n)
+    /// tells whether a polygon touches it, and then the faces count that are as near to the polygon
+    /// as it is deep, or that face it; all faces are looked at a few times, once per contact. Of two
+    /// convex meshes of which one has more than 64, the faces near the other one are looked at, O(log n)
+    /// for each, if products of edges do not count. Allocates nothing once the workspace is warm.
     #[doc(alias = "penetration")]
     #[must_use]
     pub fn contact(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Contact> {
