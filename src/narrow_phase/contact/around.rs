@@ -5,7 +5,6 @@
 
 use bevy::math::Vec3A;
 
-use super::facet::FLAT;
 use crate::narrow_phase::{
     frame::{
         closest::point_segment,
@@ -13,6 +12,10 @@ use crate::narrow_phase::{
     },
     mesh::{polygon_mesh::PolygonMesh, topology::NO_NEIGHBOR},
 };
+
+/// The sine of the angle up to which two polygons count as in one plane, and the share of a length
+/// that is more than rounding.
+pub const FLAT: f32 = 1e-3;
 
 /// So many polygons around a corner are looked at.
 const MOST_AROUND: usize = 64;

@@ -9,11 +9,7 @@
 
 use bevy::math::Vec3A;
 
-use super::around::{Around, is_up};
-
-/// The sine of the angle up to which two polygons count as in one plane, and the share of a length
-/// that is more than rounding.
-pub const FLAT: f32 = 1e-3;
+use super::around::{Around, FLAT, is_up};
 
 /// The sine of the angle below which two edges span no plane.
 pub const PARALLEL: f32 = 1e-2;
@@ -95,28 +91,31 @@ impl Facet<'_> {
 
     /// Is anything else around the corners that are highest along a direction higher?
     fn is_topped(&self, top: f32, direction: Vec3A) -> bool {
-        let is_top = |corner: usize, slack: f32| top - self.corners[corner].dot(direction) <= slack;
-        let count = self.corners.len();
+        let rises = |side: usize| {
+            let [from, to] = self.ends(side);
+            let slack = FLAT * (to - from).abs().element_sum();
+            top - from.dot(direction) <= slack && self.around.rises_at(side, direction)
+        };
+        (0..self.corners.len()).any(rises) || self.is_flush(direction)
+    }
+
+    /// Where it is highest along a direction, does it lie against what is no neighbour and higher?
+    pub fn is_flush(&self, direction: Vec3A) -> bool {
+        let top = highest(self.corners, direction);
+        let is_top = |corner: Vec3A, slack: f32| top - corner.dot(direction) <= slack;
         let mut is_line = false;
-        for side in 0..count {
+        for side in 0..self.corners.len() {
             let ends = self.ends(side);
             let slack = FLAT * (ends[1] - ends[0]).abs().element_sum();
-            if !is_top(side, slack) {
-                continue;
-            }
-            if self.around.rises_at(side, direction) {
-                return true;
-            }
-            if is_top((side + 1) % count, slack) {
+            if is_top(ends[0], slack) && is_top(ends[1], slack) {
                 is_line = true;
                 if self.around.is_topped(ends, direction) {
                     return true;
                 }
             }
         }
-        let corner = |corner: &Vec3A| top - corner.dot(direction) <= 0.0;
-        let mut highest = self.corners.iter().filter(|c| corner(c));
-        !is_line && highest.any(|corner| self.around.is_topped([*corner; 2], direction))
+        let mut tops = self.corners.iter().filter(|corner| is_top(**corner, 0.0));
+        !is_line && tops.any(|corner| self.around.is_topped([*corner; 2], direction))
     }
 
     /// Of the directions along which a solid is highest at a side, those that point out of it.

@@ -182,10 +182,9 @@ impl NarrowPhase {
             Case::Cuboids | Case::Convex => convex::gather(&pair, normal, workspace),
             Case::Polygons => {
                 let is_convex = [first, second].map(|placed| placed.shape.kind().is_convex());
-                match is_convex {
-                    [false, false] => meshes::gather(&pair, normal, contact.depth, workspace),
-                    // The contact has gathered them.
-                    _ => {}
+                // Of a convex one, the contact has gathered them.
+                if is_convex == [false; 2] {
+                    meshes::gather(&pair, normal, contact.depth, workspace);
                 }
             }
         }

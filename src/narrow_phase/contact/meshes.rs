@@ -10,12 +10,12 @@ use std::ops::ControlFlow;
 use bevy::math::Vec3A;
 
 use super::{
-    around::{Around, Look},
+    around::{Around, FLAT, Look},
     body,
     buffers::Buffers,
     buffers::Claim,
     claims::settle,
-    facet::{Best, FLAT, Facet, PARALLEL, highest},
+    facet::{Best, Facet, PARALLEL, WayOut, highest},
     mesh,
     summit::{Course, Slope, Summits},
 };
@@ -181,6 +181,8 @@ struct Side<'a> {
     mesh: &'a PolygonMesh,
     surface: &'a Surface,
     tolerance: f32,
+    /// Has it parts that share no vertices?
+    is_in_parts: bool,
 }
 
 impl Side<'_> {
@@ -220,6 +222,7 @@ impl<'a> Sides<'a> {
                 mesh: meshes[i],
                 surface: surfaces[i],
                 tolerance: pair.tolerance,
+                is_in_parts: meshes[i].is_in_parts(),
             }),
             // The whole of the smaller one, and more.
             most: 2.5 * pair.box_a.radius.min(pair.box_b.radius),
@@ -260,6 +263,41 @@ impl<'a> Sides<'a> {
         let mut best = Best { way: None, bias };
         // Along the normal of the second's polygon, and against that of the first's.
         let ((normal_a, solid_a), (normal_b, solid_b)) = (a.normal(face), b.normal(other));
+        let place = |vertex| a.surface.vertex(a.mesh, vertex);
+        let place_other = |vertex| b.surface.vertex(b.mesh, vertex);
+        let reach = a.tolerance.max(bias);
+        let near = |line: [Vec3A; 2], is_it: Look| a.any_near(line, reach, is_it);
+        let near_other = |line: [Vec3A; 2], is_it: Look| b.any_near(line, reach, is_it);
+        let clip = |line| clip(line, &other.bounds);
+        let clip_other = |line| self::clip(line, &face.bounds);
+        let first = Facet {
+            corners: own,
+            normal: normal_a,
+            around: Around {
+                mesh: a.mesh,
+                polygon: face.polygon,
+                place: &place,
+                clip: &clip,
+                others: &near,
+                reach,
+            },
+            is_solid: solid_a,
+        };
+        let second = Facet {
+            corners: theirs,
+            normal: normal_b,
+            around: Around {
+                mesh: b.mesh,
+                polygon: other.polygon,
+                place: &place_other,
+                clip: &clip_other,
+                others: &near_other,
+                reach,
+            },
+            is_solid: solid_b,
+        };
+        // Not over the edge of what lies flush with another surface, if there is another way.
+        let mut spare = None;
         let normal = normal_b;
         for (direction, allowed) in [(normal, true), (-normal, !solid_b)] {
             if allowed && normal != Vec3A::ZERO {
@@ -273,7 +311,11 @@ impl<'a> Sides<'a> {
                 let slope = a.slope(-direction);
                 let depth = top + summits.find(course, &slope, face.polygon, limit, a.tolerance);
                 if best.way.is_none_or(|way| depth < way.depth) {
-                    best.take(direction, depth);
+                    if depth > bias && a.is_in_parts && first.is_flush(-direction) {
+                        spare = spare.or(Some(WayOut { direction, depth }));
+                    } else {
+                        best.take(direction, depth);
+                    }
                 }
             }
         }
@@ -289,44 +331,16 @@ impl<'a> Sides<'a> {
                 let slope = b.slope(direction);
                 let depth = top + summits.find(course, &slope, other.polygon, limit, b.tolerance);
                 if best.is_beaten_by(depth) {
-                    best.take(direction, depth);
+                    if depth > bias && b.is_in_parts && second.is_flush(direction) {
+                        spare = spare.or(Some(WayOut { direction, depth }));
+                    } else {
+                        best.take(direction, depth);
+                    }
                 }
             }
         }
+        best.way = best.way.or(spare);
         if best.way.is_none_or(|way| way.depth > bias) {
-            let place = |vertex| a.surface.vertex(a.mesh, vertex);
-            let place_other = |vertex| b.surface.vertex(b.mesh, vertex);
-            let reach = a.tolerance.max(bias);
-            let near = |line: [Vec3A; 2], is_it: Look| a.any_near(line, reach, is_it);
-            let near_other = |line: [Vec3A; 2], is_it: Look| b.any_near(line, reach, is_it);
-            let clip = |line| clip(line, &other.bounds);
-            let clip_other = |line| self::clip(line, &face.bounds);
-            let first = Facet {
-                corners: own,
-                normal: normal_a,
-                around: Around {
-                    mesh: a.mesh,
-                    polygon: face.polygon,
-                    place: &place,
-                    clip: &clip,
-                    others: &near,
-                    reach,
-                },
-                is_solid: solid_a,
-            };
-            let second = Facet {
-                corners: theirs,
-                normal: normal_b,
-                around: Around {
-                    mesh: b.mesh,
-                    polygon: other.polygon,
-                    place: &place_other,
-                    clip: &clip_other,
-                    others: &near_other,
-                    reach,
-                },
-                is_solid: solid_b,
-            };
             across_edges(&first, &second, &mut best);
         }
         best.way.map(|way| Claim {

@@ -367,6 +367,11 @@ impl PolygonMesh {
         self.shells.iter().map(first)
     }
 
+    /// Whether the surface has parts that do not hang together.
+    pub(in crate::narrow_phase) fn is_in_parts(&self) -> bool {
+        self.shells.len() > 1
+    }
+
     /// Whether the mesh is one solid, in one piece.
     pub(in crate::narrow_phase) fn is_one_solid(&self) -> bool {
         self.shells.len() == 1 && self.is_closed() && self.has_inside()

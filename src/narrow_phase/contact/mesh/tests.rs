@@ -482,6 +482,7 @@ fn a_floor_goes_on_over_seams_that_share_no_vertices() {
     let solids = [
         ("cuboid", box_of(0.5, 0.5, 0.5)),
         ("convex", convex_cube(0.5)),
+        ("mesh", mesh_of(Vec3::splat(0.5))),
     ];
     let height = 0.5f32.sqrt() - 0.001;
     for (name, floor) in &floors {
