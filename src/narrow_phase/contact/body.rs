@@ -10,7 +10,7 @@
 use bevy::math::{Vec3A, Vec3Swizzles};
 
 use super::{
-    facet::{Best, Facet, WayOut, highest},
+    facet::{Best, Facet, WayOut, bounds, highest},
     hull::Hull,
     large_hull::LargeHull,
 };
@@ -37,15 +37,6 @@ fn is_convex(corners: &[Vec3A], normal: Vec3A) -> bool {
     let largest = turns().fold(0f32, |largest, turn| largest.max(turn.abs()));
     let low = -1e-4 * largest;
     turns().all(|turn| turn >= low) || turns().all(|turn| turn <= -low)
-}
-
-/// The components of a vector, smallest and greatest of all points, one by one.
-#[inline]
-pub fn bounds(points: impl Iterator<Item = Vec3A>) -> [Vec3A; 2] {
-    points.fold(
-        [Vec3A::INFINITY, Vec3A::NEG_INFINITY],
-        |[min, max], point| [min.min(point), max.max(point)],
-    )
 }
 
 impl Body<'_> {

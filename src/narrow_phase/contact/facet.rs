@@ -183,6 +183,15 @@ impl Facet<'_> {
     }
 }
 
+/// The components of a vector, smallest and greatest of all points, one by one.
+#[inline]
+pub fn bounds(points: impl Iterator<Item = Vec3A>) -> [Vec3A; 2] {
+    points.fold(
+        [Vec3A::INFINITY, Vec3A::NEG_INFINITY],
+        |[min, max], point| [min.min(point), max.max(point)],
+    )
+}
+
 /// The sine of the angle by which the surface bends up beyond a side.
 #[inline]
 fn bend(ends: [Vec3A; 2], beyond: [Vec3A; 2], normal: Vec3A) -> f32 {

@@ -14,8 +14,7 @@ use std::{
 use bevy::math::{Vec3A, bounding::Aabb3d};
 
 use super::{
-    body::bounds,
-    facet::{Best, Facet, highest},
+    facet::{Best, Facet, bounds, highest},
     hull::cofactors,
     patch::Patch,
     support::highest_vertex,

@@ -8,10 +8,10 @@ use bevy::math::Vec3A;
 
 use super::{
     around::{Around, Look},
-    body::{Body, bounds},
+    body::Body,
     buffers::{Buffers, Claim, Touching},
     claims::settle,
-    facet::{Facet, highest},
+    facet::{Facet, bounds, highest},
     large_hull::LargeHull,
     place::MeshPlace,
 };

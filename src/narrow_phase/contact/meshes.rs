@@ -11,11 +11,10 @@ use bevy::math::Vec3A;
 
 use super::{
     around::{Around, FLAT, Look},
-    body,
     buffers::Buffers,
     buffers::Claim,
     claims::settle,
-    facet::{Best, Facet, PARALLEL, WayOut, highest},
+    facet::{Best, Facet, PARALLEL, WayOut, bounds, highest},
     mesh,
     summit::{Course, Slope, Summits},
 };
@@ -195,7 +194,7 @@ impl Side<'_> {
     /// Shows the faces that may be as near a line as `reach`, until one is the one looked for;
     /// whether one was.
     fn any_near(&self, line: [Vec3A; 2], reach: f32, is_it: Look) -> bool {
-        let [low, high] = body::bounds(line.into_iter());
+        let [low, high] = bounds(line.into_iter());
         self.surface.faces.iter().any(|face| {
             face.bounds.min.cmple(high + reach).all()
                 && face.bounds.max.cmpge(low - reach).all()
