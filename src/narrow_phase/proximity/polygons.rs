@@ -41,6 +41,15 @@ impl Nearest {
         }
     }
 
+    /// What is further away than that need not be looked at: nothing at all, if the two meet.
+    fn go_on(&self) -> ControlFlow<(), f32> {
+        if self.squared > 0.0 {
+            ControlFlow::Continue(self.squared)
+        } else {
+            ControlFlow::Break(())
+        }
+    }
+
     /// Takes up the closest points of what is selected of two surfaces.
     fn surfaces(&mut self, a: &Surface, b: &Surface) {
         edges_to_faces(a, b, self, |on_edge, on_face| [on_edge, on_face]);
@@ -73,7 +82,7 @@ pub fn closest_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[V
         }
         nearest.surfaces(a, b);
         limit = nearest.squared;
-        ControlFlow::Continue(limit)
+        nearest.go_on()
     })?;
     Some(nearest.or_nested(pair, meshes, workspace))
 }
@@ -121,7 +130,7 @@ fn of_cuboid(
                 nearest.surfaces(a, b);
             }
         }
-        ControlFlow::Continue(nearest.squared)
+        nearest.go_on()
     });
     let meshes = both.in_order(&*CUBE, both.mesh);
     Some(nearest.or_nested(pair, meshes, workspace))
