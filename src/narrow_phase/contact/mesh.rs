@@ -157,7 +157,8 @@ impl OnMesh<'_> {
             corners.extend(vertices.map(|v| self.place.place(mesh.vertices()[*v as usize])));
             let own = &corners[start..];
             let normal = self.place.normal(mesh.normals()[polygon as usize]);
-            if !self.body.touches_polygon(own, normal, tolerance) {
+            // More than rounding may make of it: there has to be one, if the two are in contact.
+            if !self.body.touches_polygon(own, normal, 2.0 * tolerance) {
                 corners.truncate(start);
                 continue;
             }

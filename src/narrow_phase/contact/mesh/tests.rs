@@ -551,3 +551,38 @@ fn nothing_around_a_corner_is_higher() {
         }
     }
 }
+
+#[test]
+fn what_only_just_touches_is_hardly_deep() {
+    // Far from the middle of a wide floor, where rounding is as much as a share of the tolerance.
+    let hills = grid(60, |x, z| 0.4 * (x * 1.3).sin() * (z * 0.9).cos());
+    let wide = at(0.0, 0.0, 0.0).with_scale(Vec3::new(4.0, 1.0, 4.0));
+    let brick = box_of(1.0, 0.6, 0.8);
+    let (tests, mut workspace) = (NarrowPhase::default(), Workspace::default());
+    let mut met = 0;
+    for step in 0..4000 {
+        let [x, z, turn] = [0.37, 0.53, 0.71].map(|by| (step as f32 * by).fract());
+        let above = at(180.0 + 50.0 * x, 2.0, 180.0 + 50.0 * z)
+            .with_rotation(Quat::from_scaled_axis(Vec3::new(turn, x, -z) * 3.0));
+        let ground = Placed::new(&hills, &wide);
+        let down = bevy::math::Dir3::NEG_Y;
+        let fall = tests.sweep(
+            Placed::new(&brick, &above),
+            down,
+            9.0,
+            ground,
+            &mut workspace,
+        );
+        let Some(fall) = fall else { continue };
+        // Higher than where it comes to lie, by about the tolerance.
+        let height = 1e-4 + 2e-4 * turn;
+        let mut there = above;
+        there.translation.y -= fall.distance - height;
+        let touching = tests.contact(Placed::new(&brick, &there), ground, &mut workspace);
+        if let Some(contact) = touching {
+            met += 1;
+            assert!(contact.depth < 1e-3, "{there:?} {contact:?}");
+        }
+    }
+    assert!(met > 400, "{met}");
+}
