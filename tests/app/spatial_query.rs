@@ -837,7 +837,8 @@ fn pairs_within_a_distance_are_those_of_brute_force() {
                     some += 1;
                     ControlFlow::Break(())
                 });
-                assert_eq!(some, 1);
+                // Who is first and second follows from the numbers of entities, which other plugins shift.
+                assert_eq!(some, expected.len().min(1));
             }
             let none = |near| -> () { panic!("{near:?}") };
             spatial.for_each_pair_within(-1.0, &ALL, &ALL, none);
