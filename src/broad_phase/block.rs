@@ -1,7 +1,7 @@
 //! Eight boxes at once: the unit in which boxes are compared.
 
 use bevy::math::{Vec3A, bounding::Aabb3d};
-use fearless_simd::{f32x8, prelude::*};
+use fearless_simd::{f32x8, mask32x8, prelude::*};
 
 /// How many boxes a block holds.
 pub const WIDTH: usize = 8;
@@ -96,6 +96,26 @@ impl Block {
     pub(super) fn side<S: Simd>(&self, simd: S, upper: bool, axis: usize) -> f32x8<S> {
         let sides = if upper { &self.max } else { &self.min };
         f32x8::from_slice(simd, &sides[axis])
+    }
+
+    /// How far each of the eight is from an interval along an axis; 0 if they overlap.
+    #[inline(always)]
+    pub(super) fn gaps_along<S: Simd>(
+        &self,
+        simd: S,
+        axis: usize,
+        low: f32,
+        high: f32,
+    ) -> f32x8<S> {
+        let below = self.side(simd, false, axis) - f32x8::splat(simd, high);
+        let above = f32x8::splat(simd, low) - self.side(simd, true, axis);
+        below.max(above).max(f32x8::splat(simd, 0.0))
+    }
+
+    /// Which lanes hold a box, as a mask: those without one are infinitely far away.
+    #[inline(always)]
+    pub(super) fn are_boxes<S: Simd>(&self, simd: S) -> mask32x8<S> {
+        self.side(simd, false, 0).simd_le(self.side(simd, true, 0))
     }
 
     /// Which of the eight overlap an interval along an axis, touching included: a bit for each.

@@ -52,19 +52,16 @@ impl<const ORDERED: bool> Measure for PointDistance<ORDERED> {
     fn test_block<S: Simd>(&self, simd: S, block: &Block, bound: Bound) -> (u32, f32x8<S>) {
         let point = self.0.to_array();
         let square = |axis: usize| {
-            let at = f32x8::splat(simd, point[axis]);
-            let below = block.side(simd, false, axis) - at;
-            let above = at - block.side(simd, true, axis);
-            let gap = below.max(above).max(f32x8::splat(simd, 0.0));
+            let gap = block.gaps_along(simd, axis, point[axis], point[axis]);
             gap * gap
         };
         let squared = square(0) + square(1) + square(2);
         let within = squared.simd_le(bound.splat(simd));
         // Lanes without a box are infinitely far away, which an infinite bound does not leave out.
-        let is_box = block
-            .side(simd, false, 0)
-            .simd_le(block.side(simd, true, 0));
-        ((within & is_box).to_bitmask() as u32, squared)
+        (
+            (within & block.are_boxes(simd)).to_bitmask() as u32,
+            squared,
+        )
     }
 
     #[inline(always)]

@@ -52,19 +52,17 @@ impl Measure for ScaledDistance {
         let (min, max) = (self.from.min.to_array(), self.from.max.to_array());
         let scale = self.scale.to_array();
         let square = |axis: usize| {
-            let below = block.side(simd, false, axis) - f32x8::splat(simd, max[axis]);
-            let above = f32x8::splat(simd, min[axis]) - block.side(simd, true, axis);
-            let gap =
-                below.max(above).max(f32x8::splat(simd, 0.0)) * f32x8::splat(simd, scale[axis]);
+            let gap = block.gaps_along(simd, axis, min[axis], max[axis])
+                * f32x8::splat(simd, scale[axis]);
             gap * gap
         };
         let squared = square(0) + square(1) + square(2);
         let within = squared.simd_le(bound.splat(simd));
         // Lanes without a box are infinitely far away, or NaN where the scale is zero.
-        let is_box = block
-            .side(simd, false, 0)
-            .simd_le(block.side(simd, true, 0));
-        ((within & is_box).to_bitmask() as u32, squared)
+        (
+            (within & block.are_boxes(simd)).to_bitmask() as u32,
+            squared,
+        )
     }
 
     #[inline(always)]

@@ -5,6 +5,7 @@ mod advance;
 mod chord;
 mod faces;
 mod first_impact;
+mod lift;
 mod local_ray;
 mod moments;
 pub(super) mod moving;

@@ -3,7 +3,7 @@
 use bevy::math::{Dir3, Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
-use super::nearest_polygon::nearest_polygon;
+use super::{lift, nearest_polygon::nearest_polygon};
 use crate::narrow_phase::{
     answer::{Contact, Impact},
     cast_options::ShapeCastOptions,
@@ -19,14 +19,6 @@ use crate::narrow_phase::{
 /// The sine of the angle up to which a shape goes along what it touches: what it then sinks by more
 /// than rounding is met on the way.
 const ALONG: f32 = 1e-3;
-
-/// How far a shape is lifted off what it starts in touch with, in tolerances.
-const LIFT: f32 = 2.5;
-/// The same, as a share of the coordinates.
-const ROUNDING: f32 = 4.0 * f32::EPSILON;
-
-/// So often at most is a shape lifted off what it touches: off a floor, and off walls.
-const MOST_LIFTS: usize = 8;
 
 /// So many normals are tried where two meshes meet.
 const MOST_NORMALS: usize = 8;
@@ -102,9 +94,9 @@ impl NarrowPhase {
         let are_meshes = [moving, target]
             .iter()
             .all(|one| one.shape.kind() == Kind::Mesh);
-        let margin = LIFT * self.tolerance() + ROUNDING * moving.transform.translation.length();
+        let margin = lift::margin(self, moving.transform.translation);
         let mut lifted = *moving.transform;
-        for _ in 0..MOST_LIFTS {
+        for _ in 0..lift::MOST_LIFTS {
             let now = Placed::new(moving.shape, &lifted);
             let contact = self.contact_in_passing(now, target, |_| *direction, workspace);
             let Some(Contact {

@@ -8,15 +8,12 @@
 //! they move and turn, and then look again.
 
 use super::advance;
+use super::lift;
 use super::moments::Moments;
 use super::moving::Moving;
 use crate::narrow_phase::{
     answer::{Contact, TimedContact},
-    frame::{
-        case::Case,
-        placed::{Placed, ROUNDING},
-        workspace::Workspace,
-    },
+    frame::{case::Case, placed::Placed, workspace::Workspace},
     length::direction_and_length,
     settings::NarrowPhase,
 };
@@ -24,13 +21,6 @@ use crate::narrow_phase::{
 /// So many steps at most lead to a time at which two have parted: doubled, the smallest number
 /// there is becomes one after 149.
 const MOST_PARTING_STEPS: u32 = 192;
-
-/// How far beyond what it touches a shape is lifted, in tolerances: no longer in touch.
-const LIFT: f32 = 2.5;
-
-/// So many times at most is a shape lifted off what it touches: off the walls of a corner, and off
-/// what is close to these.
-const MOST_LIFTS: u32 = 8;
 
 /// So many times at most may two graze each other before they meet.
 const MOST_GRAZES: u32 = 8;
@@ -143,10 +133,9 @@ impl Moments<'_> {
         grazes: u32,
         workspace: &mut Workspace,
     ) -> Option<TimedContact> {
-        let far = self.a.start.translation.length();
-        let margin = LIFT * self.tests.tolerance() + ROUNDING * far;
+        let margin = lift::margin(self.tests, self.a.start.translation);
         let (mut lifted, mut touch) = (*self.a, met);
-        for _ in 0..MOST_LIFTS {
+        for _ in 0..lift::MOST_LIFTS {
             let Contact { normal, depth, .. } = touch.contact;
             lifted = lifted.beside(-normal * (depth + margin));
             let rest = Moments { a: &lifted, ..self };

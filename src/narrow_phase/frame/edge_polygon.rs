@@ -148,11 +148,22 @@ pub fn sphere_closest(
     let (mesh, surface) = fill_second_to_search(pair, workspace)?;
     let center = pair.box_a.center;
     let closest = surface.closest_of_all(mesh, center, f32::INFINITY)?;
+    Some((closest, is_inside(pair, mesh, surface, &closest)))
+}
+
+/// Whether the centre of a sphere, the first of the pair, is inside a mesh, whose closest point is
+/// known: by the side of the face there, if that tells.
+fn is_inside(
+    pair: &PlacedPair,
+    mesh: &PolygonMesh,
+    surface: &Surface,
+    closest: &ClosestPoint,
+) -> bool {
+    let center = pair.box_a.center;
     let is_told = mesh.is_one_solid() && !surface.placing().is_flat();
-    let is_inside = is_behind(&closest, center, pair.tolerance)
+    is_behind(closest, center, pair.tolerance)
         .filter(|_| is_told)
-        .unwrap_or_else(|| surface.encloses(mesh, center));
-    Some((closest, is_inside))
+        .unwrap_or_else(|| surface.encloses(mesh, center))
 }
 
 /// Whether a point is on the inner side of the face of a mesh that it is closest to; `None` if that
@@ -173,14 +184,14 @@ pub fn sphere_touching(
     let (mesh, surface) = fill_second_to_search(pair, workspace)?;
     let sphere = &pair.box_a;
     let limit = sphere.radius + pair.tolerance;
-    let near = surface.closest_of_all(mesh, sphere.center, limit);
-    let is_inside = surface.encloses(mesh, sphere.center);
-    let closest = match near {
-        Some(closest) => closest,
-        None if is_inside => surface.closest_of_all(mesh, sphere.center, f32::INFINITY)?,
-        None => return None,
-    };
-    Some((closest, is_inside))
+    if let Some(closest) = surface.closest_of_all(mesh, sphere.center, limit) {
+        return Some((closest, is_inside(pair, mesh, surface, &closest)));
+    }
+    if !surface.encloses(mesh, sphere.center) {
+        return None;
+    }
+    let closest = surface.closest_of_all(mesh, sphere.center, f32::INFINITY)?;
+    Some((closest, true))
 }
 
 /// Whether a point is inside a mesh, the second of the pair.

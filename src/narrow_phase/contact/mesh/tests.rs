@@ -286,33 +286,8 @@ fn a_cube_of_triangles_is_as_good_as_a_cuboid() {
 /// A ball of triangles, of which those in touch are a ring around the contact.
 #[test]
 fn a_mesh_of_small_triangles_is_as_deep_as_it_reaches() {
-    let (rings, around) = (16u32, 24u32);
-    let mut vertices = vec![[0.0, 1.0, 0.0]];
-    for ring in 1..rings {
-        for step in 0..around {
-            let polar = std::f32::consts::PI * ring as f32 / rings as f32;
-            let turn = std::f32::consts::TAU * step as f32 / around as f32;
-            vertices.push([
-                polar.sin() * turn.cos(),
-                polar.cos(),
-                polar.sin() * turn.sin(),
-            ]);
-        }
-    }
-    vertices.push([0.0, -1.0, 0.0]);
-    let last = vertices.len() as u32 - 1;
-    let vertex = |ring: u32, step: u32| 1 + (ring - 1) * around + step % around;
-    let mut list = Vec::new();
-    for step in 0..around {
-        list.push([0, vertex(1, step + 1), vertex(1, step)]);
-        list.push([last, vertex(rings - 1, step), vertex(rings - 1, step + 1)]);
-        for ring in 1..rings - 1 {
-            let [a, b] = [vertex(ring, step), vertex(ring, step + 1)];
-            let [c, d] = [vertex(ring + 1, step), vertex(ring + 1, step + 1)];
-            list.extend([[a, b, c], [b, d, c]]);
-        }
-    }
-    let ball = triangles(&vertices, &list);
+    let (vertices, list) = globe(16, 24, 1.0);
+    let ball = Shape::mesh(vertices, list).unwrap();
     let here = at(0.0, 0.0, 0.0);
     for (name, floor) in [
         ("square", square()),
@@ -510,8 +485,7 @@ fn a_floor_goes_on_over_seams_that_share_no_vertices() {
 }
 
 /// A ball of triangles, by latitude and longitude.
-fn globe(bands: u32, radius: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let around = 2 * bands;
+fn globe(bands: u32, around: u32, radius: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let mut vertices = vec![Vec3::Y * radius];
     for band in 1..bands {
         for step in 0..around {
@@ -539,7 +513,7 @@ fn globe(bands: u32, radius: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
 #[test]
 fn nothing_around_a_corner_is_higher() {
     let flat = grid(12, |_, _| 0.0);
-    let (vertices, list) = globe(5, 0.5);
+    let (vertices, list) = globe(5, 10, 0.5);
     let ball = Shape::convex(vertices, list).unwrap();
     let mirrored = Vec3::new(0.83, -1.0, 0.83);
     for scale in [mirrored, Vec3::new(0.83, 1.0, 0.83)] {
