@@ -1,15 +1,12 @@
 //! What is allocated, to the byte: as much after a million rounds as after a few, linear in the
 //! objects, and all of it in the figures.
 
-use crate::allocator;
-
-use std::time::Duration;
+use crate::{allocator, app};
 
 use allocator::{alone, assert_flat, live, peak_of};
-use bevy::{math::bounding::Aabb3d, prelude::*, time::TimeUpdateStrategy};
+use bevy::{math::bounding::Aabb3d, prelude::*};
 use bevy_octree::{
     broad_phase::{PairFilter, ProxyId, SpatialIndex},
-    motion::{MotionSettings, Step},
     prelude::*,
     scene::Cube,
 };
@@ -214,15 +211,7 @@ fn pairs_that_are_ruled_out_take_no_memory() {
 #[test]
 fn an_app_takes_as_much_after_many_ticks_as_after_a_few() {
     let _alone = alone();
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-        .insert_resource(MotionSettings {
-            step: Step::Seconds(1.0 / 64.0),
-        })
-        // Bevy keeps messages until a fixed timestep has passed.
-        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
-            20,
-        )));
+    let mut app = app(1.0 / 64.0);
     for x in [-1.0, 1.0] {
         let wall = CollisionShape::from_half_size(Vec3::new(0.1, 5.0, 5.0));
         app.world_mut()

@@ -1,13 +1,10 @@
 //! Continuous detection takes no more memory the longer it runs: by an allocator that counts.
 
-use crate::{allocator, common};
+use crate::{allocator, app, common};
 
 use allocator::{alone, live};
 use bevy::prelude::*;
-use bevy_octree::{
-    motion::{MotionSettings, Step},
-    prelude::*,
-};
+use bevy_octree::prelude::*;
 
 /// Bytes in use after `ticks` ticks, by which all buffers have grown, and after four times as many.
 fn early_and_late(app: &mut App, ticks: usize) -> [f64; 2] {
@@ -15,15 +12,6 @@ fn early_and_late(app: &mut App, ticks: usize) -> [f64; 2] {
         common::tick(app, ticks);
         live() as f64
     })
-}
-
-fn app() -> App {
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-        .insert_resource(MotionSettings {
-            step: Step::Seconds(1.0),
-        });
-    app
 }
 
 fn wall(app: &mut App, center: Vec3, half_size: Vec3) {
@@ -43,7 +31,7 @@ fn ball(app: &mut App, center: Vec3, velocity: Vec3, parts: impl Bundle) {
 fn memory_stays_flat() {
     let _alone = alone();
     // One ball between two walls, that bounces once per tick.
-    let mut one = app();
+    let mut one = app(1.0);
     for x in [-1.0, 1.0] {
         wall(&mut one, Vec3::X * x, Vec3::new(0.1, 5.0, 5.0));
     }
@@ -53,7 +41,7 @@ fn memory_stays_flat() {
     drop(one);
 
     // A room of balls, a quarter of them swept.
-    let mut many = app();
+    let mut many = app(1.0);
     for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
         for side in [-1.0, 1.0] {
             wall(
