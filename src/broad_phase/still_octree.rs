@@ -1,6 +1,7 @@
 //! The same tree over boxes that never change: what meshes are searched by.
 
 mod join;
+mod split;
 
 use std::ops::ControlFlow;
 
@@ -11,7 +12,6 @@ use super::{
     block::{Block, WIDTH},
     linear_octree::{
         levels::Levels,
-        order::order,
         query::{self, Blocks},
     },
     measure::Measure,
@@ -36,16 +36,7 @@ impl StillOctree {
     /// Puts boxes in the order of space, and blocks around them. None may be inverted or infinite.
     pub(crate) fn new(boxes: &[Aabb3d]) -> Self {
         let level = Level::new();
-        let (mut items, mut scratch) = (Vec::new(), Vec::new());
-        order(
-            level,
-            boxes,
-            0..boxes.len() as u32,
-            &mut items,
-            &mut scratch,
-        );
-        // The index is the lower half of an item.
-        let owners: Vec<u32> = items.iter().map(|item| *item as u32).collect();
+        let owners = split::order(boxes);
         let mut levels = Levels::default();
         levels.resize(owners.len());
         for (slot, owner) in owners.iter().enumerate() {
