@@ -22,7 +22,7 @@ pub(crate) use join::JoinStack;
 
 /// A pointerless octree of boxes that stay as they are, each known by its index.
 ///
-/// Built in O(n) passes over the boxes; a search visits O(log n) blocks for each box that it finds.
+/// Built in O(n log n); a search visits O(log n) blocks for each box that it finds.
 /// Nothing is allocated per search.
 #[derive(Clone, Debug)]
 pub(crate) struct StillOctree {

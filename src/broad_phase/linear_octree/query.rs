@@ -13,18 +13,51 @@ use crate::broad_phase::{
     proxy::Proxies,
 };
 
-/// A block to look at.
+/// A block to look at, in eight bytes: those that wait are many.
 #[derive(Clone, Copy, Debug, Default)]
 struct Task {
     /// How near its bounds are.
     nearness: f32,
-    height: u32,
-    block: u32,
+    node: Node,
 }
 
-/// As many blocks as can wait: each level but one leaves seven of eight, and there are 11 levels
-/// above 2³² boxes.
-const MOST_TASKS: usize = 11 * (WIDTH - 1) + 1;
+/// A block by its number and its height above those of boxes.
+#[derive(Clone, Copy, Debug, Default)]
+struct Node(u32);
+
+impl Node {
+    const HEIGHT_BITS: u32 = 4;
+
+    #[inline(always)]
+    fn new(height: u32, block: u32) -> Self {
+        // So many boxes take 50 gigabytes.
+        debug_assert!(
+            block < 1 << (u32::BITS - Self::HEIGHT_BITS),
+            "2³¹ boxes at most"
+        );
+        Self(block << Self::HEIGHT_BITS | height)
+    }
+
+    #[inline(always)]
+    fn height(self) -> u32 {
+        self.0 & ((1 << Self::HEIGHT_BITS) - 1)
+    }
+
+    #[inline(always)]
+    fn block(self) -> u32 {
+        self.0 >> Self::HEIGHT_BITS
+    }
+
+    /// One of the eight blocks below.
+    #[inline(always)]
+    fn child(self, lane: u32) -> Self {
+        Self::new(self.height() - 1, self.block() * WIDTH as u32 + lane)
+    }
+}
+
+/// As many blocks as can wait: each level but one leaves seven of eight, and there are 10 levels
+/// above 2³¹ boxes.
+const MOST_TASKS: usize = 10 * (WIDTH - 1) + 1;
 
 /// What a query goes down: blocks of boxes, and who is in them.
 pub(in crate::broad_phase) trait Blocks {
@@ -131,24 +164,21 @@ impl<B: Blocks, M: Measure, V: FnMut(u32, f32) -> ControlFlow<(), f32>> Descent<
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
         let levels = self.blocks.levels();
-        let mut task = Task {
-            height: levels.len() as u32 - 1,
-            ..Task::default()
-        };
+        let mut node = Node::new(levels.len() as u32 - 1, 0);
         loop {
-            let block = &levels[task.height as usize][task.block as usize];
+            let block = &levels[node.height() as usize][node.block() as usize];
             let (hits, nearness) = self.measure.test_block(simd, block, self.bound);
-            let only_child = if task.height > 0 {
-                self.at_inner(task, hits, nearness)
-            } else if self.at_leaf(task, block, hits, nearness).is_break() {
+            let nearest_child = if node.height() > 0 {
+                self.at_inner(node, hits, nearness)
+            } else if self.at_leaf(node, block, hits, nearness).is_break() {
                 return;
             } else {
                 None
             };
-            let Some(next) = only_child.or_else(|| self.next_task()) else {
+            let Some(next) = nearest_child.or_else(|| self.next_node()) else {
                 return;
             };
-            task = next;
+            node = next;
         }
     }
 
@@ -156,12 +186,12 @@ impl<B: Blocks, M: Measure, V: FnMut(u32, f32) -> ControlFlow<(), f32>> Descent<
     #[inline(always)]
     fn at_leaf<S: Simd>(
         &mut self,
-        task: Task,
+        node: Node,
         block: &Block,
         hits: u32,
         nearness: f32x8<S>,
     ) -> ControlFlow<()> {
-        let first = task.block * WIDTH as u32;
+        let first = node.block() * WIDTH as u32;
         let mut lanes = [0; WIDTH];
         let count = ranked::<M, S>(hits, nearness, |lane, rank| lanes[rank] = lane);
         for &lane in &lanes[..count] {
@@ -184,41 +214,35 @@ impl<B: Blocks, M: Measure, V: FnMut(u32, f32) -> ControlFlow<(), f32>> Descent<
         ControlFlow::Continue(())
     }
 
-    /// Has the blocks that are hit wait, the nearest one on top; or returns it, if it is the only
-    /// one.
+    /// Returns the nearest of the blocks that are hit, and has the others wait, nearer ones on top.
     #[inline(always)]
-    fn at_inner<S: Simd>(&mut self, task: Task, hits: u32, nearness: f32x8<S>) -> Option<Task> {
-        let (height, first) = (task.height - 1, task.block * WIDTH as u32);
+    fn at_inner<S: Simd>(&mut self, node: Node, hits: u32, nearness: f32x8<S>) -> Option<Node> {
         if hits == 0 {
             return None;
         }
         if hits & (hits - 1) == 0 {
-            return Some(Task {
-                height,
-                block: first + hits.trailing_zeros(),
-                ..task
-            });
+            return Some(node.child(hits.trailing_zeros()));
         }
         let last = self.waiting + hits.count_ones() as usize - 1;
         debug_assert!(last < MOST_TASKS);
-        self.waiting += ranked::<M, S>(hits, nearness, |lane, rank| {
+        ranked::<M, S>(hits, nearness, |lane, rank| {
             self.tasks[last - rank] = Task {
                 nearness: nearness[lane as usize],
-                height,
-                block: first + lane,
+                node: node.child(lane),
             };
         });
-        None
+        self.waiting = last;
+        Some(self.tasks[last].node)
     }
 
     /// The next of the blocks that wait and are not beyond the bound.
     #[inline(always)]
-    fn next_task(&mut self) -> Option<Task> {
+    fn next_node(&mut self) -> Option<Node> {
         while self.waiting > 0 {
             self.waiting -= 1;
             let task = self.tasks[self.waiting];
             if !(M::ORDERED && self.bound.excludes(task.nearness)) {
-                return Some(task);
+                return Some(task.node);
             }
         }
         None

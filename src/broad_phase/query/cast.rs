@@ -70,7 +70,7 @@ impl Sweep {
         limit: f32,
     ) -> (Self, f32) {
         let reciprocal = direction.recip();
-        let still = reciprocal.to_array().map(|r| !r.is_finite());
+        let is_still = !reciprocal.is_finite_mask();
         let is_backward = reciprocal.cmplt(Vec3A::ZERO);
         let (min, max) = (origin + min, origin + max);
         let sweep = Self {
@@ -80,11 +80,11 @@ impl Sweep {
             ahead: Vec3A::select(is_backward, min, max).to_array(),
             behind: Vec3A::select(is_backward, max, min).to_array(),
             backward: is_backward.into(),
-            still,
-            any_still: still.contains(&true),
+            still: is_still.into(),
+            any_still: is_still.any(),
         };
-        let is_fine =
-            direction.is_finite() && min.is_finite() && max.is_finite() && min.cmple(max).all();
+        let is_finite = min.is_finite_mask() & max.is_finite_mask() & direction.is_finite_mask();
+        let is_fine = (is_finite & min.cmple(max)).all();
         (sweep, if is_fine { limit } else { f32::NAN })
     }
 }

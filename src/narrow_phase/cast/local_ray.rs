@@ -19,15 +19,13 @@ const FLAT: f64 = 1e-7;
 const UNIT: f32 = 1e-5;
 /// How much larger a box is taken that a ray is to miss, as a share of the distances at hand: more
 /// than the rounding of 32-bit floats.
-const ROUGHLY: f32 = 1e-5;
+pub const ROUGHLY: f32 = 1e-5;
 
-/// The distance, in double precision, up to which a ray may meet something within a distance: what
-/// is nearer, or rounds to it, does.
+/// A distance, in double precision, that is beyond all that are within a distance, or round to it.
 ///
-/// That is half-way to the next number. What is as far as that may round up: the
-/// [impact](LocalRay::impact) tells.
+/// What is found beyond it is left out by the [impact](LocalRay::impact).
 pub fn limit(max_distance: f32) -> f64 {
-    f64::from(max_distance).midpoint(f64::from(max_distance.next_up()))
+    f64::from(max_distance) * (1.0 + f64::from(f32::EPSILON)) + f64::from(f32::MIN_POSITIVE)
 }
 
 /// A ray in the coordinates of a shape, in which distances along it are those in the world. In
@@ -42,36 +40,31 @@ pub struct LocalRay {
 }
 
 impl LocalRay {
+    /// `None` if anything is not finite.
     pub fn new(target: Placed, origin: Vec3, direction: Dir3) -> Option<Self> {
-        let scale = target
-            .shape
-            .effective_scale(target.transform.scale)
-            .as_dvec3();
-        let least = FLAT * scale.abs().max_element();
-        let scale = DVec3::select(
-            scale.abs().cmplt(DVec3::splat(least)),
-            DVec3::splat(least),
-            scale,
-        );
         let from_center = origin.as_dvec3() - target.transform.translation.as_dvec3();
-        let (mut start, mut along) = (from_center, direction.as_dvec3());
+        let mut ray = Self {
+            origin: from_center,
+            direction: direction.as_dvec3(),
+            scale: DVec3::ONE,
+            slack: slack(origin, from_center),
+        };
         // Much of a level is neither turned nor scaled.
         if target.transform.rotation != Quat::IDENTITY {
             let back = target.transform.rotation.as_dquat().normalize().conjugate();
-            (start, along) = (back * start, back * along);
+            (ray.origin, ray.direction) = (back * ray.origin, back * ray.direction);
         }
-        if scale != DVec3::ONE {
-            (start, along) = (start / scale, along / scale);
+        if target.transform.scale != Vec3::ONE {
+            if !target.transform.scale.is_finite() {
+                return None;
+            }
+            let scale = target.shape.effective_scale(target.transform.scale);
+            let scale = scale.as_dvec3();
+            let least = DVec3::splat(FLAT * scale.abs().max_element());
+            ray.scale = DVec3::select(scale.abs().cmplt(least), least, scale);
+            (ray.origin, ray.direction) = (ray.origin / ray.scale, ray.direction / ray.scale);
         }
-        let (origin_in_shape, along) = (start, along);
-        let slack = slack(origin, from_center);
-        let ray = Self {
-            origin: origin_in_shape,
-            direction: along,
-            scale,
-            slack,
-        };
-        (ray.origin.is_finite() && ray.direction.is_finite()).then_some(ray)
+        (ray.origin + ray.direction).is_finite().then_some(ray)
     }
 
     /// Whether a ray may meet the box of a mesh, quickly. In doubt, it may.
@@ -129,8 +122,16 @@ impl LocalRay {
 
     /// Normals scale inversely.
     fn to_world(self, normal: DVec3, target: Placed) -> Option<Vec3> {
-        let scaled = (normal / self.scale).normalize_or_zero().as_vec3();
-        (target.transform.rotation.normalize() * scaled).try_normalize()
+        let scaled = if self.scale == DVec3::ONE {
+            normal
+        } else {
+            normal / self.scale
+        };
+        let unit = scaled.try_normalize()?.as_vec3();
+        if target.transform.rotation == Quat::IDENTITY {
+            return Some(unit);
+        }
+        (target.transform.rotation.normalize() * unit).try_normalize()
     }
 
     /// How high the start is over a plane, in the world.

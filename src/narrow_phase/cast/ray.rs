@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use bevy::math::{DVec3, Dir3, Vec3, Vec3A};
 
-use super::local_ray::{BORDER, LocalRay, is_on_polygon, limit, vertex};
+use super::local_ray::{BORDER, LocalRay, ROUGHLY, is_on_polygon, limit, vertex};
 use crate::broad_phase::Sweep;
 use crate::narrow_phase::{
     answer::Impact,
@@ -55,10 +55,13 @@ impl NarrowPhase {
         direction: Dir3,
         max_distance: f32,
     ) -> Option<Impact> {
-        if !is_askable(target, origin, direction, max_distance) {
+        if !(max_distance >= 0.0 && target.shape.is_finite()) {
             return None;
         }
         if target.shape.kind() == Kind::Foreign {
+            if !is_askable(target, origin, direction, max_distance) {
+                return None;
+            }
             return match parry::as_own(target) {
                 Some((own, at)) => {
                     self.cast_ray(Placed::new(&own, &at), origin, direction, max_distance)
@@ -68,6 +71,7 @@ impl NarrowPhase {
             };
         }
         if let Shape::Mesh(mesh) = target.shape
+            && mesh.tree().is_none()
             && !LocalRay::may_meet(mesh, target, origin, direction, max_distance)
         {
             return None;
@@ -233,12 +237,23 @@ impl LocalRay {
         if !(within && is_told) {
             return met;
         }
+        if met.is_none() && !mesh.has_junctions() && self.leaves(mesh, max_distance) {
+            return None;
+        }
         let clear = met.as_ref().filter(|_| !is_shared);
         let is_inside = match clear.and_then(|met| self.is_from_inside(mesh, met)) {
             Some(is_inside) => is_inside,
             None => self.is_inside(mesh),
         };
         if is_inside { Some(Met::INSIDE) } else { met }
+    }
+
+    /// Whether the ray, which starts in the box of a mesh, certainly ends beyond it.
+    fn leaves(&self, mesh: &PolygonMesh, max_distance: f64) -> bool {
+        let (_, half, _) = mesh.local_bounds();
+        // The way through the box is no longer than its diagonal, nor that than its sides.
+        let (through, speed) = (half.element_sum(), self.direction.abs().max_element());
+        max_distance * speed > 2.0 * f64::from(through) * (1.0 + f64::from(ROUGHLY))
     }
 
     /// Whether a face of a solid is met from within; `None` if that is not certain.
@@ -252,11 +267,11 @@ impl LocalRay {
     fn surface(&self, mesh: &PolygonMesh, max_distance: f64, slack: f64) -> (Option<Met>, bool) {
         let (center, _, radius) = mesh.local_bounds();
         let from_center = self.origin - center.as_dvec3();
-        let on = slack.max(self.slack / self.scale.abs().max_element());
+        let doubt = Doubt::of(self, slack);
         let mut first = First::within(max_distance);
         let Some(tree) = mesh.tree() else {
             for polygon in 0..mesh.polygon_count() {
-                let flow = self.polygon(mesh, polygon, slack, on, &mut first);
+                let flow = self.polygon(mesh, polygon, &doubt, &mut first);
                 if let ControlFlow::Break(start) = flow {
                     return (Some(start), false);
                 }
@@ -272,50 +287,53 @@ impl LocalRay {
             0.0
         };
         let origin = self.origin + self.direction * skipped;
-        let reach = on.max(
+        let reach = doubt.start.max(
             8.0 * f64::from(f32::EPSILON) * (center.as_dvec3().length() + 4.0 * f64::from(radius)),
         );
-        let left = |limit: f64| ((limit - skipped) as f32).next_up();
+        // It is a little off.
+        let left = |limit: f64| (limit - skipped) as f32 * (1.0 + 4.0 * f32::EPSILON);
         if left(max_distance) < 0.0 {
             return (None, false);
         }
         let (mut start, reach) = (None, Vec3A::splat(reach as f32));
         let (origin, way) = (origin.as_vec3a(), self.direction.as_vec3a());
-        let (measure, limit) = Sweep::along(origin, way, -reach, reach, left(max_distance));
+        let (measure, mut limit) = Sweep::along(origin, way, -reach, reach, left(max_distance));
         tree.search(&measure, limit, |polygon, _| {
-            let flow = self.polygon(mesh, polygon as usize, slack, on, &mut first);
+            let before = first.limit;
+            let flow = self.polygon(mesh, polygon as usize, &doubt, &mut first);
             if let ControlFlow::Break(found) = flow {
                 start = Some(found);
                 return ControlFlow::Break(());
             }
-            // It is a little off.
-            ControlFlow::Continue(left(first.limit) * (1.0 + 4.0 * f32::EPSILON))
+            if first.limit < before {
+                limit = left(first.limit);
+            }
+            ControlFlow::Continue(limit)
         });
         (start.or(first.met), first.is_shared)
     }
 
     /// Meets a polygon, if it is the first so far; breaks if the ray starts on it.
+    #[inline]
     fn polygon(
         &self,
         mesh: &PolygonMesh,
         polygon: usize,
-        slack: f64,
-        on: f64,
+        doubt: &Doubt,
         first: &mut First,
     ) -> ControlFlow<Met> {
         let (corners, normal) = (mesh.polygon(polygon), mesh.normals()[polygon].as_dvec3());
         let steep = normal.dot(self.direction);
         let height = normal.dot(self.origin - vertex(mesh, corners[0]));
         let distance = -height / steep;
-        let may_be_on = height.abs() * self.scale.abs().min_element() <= self.slack;
-        if may_be_on && self.height(height, normal).abs() <= self.slack {
-            if is_on_polygon(mesh, corners, normal, self.origin, on) {
+        if height.abs() <= doubt.plane && self.height(height, normal).abs() <= self.slack {
+            if is_on_polygon(mesh, corners, normal, self.origin, doubt.start) {
                 let start = Met::touching(0.0, normal, Some(polygon as u32));
                 return ControlFlow::Break(start);
             }
             // Along the plane.
             if steep.abs() <= ALONG * self.direction.length()
-                && let Some(distance) = self.border(mesh, corners, normal, slack)
+                && let Some(distance) = self.border(mesh, corners, normal, doubt.border)
                 && distance <= first.limit
             {
                 first.meet(Met::touching(distance, normal, Some(polygon as u32)));
@@ -325,12 +343,12 @@ impl LocalRay {
         // Not for a ray within the plane, for which this is not a number, or infinite.
         if distance >= 0.0 && distance <= first.limit {
             let is_on = match *corners {
-                [a, b, c] => self.passes_within(mesh, [a, b, c], slack),
+                [a, b, c] => self.passes_within(mesh, [a, b, c], doubt),
                 _ => None,
             };
             let is_on = is_on.unwrap_or_else(|| {
                 let point = self.origin + self.direction * distance;
-                is_on_polygon(mesh, corners, normal, point, slack)
+                is_on_polygon(mesh, corners, normal, point, doubt.border)
             });
             if is_on {
                 first.meet(Met::crossing(distance, normal, Some(polygon as u32)));
@@ -339,29 +357,56 @@ impl LocalRay {
         ControlFlow::Continue(())
     }
 
-    /// Whether the line of the ray passes through a triangle, if that is certain: further than a
-    /// slack from all of its sides.
+    /// Whether the line of the ray passes through a triangle, if that is certain: further than is
+    /// in doubt from all of its sides.
     ///
     /// Which side of a segment it passes is the sign of the volume that the two span.
     #[inline]
-    fn passes_within(&self, mesh: &PolygonMesh, corners: [u32; 3], slack: f64) -> Option<bool> {
+    fn passes_within(&self, mesh: &PolygonMesh, corners: [u32; 3], doubt: &Doubt) -> Option<bool> {
         let [a, b, c] = corners.map(|corner| vertex(mesh, corner) - self.origin);
         let volume = |from: DVec3, to: DVec3| self.direction.dot(from.cross(to));
         let volumes = [volume(a, b), volume(b, c), volume(c, a)];
         // No side is longer than the sum of two others.
         let (one, other) = ((b - a).abs(), (c - a).abs());
-        let longest = (one + other).element_sum();
-        let doubt = slack * longest * self.direction.abs().element_sum();
-        let [least, most] = [
-            volumes[0].min(volumes[1]).min(volumes[2]),
-            volumes[0].max(volumes[1]).max(volumes[2]),
+        let least = doubt.volume * (one + other).element_sum();
+        let [over, under] = [
+            volumes.map(|volume| volume > least),
+            volumes.map(|volume| volume < -least),
         ];
-        if least > doubt || most < -doubt {
+        let (all, any) = (
+            |of: [bool; 3]| of[0] & of[1] & of[2],
+            |of: [bool; 3]| of[0] | of[1] | of[2],
+        );
+        if all(over) | all(under) {
             Some(true)
-        } else if least < -doubt && most > doubt {
+        } else if any(over) & any(under) {
             Some(false)
         } else {
             None
+        }
+    }
+}
+
+/// What is in doubt of a ray and the polygons of a mesh, in the coordinates of the mesh.
+struct Doubt {
+    /// How near to its border a point counts as on a polygon.
+    border: f64,
+    /// The same for the start.
+    start: f64,
+    /// How high over a plane the start may be, at most, that counts as on it.
+    plane: f64,
+    /// How large a volume is certain, of the ray and a segment of length 1.
+    volume: f64,
+}
+
+impl Doubt {
+    fn of(ray: &LocalRay, border: f64) -> Self {
+        let scale = ray.scale.abs();
+        Self {
+            border,
+            start: border.max(ray.slack / scale.max_element()),
+            plane: ray.slack / scale.min_element(),
+            volume: border * ray.direction.abs().element_sum(),
         }
     }
 }
