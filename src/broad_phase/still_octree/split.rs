@@ -8,7 +8,7 @@ use crate::broad_phase::block::WIDTH;
 /// So a few large boxes amid small ones end up by themselves, and not in blocks with these.
 #[derive(Clone, Copy)]
 struct Item {
-    place: Vec4,
+    place: [f32; 4],
     index: u32,
 }
 
@@ -22,7 +22,7 @@ pub fn order(boxes: &[Aabb3d]) -> Vec<u32> {
         .map(|(index, aabb)| {
             let center = aabb.min * 0.25 + aabb.max * 0.25;
             let size = (aabb.max * 0.5 - aabb.min * 0.5).max_element();
-            let place = center.extend(size);
+            let place = center.extend(size).to_array();
             Item { place, index }
         })
         .collect();
@@ -47,9 +47,10 @@ fn halve(items: &mut [Item], child: usize) {
     if children <= 1 {
         return split(items);
     }
-    let first = items[0].place;
+    let first = Vec4::from(items[0].place);
     let (low, high) = items.iter().fold((first, first), |(low, high), item| {
-        (low.min(item.place), high.max(item.place))
+        let place = Vec4::from(item.place);
+        (low.min(place), high.max(place))
     });
     let axis = (high - low).max_position();
     let middle = children / 2 * child;
