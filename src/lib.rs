@@ -3,7 +3,7 @@
 //!
 //! ```
 //! use bevy::prelude::*;
-//! use bevy_octree::{motion::{MotionSettings, Step}, prelude::*};
+//! use bevy_octree::prelude::*;
 //!
 //! let mut app = App::new();
 //! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
@@ -150,8 +150,8 @@ pub mod plugins {
     };
 }
 
-/// The prelude: what a game writes daily. Settings and types that are looked into now and then are
-/// in their modules.
+/// The prelude: what a game writes daily, and no name that Bevy's own prelude has. What is looked
+/// into now and then is in its module.
 pub mod prelude {
     #[cfg(feature = "debug_draw")]
     pub use crate::debug_draw::{CollisionDebugPlugin, CollisionGizmos, DebugDraw, QueryGizmos};

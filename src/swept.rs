@@ -6,7 +6,7 @@
 //!
 //! ```
 //! use bevy::prelude::*;
-//! use bevy_octree::{motion::{MotionSettings, Step}, prelude::*};
+//! use bevy_octree::prelude::*;
 //!
 //! let mut app = App::new();
 //! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))

@@ -96,6 +96,13 @@ fn bad_input_is_named() {
         matches!(error, ShapeError::NonFiniteVertex { vertex: 2, .. }),
         "{error}"
     );
+    let mut unused = square;
+    unused[4].z = f32::NAN;
+    let error = PolygonMesh::new(unused, [good]).unwrap_err();
+    assert!(
+        matches!(error, ShapeError::NonFiniteVertex { vertex: 4, .. }),
+        "{error}"
+    );
 }
 
 #[test]
