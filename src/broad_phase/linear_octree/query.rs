@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use bevy::math::bounding::Aabb3d;
-use fearless_simd::{Level, dispatch, f32x8, prelude::*};
+use fearless_simd::{Level, dispatch, f32x8, mask32x8, prelude::*};
 
 use super::octree::LinearOctree;
 use crate::broad_phase::{
@@ -13,18 +13,19 @@ use crate::broad_phase::{
     proxy::Proxies,
 };
 
-/// A block to look at.
-#[derive(Clone, Copy, Debug, Default)]
-struct Task {
-    /// How near its bounds are.
-    nearness: f32,
-    height: u32,
-    block: u32,
-}
+/// As many levels as can be above the boxes, of which there are fewer than 2³².
+const MOST_LEVELS: usize = 11;
 
-/// As many blocks as can wait: each level but one leaves seven of eight, and there are 11 levels
-/// above 2³² boxes.
-const MOST_TASKS: usize = 11 * (WIDTH - 1) + 1;
+/// A block of which some of the eight below wait to be looked at.
+#[derive(Clone, Copy, Debug, Default)]
+struct Frame {
+    /// How near the bounds of the eight are, if that matters.
+    nearness: [f32; WIDTH],
+    /// Those that wait: a bit for each.
+    rest: u32,
+    /// The first of them, in its level.
+    first: u32,
+}
 
 /// What a query goes down: blocks of boxes, and who is in them.
 pub(in crate::broad_phase) trait Blocks {
@@ -41,18 +42,31 @@ pub(in crate::broad_phase) trait Blocks {
     fn box_of(&self, owner: u32, block: &Block, slot: u32) -> Option<Aabb3d>;
 }
 
-/// Calls `visit` with the owner of each box within the limit, and its distance; it tells the limit
-/// from then on.
+/// What is done with what a search finds.
+pub trait Visit {
+    /// Takes an object, or whatever is in a box, and the distance of the box; tells the limit from
+    /// then on.
+    fn visit(&mut self, found: u32, distance: f32) -> ControlFlow<(), f32>;
+}
+
+impl<F: FnMut(u32, f32) -> ControlFlow<(), f32>> Visit for F {
+    #[inline(always)]
+    fn visit(&mut self, found: u32, distance: f32) -> ControlFlow<(), f32> {
+        self(found, distance)
+    }
+}
+
+/// Has `visit` take the owner of each box within the limit.
 pub(in crate::broad_phase) fn search<M: Measure>(
     level: Level,
     blocks: &impl Blocks,
     measure: &M,
     limit: f32,
-    visit: impl FnMut(u32, f32) -> ControlFlow<(), f32>,
+    visit: &mut impl Visit,
 ) {
     dispatch!(level, simd => {
-        let (bound, mut tasks) = (measure.bound(limit), [Task::default(); MOST_TASKS]);
-        Descent { blocks, measure, visit, limit, bound, tasks: &mut tasks, waiting: 0 }.run(simd);
+        let (bound, mut frames) = (measure.bound(limit), [Frame::default(); MOST_LEVELS]);
+        Descent { blocks, measure, visit, limit, bound, frames: &mut frames }.run(simd);
     });
 }
 
@@ -70,9 +84,8 @@ impl LinearOctree {
             octree: self,
             proxies,
         };
-        search(self.level, &blocks, measure, limit, |id, distance| {
-            visit(ProxyId::new(id), distance)
-        });
+        let mut visit = |id: u32, distance: f32| visit(ProxyId::new(id), distance);
+        search(self.level, &blocks, measure, limit, &mut visit);
     }
 }
 
@@ -116,39 +129,46 @@ impl Blocks for Skins<'_> {
 struct Descent<'a, B, M, V> {
     blocks: &'a B,
     measure: &'a M,
-    visit: V,
+    visit: &'a mut V,
     /// Objects farther away than this are of no interest, nor blocks beyond the bound that goes
     /// with it.
     limit: f32,
     bound: Bound,
-    /// The blocks that wait, the next one last. Lent, so that all else here can be kept in
-    /// registers.
-    tasks: &'a mut [Task; MOST_TASKS],
-    waiting: usize,
+    /// The block that was looked at last on each level above that of the boxes, by the height of
+    /// the blocks below it. Lent, so that all else here can be kept in registers.
+    frames: &'a mut [Frame; MOST_LEVELS],
 }
 
-impl<B: Blocks, M: Measure, V: FnMut(u32, f32) -> ControlFlow<(), f32>> Descent<'_, B, M, V> {
+impl<B: Blocks, M: Measure, V: Visit> Descent<'_, B, M, V> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
         let levels = self.blocks.levels();
-        let mut task = Task {
-            height: levels.len() as u32 - 1,
-            ..Task::default()
-        };
+        let top = levels.len() - 1;
+        let (mut height, mut index) = (top, 0);
         loop {
-            let block = &levels[task.height as usize][task.block as usize];
+            let block = &levels[height][index as usize];
             let (hits, nearness) = self.measure.test_block(simd, block, self.bound);
-            let only_child = if task.height > 0 {
-                self.at_inner(task, hits, nearness)
-            } else if self.at_leaf(task, block, hits, nearness).is_break() {
+            if height > 0 {
+                height -= 1;
+                let frame = &mut self.frames[height];
+                frame.rest = hits;
+                frame.first = index * WIDTH as u32;
+                if M::ORDERED {
+                    nearness.store_slice(&mut frame.nearness);
+                }
+            } else if self.at_leaf(simd, index, block, hits, nearness).is_break() {
                 return;
-            } else {
-                None
+            }
+            // The next block: on the way up, the first level where one waits.
+            index = loop {
+                if height == top {
+                    return;
+                }
+                if let Some(next) = self.next_of(simd, height) {
+                    break next;
+                }
+                height += 1;
             };
-            let Some(next) = only_child.or_else(|| self.next_task()) else {
-                return;
-            };
-            task = next;
         }
     }
 
@@ -156,18 +176,17 @@ impl<B: Blocks, M: Measure, V: FnMut(u32, f32) -> ControlFlow<(), f32>> Descent<
     #[inline(always)]
     fn at_leaf<S: Simd>(
         &mut self,
-        task: Task,
+        simd: S,
+        index: u32,
         block: &Block,
         hits: u32,
         nearness: f32x8<S>,
     ) -> ControlFlow<()> {
-        let first = task.block * WIDTH as u32;
-        let mut lanes = [0; WIDTH];
-        let count = ranked::<M, S>(hits, nearness, |lane, rank| lanes[rank] = lane);
-        for &lane in &lanes[..count] {
-            if M::ORDERED && self.bound.excludes(nearness[lane as usize]) {
-                break;
-            }
+        let first = index * WIDTH as u32;
+        let mut rest = hits;
+        while rest != 0 {
+            let lane = nearest::<M, S>(simd, rest, nearness);
+            rest &= !(1 << lane);
             let Some(owner) = self.blocks.owner(first + lane) else {
                 continue;
             };
@@ -178,81 +197,53 @@ impl<B: Blocks, M: Measure, V: FnMut(u32, f32) -> ControlFlow<(), f32>> Descent<
                 aabb.and_then(|aabb| self.measure.test_box(&aabb, self.limit))
             };
             let Some(distance) = distance else { continue };
-            self.limit = (self.visit)(owner, distance)?;
+            self.limit = self.visit.visit(owner, distance)?;
             self.bound = self.measure.bound(self.limit);
+            if M::ORDERED {
+                rest &= within(simd, nearness, self.bound);
+            }
         }
         ControlFlow::Continue(())
     }
 
-    /// Has the blocks that are hit wait, the nearest one on top; or returns it, if it is the only
-    /// one.
+    /// The nearest of the blocks that wait at a height and are not beyond the bound.
     #[inline(always)]
-    fn at_inner<S: Simd>(&mut self, task: Task, hits: u32, nearness: f32x8<S>) -> Option<Task> {
-        let (height, first) = (task.height - 1, task.block * WIDTH as u32);
-        if hits == 0 {
+    fn next_of<S: Simd>(&mut self, simd: S, height: usize) -> Option<u32> {
+        let frame = &mut self.frames[height];
+        if frame.rest == 0 {
             return None;
         }
-        if hits & (hits - 1) == 0 {
-            return Some(Task {
-                height,
-                block: first + hits.trailing_zeros(),
-                ..task
-            });
-        }
-        let last = self.waiting + hits.count_ones() as usize - 1;
-        debug_assert!(last < MOST_TASKS);
-        self.waiting += ranked::<M, S>(hits, nearness, |lane, rank| {
-            self.tasks[last - rank] = Task {
-                nearness: nearness[lane as usize],
-                height,
-                block: first + lane,
-            };
-        });
-        None
-    }
-
-    /// The next of the blocks that wait and are not beyond the bound.
-    #[inline(always)]
-    fn next_task(&mut self) -> Option<Task> {
-        while self.waiting > 0 {
-            self.waiting -= 1;
-            let task = self.tasks[self.waiting];
-            if !(M::ORDERED && self.bound.excludes(task.nearness)) {
-                return Some(task);
+        let nearness = f32x8::from_slice(simd, &frame.nearness);
+        if M::ORDERED {
+            frame.rest &= within(simd, nearness, self.bound);
+            if frame.rest == 0 {
+                return None;
             }
         }
-        None
+        let lane = nearest::<M, S>(simd, frame.rest, nearness);
+        frame.rest &= !(1 << lane);
+        Some(frame.first + lane)
     }
 }
 
-/// Calls `f` with each lane that is hit and its rank, from the nearest to the farthest if that
-/// matters. Returns the number of hits.
+/// Which of eight are not beyond a bound: a bit for each.
 #[inline(always)]
-fn ranked<M: Measure, S: Simd>(
-    hits: u32,
-    nearness: f32x8<S>,
-    mut f: impl FnMut(u32, usize),
-) -> usize {
-    if hits.is_power_of_two() {
-        f(hits.trailing_zeros(), 0);
-        return 1;
+fn within<S: Simd>(simd: S, nearness: f32x8<S>, bound: Bound) -> u32 {
+    nearness.simd_le(bound.splat(simd)).to_bitmask() as u32
+}
+
+/// The nearest of those lanes of which the bits are set, of which there is one; the first, if they
+/// are as near, or if that does not matter.
+#[inline(always)]
+fn nearest<M: Measure, S: Simd>(simd: S, lanes: u32, nearness: f32x8<S>) -> u32 {
+    debug_assert!(lanes != 0, "one is there");
+    if !M::ORDERED || lanes.is_power_of_two() {
+        return lanes.trailing_zeros();
     }
-    let mut rest = hits;
-    let mut count = 0;
-    while rest != 0 {
-        let lane = rest.trailing_zeros();
-        rest &= rest - 1;
-        // Without a branch: it would be mispredicted often.
-        let rank = if M::ORDERED {
-            let own = nearness[lane as usize];
-            let nearer = nearness.simd_lt(own).to_bitmask() as u32;
-            let as_near = nearness.simd_eq(own).to_bitmask() as u32 & ((1 << lane) - 1);
-            ((nearer | as_near) & hits).count_ones() as usize
-        } else {
-            count
-        };
-        f(lane, rank);
-        count += 1;
-    }
-    count
+    let far = f32x8::splat(simd, f32::INFINITY);
+    let mask = mask32x8::from_bitmask(simd, u64::from(lanes));
+    let least = f32x8::splat(simd, mask.select(nearness, far).reduce_min());
+    let nearest = nearness.simd_le(least).to_bitmask() as u32 & lanes;
+    debug_assert!(nearest != 0, "nothing is NaN");
+    nearest.trailing_zeros()
 }

@@ -159,6 +159,9 @@ fn is_inside(
     surface: &Surface,
     closest: &ClosestPoint,
 ) -> bool {
+    if !mesh.has_inside() {
+        return false;
+    }
     let center = pair.box_a.center;
     let is_told = mesh.is_one_solid() && !surface.placing().is_flat();
     is_behind(closest, center, pair.tolerance)
@@ -216,14 +219,11 @@ pub fn fill_second_to_search<'a>(
     workspace: &'a mut Workspace,
 ) -> Option<(&'a PolygonMesh, &'a mut Surface)> {
     let polygons = pair.b.shape.polygons()?;
-    let has_tree = polygons.0.tree().is_some();
-    let region = if has_tree {
-        LocalAabb::NOWHERE
-    } else {
-        LocalAabb::EVERYWHERE
-    };
     let surface = &mut workspace.surfaces[1];
-    surface.fill(polygons, pair.b, &pair.box_b, &region, pair.tolerance);
+    surface.place(polygons, pair.b, &pair.box_b);
+    if polygons.0.tree().is_none() {
+        surface.select_all(polygons.0, pair.tolerance);
+    }
     Some((polygons.0, surface))
 }
 

@@ -11,6 +11,7 @@ pub(super) mod edge_polygon;
 pub(super) mod local_aabb;
 pub(super) mod memory;
 pub(super) mod near_faces;
+pub(super) mod near_point;
 pub(super) mod oriented_box;
 pub(super) mod placed;
 pub(super) mod placing;

@@ -361,6 +361,12 @@ impl PolygonMesh {
         self.polygons.get(polygon)
     }
 
+    /// The vertex indices by polygon, if all are triangles.
+    #[inline]
+    pub(in crate::narrow_phase) fn triangles(&self) -> Option<&[[u32; 3]]> {
+        self.polygons.triangles()
+    }
+
     /// A vertex of each connected part of the surface.
     pub(in crate::narrow_phase) fn shells(&self) -> impl ExactSizeIterator<Item = u32> {
         let first = |polygon: &u32| self.polygon(*polygon as usize)[0];
