@@ -13,6 +13,7 @@ pub(super) mod memory;
 pub(super) mod near_faces;
 pub(super) mod near_point;
 pub(super) mod oriented_box;
+pub(super) mod outward;
 pub(super) mod placed;
 pub(super) mod placing;
 pub(super) mod separation;
