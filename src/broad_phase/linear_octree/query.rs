@@ -44,9 +44,19 @@ pub(in crate::broad_phase) trait Blocks {
 
 /// What is done with what a search finds.
 pub trait Visit {
+    /// Are blocks of boxes taken as a whole?
+    const BLOCKS: bool = false;
+
     /// Takes an object, or whatever is in a box, and the distance of the box; tells the limit from
     /// then on.
     fn visit(&mut self, found: u32, distance: f32) -> ControlFlow<(), f32>;
+
+    /// Takes a block of eight boxes, by its number, of which none has been looked at; tells the
+    /// limit from then on.
+    #[inline(always)]
+    fn visit_block<S: Simd>(&mut self, _: S, _: u32) -> ControlFlow<(), f32> {
+        ControlFlow::Break(())
+    }
 }
 
 impl<F: FnMut(u32, f32) -> ControlFlow<(), f32>> Visit for F {
@@ -146,6 +156,18 @@ impl<B: Blocks, M: Measure, V: Visit> Descent<'_, B, M, V> {
         let top = levels.len() - 1;
         let (mut height, mut index) = (top, 0);
         loop {
+            if V::BLOCKS && height == 0 {
+                let ControlFlow::Continue(limit) = self.visit.visit_block(simd, index) else {
+                    return;
+                };
+                self.limit = limit;
+                self.bound = self.measure.bound(limit);
+                let Some(next) = self.next(simd, 0, top) else {
+                    return;
+                };
+                (height, index) = next;
+                continue;
+            }
             let block = &levels[height][index as usize];
             let (hits, nearness) = self.measure.test_block(simd, block, self.bound);
             if height > 0 {
@@ -159,17 +181,23 @@ impl<B: Blocks, M: Measure, V: Visit> Descent<'_, B, M, V> {
             } else if self.at_leaf(simd, index, block, hits, nearness).is_break() {
                 return;
             }
-            // The next block: on the way up, the first level where one waits.
-            index = loop {
-                if height == top {
-                    return;
-                }
-                if let Some(next) = self.next_of(simd, height) {
-                    break next;
-                }
-                height += 1;
+            let Some(next) = self.next(simd, height, top) else {
+                return;
             };
+            (height, index) = next;
         }
+    }
+
+    /// The next block, from a height on: on the way up, the first level where one waits.
+    #[inline(always)]
+    fn next<S: Simd>(&mut self, simd: S, mut height: usize, top: usize) -> Option<(usize, u32)> {
+        while height < top {
+            if let Some(next) = self.next_of(simd, height) {
+                return Some((height, next));
+            }
+            height += 1;
+        }
+        None
     }
 
     /// Visits the objects of a block of boxes that are hit.

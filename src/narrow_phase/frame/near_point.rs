@@ -6,12 +6,16 @@
 use std::ops::ControlFlow;
 
 use bevy::math::{Mat3A, Vec3, Vec3A};
+use fearless_simd::{f32x8, prelude::*};
 
 use super::closest;
 use super::placing::Placing;
 use super::surface::{ClosestPoint, Surface};
 use crate::broad_phase::{ScaledDistance, Visit};
-use crate::narrow_phase::mesh::polygon_mesh::PolygonMesh;
+use crate::narrow_phase::mesh::{
+    polygon_mesh::PolygonMesh,
+    triangle_block::{TriangleBlock, WIDTH},
+};
 
 /// A mesh at a scale between its inverse and this is looked at in its own space, where no number is
 /// so large or so small that its powers are lost.
@@ -84,8 +88,22 @@ impl Surface {
             let mut nearest = Nearest::new(self, mesh, near, [at, point], most / square, any);
             nearest.square = square;
             let measure = ScaledDistance::unscaled(around);
-            tree.search_with(&measure, nearest.best, &mut nearest);
-            (nearest.best * square, nearest.polygon)
+            let best = nearest.best;
+            if let Some(blocks) = mesh.triangle_blocks() {
+                let mut nearest = NearestOfBlocks {
+                    blocks,
+                    polygons: tree.in_order(),
+                    from: at,
+                    best,
+                    polygon: NONE,
+                    any,
+                };
+                tree.search_with(&measure, best, &mut nearest);
+                (nearest.best * square, nearest.polygon)
+            } else {
+                tree.search_with(&measure, best, &mut nearest);
+                (nearest.best * square, nearest.polygon)
+            }
         } else {
             let near = InFrame::new(mesh.vertices(), &placing);
             let mut nearest = Nearest::new(self, mesh, near, [point; 2], most, any);
@@ -220,6 +238,49 @@ impl<C: Corners> Visit for Nearest<'_, C> {
             (self.best, self.polygon) = (squared, polygon);
             if self.any {
                 return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(self.best)
+    }
+}
+
+/// The triangle that is closest to a point, so far: eight at a time, in the space of the mesh.
+struct NearestOfBlocks<'a> {
+    blocks: &'a [TriangleBlock],
+    /// Their numbers in the mesh.
+    polygons: &'a [u32],
+    from: Vec3A,
+    /// As for one by one.
+    best: f32,
+    polygon: u32,
+    any: bool,
+}
+
+impl Visit for NearestOfBlocks<'_> {
+    const BLOCKS: bool = true;
+
+    #[inline(always)]
+    fn visit(&mut self, _: u32, _: f32) -> ControlFlow<(), f32> {
+        ControlFlow::Continue(self.best)
+    }
+
+    #[inline(always)]
+    fn visit_block<S: Simd>(&mut self, simd: S, block: u32) -> ControlFlow<(), f32> {
+        let squared = self.blocks[block as usize].squared_distances(simd, self.from);
+        let least = squared.reduce_min();
+        if least <= self.best {
+            let nearest = squared.simd_le(f32x8::splat(simd, least)).to_bitmask();
+            let first = block as usize * WIDTH;
+            let lanes = self.polygons[first..].iter().take(WIDTH).enumerate();
+            // Of several that are as close, the first in the order of the mesh.
+            let polygon = lanes
+                .filter(|(lane, _)| nearest >> lane & 1 != 0)
+                .fold(NONE, |first, (_, polygon)| first.min(*polygon));
+            if least < self.best || polygon < self.polygon {
+                (self.best, self.polygon) = (least, polygon);
+                if self.any {
+                    return ControlFlow::Break(());
+                }
             }
         }
         ControlFlow::Continue(self.best)
