@@ -266,7 +266,10 @@ impl Visit for NearestOfBlocks<'_> {
 
     #[inline(always)]
     fn visit_block<S: Simd>(&mut self, simd: S, block: u32) -> ControlFlow<(), f32> {
-        let squared = self.blocks[block as usize].squared_distances(simd, self.from);
+        let triangles = &self.blocks[block as usize];
+        let Some(squared) = triangles.squared_distances(simd, self.from, self.best) else {
+            return ControlFlow::Continue(self.best);
+        };
         let least = squared.reduce_min();
         if least <= self.best {
             let nearest = squared.simd_le(f32x8::splat(simd, least)).to_bitmask();

@@ -36,14 +36,29 @@ impl TriangleBlock {
     }
 
     /// The squares of the distances of the triangles from a point, as
-    /// `closest::point_triangle_squared` has them.
+    /// `closest::point_triangle_squared` has them; `None` if all are above `most` for sure.
     #[inline(always)]
-    pub fn squared_distances<S: Simd>(&self, simd: S, point: Vec3A) -> f32x8<S> {
+    pub fn squared_distances<S: Simd>(&self, simd: S, point: Vec3A, most: f32) -> Option<f32x8<S>> {
         let lanes = |corner: usize| {
             [0, 1, 2].map(|axis| f32x8::from_slice(simd, &self.corners[corner][axis]))
         };
         let corners = [lanes(0), lanes(1), lanes(2)];
         let point = point.to_array().map(|axis| f32x8::splat(simd, axis));
+        let [a, b, c] = corners;
+        let gaps = [0, 1, 2].map(|axis| {
+            let (low, high) = (
+                a[axis].min(b[axis]).min(c[axis]),
+                a[axis].max(b[axis]).max(c[axis]),
+            );
+            (low - point[axis])
+                .max(point[axis] - high)
+                .max(f32x8::splat(simd, 0.0))
+        });
+        // No rounding leaves one out.
+        let bound = f32x8::splat(simd, most * (1.0 + 16.0 * f32::EPSILON) + f32::MIN_POSITIVE);
+        if dot(gaps, gaps).simd_le(bound).all_false() {
+            return None;
+        }
         let along = [
             sub(corners[1], corners[0]),
             sub(corners[2], corners[1]),
@@ -69,7 +84,7 @@ impl TriangleBlock {
         });
         let height = dot(normal, from[0]);
         let over = height * (height / dot(normal, normal));
-        (ab & bc & ca).select(over, best)
+        Some((ab & bc & ca).select(over, best))
     }
 }
 
@@ -110,8 +125,10 @@ mod tests {
         for point in (100..300).map(|i| Vec3A::from(at(i)) * 2.0) {
             for (first, block) in blocks.iter().enumerate() {
                 let level = Level::new();
-                let found: [f32; WIDTH] =
-                    dispatch!(level, simd => block.squared_distances(simd, point).into());
+                let found: [f32; WIDTH] = dispatch!(level, simd => {
+                    let found = block.squared_distances(simd, point, f32::INFINITY);
+                    found.unwrap().into()
+                });
                 for (lane, found) in found.into_iter().enumerate() {
                     let corners = triangle((WIDTH * first + lane).min(12)).map(Vec3A::from);
                     let single = point_triangle_squared(point, corners);
