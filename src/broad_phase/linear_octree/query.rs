@@ -162,42 +162,49 @@ impl<B: Blocks, M: Measure, V: Visit> Descent<'_, B, M, V> {
                 };
                 self.limit = limit;
                 self.bound = self.measure.bound(limit);
-                let Some(next) = self.next(simd, 0, top) else {
-                    return;
-                };
-                (height, index) = next;
-                continue;
-            }
-            let block = &levels[height][index as usize];
-            let (hits, nearness) = self.measure.test_block(simd, block, self.bound);
-            if height > 0 {
-                height -= 1;
-                let frame = &mut self.frames[height];
-                frame.rest = hits;
-                frame.first = index * WIDTH as u32;
-                if M::ORDERED {
-                    nearness.store_slice(&mut frame.nearness);
+            } else {
+                let block = &levels[height][index as usize];
+                let (hits, nearness) = self.measure.test_block(simd, block, self.bound);
+                if height > 0 && hits != 0 {
+                    height -= 1;
+                    index = self.enter(simd, height, index, hits, nearness);
+                    continue;
                 }
-            } else if self.at_leaf(simd, index, block, hits, nearness).is_break() {
-                return;
+                if height == 0 && self.at_leaf(simd, index, block, hits, nearness).is_break() {
+                    return;
+                }
             }
-            let Some(next) = self.next(simd, height, top) else {
-                return;
+            // On the way up, the first level where one waits.
+            index = loop {
+                if height == top {
+                    return;
+                }
+                if let Some(next) = self.next_of(simd, height) {
+                    break next;
+                }
+                height += 1;
             };
-            (height, index) = next;
         }
     }
 
-    /// The next block, from a height on: on the way up, the first level where one waits.
+    /// The nearest of the blocks at a height that are below one and are hit; the others wait.
     #[inline(always)]
-    fn next<S: Simd>(&mut self, simd: S, mut height: usize, top: usize) -> Option<(usize, u32)> {
-        while height < top {
-            if let Some(next) = self.next_of(simd, height) {
-                return Some((height, next));
-            }
-            height += 1;
+    fn enter<S: Simd>(
+        &mut self,
+        simd: S,
+        height: usize,
+        above: u32,
+        hits: u32,
+        nearness: f32x8<S>,
+    ) -> u32 {
+        let lane = nearest::<M, S>(simd, hits, nearness);
+        let frame = &mut self.frames[height];
+        frame.first = above * WIDTH as u32;
+        frame.rest = hits & !(1 << lane);
+        if M::ORDERED {
+            nearness.store_slice(&mut frame.nearness);
         }
-        None
+        frame.first + lane
     }
 
     /// Visits the objects of a block of boxes that are hit.

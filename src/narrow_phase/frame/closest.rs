@@ -86,7 +86,7 @@ pub fn point_triangle_squared(point: Vec3A, corners: [Vec3A; 3]) -> f32 {
         dot(closest, closest),
         Vec4::splat(f32::INFINITY),
     );
-    let normal = cross(along.map(|along| along.zxyw()), along).map(|normal| normal.xxxx());
+    let normal = cross(along.map(Vec4Swizzles::zxyw), along).map(Vec4Swizzles::xxxx);
     // The areas beside the sides, seen along the normal.
     let beside = dot(normal, cross(along, from));
     if beside.cmplt(Vec4::ZERO).bitmask() & 0b111 == 0b111 {

@@ -1,7 +1,8 @@
 //! Which polygon of a mesh is closest to a point: by its tree.
 //!
-//! Triangles are looked at one by one, in the space of the mesh where all axes have one scale, for
-//! nothing but their distance; where on it the point is closest is asked of the closest alone.
+//! Triangles are looked at for nothing but their distance; where on it the point is closest is asked
+//! of the closest alone. In the space of the mesh, where all axes have one scale, those of a block of
+//! the tree are looked at side by side; in the frame, one by one.
 
 use std::ops::ControlFlow;
 
@@ -84,26 +85,27 @@ impl Surface {
         let found = if let Some(scale) = placing.uniform_scale().filter(is_usual) {
             // What is closest in the space of the mesh is so here.
             let square = scale * scale;
-            let near = InMesh(mesh.vertices());
-            let mut nearest = Nearest::new(self, mesh, near, [at, point], most / square, any);
-            nearest.square = square;
             let measure = ScaledDistance::unscaled(around);
-            let best = nearest.best;
-            if let Some(blocks) = mesh.triangle_blocks() {
+            let most = most / square;
+            let (best, polygon) = if let Some(blocks) = mesh.triangle_blocks() {
                 let mut nearest = NearestOfBlocks {
                     blocks,
                     polygons: tree.in_order(),
                     from: at,
-                    best,
+                    best: most,
                     polygon: NONE,
                     any,
                 };
-                tree.search_with(&measure, best, &mut nearest);
-                (nearest.best * square, nearest.polygon)
+                tree.search_with(&measure, most, &mut nearest);
+                (nearest.best, nearest.polygon)
             } else {
-                tree.search_with(&measure, best, &mut nearest);
-                (nearest.best * square, nearest.polygon)
-            }
+                let near = InMesh(mesh.vertices());
+                let mut nearest = Nearest::new(self, mesh, near, [at, point], most, any);
+                nearest.square = square;
+                tree.search_with(&measure, most, &mut nearest);
+                (nearest.best, nearest.polygon)
+            };
+            (best * square, polygon)
         } else {
             let near = InFrame::new(mesh.vertices(), &placing);
             let mut nearest = Nearest::new(self, mesh, near, [point; 2], most, any);

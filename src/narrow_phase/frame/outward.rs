@@ -68,7 +68,7 @@ impl Around<'_> {
                 return self.around_vertex(polygon, side);
             }
             let share = from.dot(along) / squared;
-            let is_within = share >= WITHIN && share <= 1.0 - WITHIN;
+            let is_within = (WITHIN..=1.0 - WITHIN).contains(&share);
             let beside = (from - along * share).length_squared();
             let is_on = beside <= AT_END * AT_END * squared;
             let is_across = way.dot(along).abs() <= ACROSS * squared.sqrt();
