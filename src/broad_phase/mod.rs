@@ -125,6 +125,7 @@ pub use exhaustive::Exhaustive;
 pub use filter::{PairFilter, PairKinds};
 pub use index::SpatialIndex;
 pub use linear_octree::LinearOctree;
+pub(crate) use linear_octree::query::Visit;
 pub(crate) use measure::Measure;
 pub use method::{BroadPhaseMethod, UnknownMethod};
 pub use object_octree::{ObjectOctree, ObjectOctreeSettings, RootPolicy, SettingsError};

@@ -12,7 +12,7 @@ use super::{
     block::{Block, WIDTH},
     linear_octree::{
         levels::Levels,
-        query::{self, Blocks},
+        query::{self, Blocks, Visit},
     },
     measure::Measure,
     query::Region,
@@ -71,8 +71,14 @@ impl StillOctree {
         &self,
         measure: &M,
         limit: f32,
-        visit: impl FnMut(u32, f32) -> ControlFlow<(), f32>,
+        mut visit: impl FnMut(u32, f32) -> ControlFlow<(), f32>,
     ) {
+        self.search_with(measure, limit, &mut visit);
+    }
+
+    /// The same, with something whose part is compiled into the search, whatever its size.
+    #[inline]
+    pub(crate) fn search_with<M: Measure>(&self, measure: &M, limit: f32, visit: &mut impl Visit) {
         query::search(self.level, self, measure, limit, visit);
     }
 
