@@ -119,6 +119,7 @@ mod still_octree;
 mod unbounded;
 
 pub use auto::Auto;
+pub(crate) use block::WIDTH as BLOCK_WIDTH;
 pub use boxes::{BoxError, EVERYWHERE, ProxyId, check_box, overlap};
 pub use engine::{BroadPhase, BroadPhaseStats, Leaf, Visitor};
 pub use exhaustive::Exhaustive;
@@ -133,4 +134,4 @@ pub use pairs::{Pair, PairSet};
 pub use proxy::Proxies;
 pub use query::{Cast, Flow, Hit, Region};
 pub(crate) use query::{Height, Overlap, ScaledDistance, Sweep};
-pub(crate) use still_octree::{JoinStack, StillOctree};
+pub(crate) use still_octree::{JoinStack, StillOctree, TriangleBlock};

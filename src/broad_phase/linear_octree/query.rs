@@ -38,8 +38,20 @@ pub(in crate::broad_phase) trait Blocks {
     /// Who is in a slot; `None` beyond the last.
     fn owner(&self, slot: u32) -> Option<u32>;
 
-    /// The box of who is in a slot of a block.
-    fn box_of(&self, owner: u32, block: &Block, slot: u32) -> Option<Aabb3d>;
+    /// The box of who is in a slot.
+    fn box_of(&self, owner: u32, slot: u32) -> Option<Aabb3d>;
+
+    /// What a measure says of a block of boxes.
+    #[inline(always)]
+    fn test_boxes<M: Measure, S: Simd>(
+        &self,
+        simd: S,
+        measure: &M,
+        index: u32,
+        bound: Bound,
+    ) -> (u32, f32x8<S>) {
+        measure.test_block(simd, &self.levels()[0][index as usize], bound)
+    }
 }
 
 /// What is done with what a search finds.
@@ -122,10 +134,10 @@ impl Blocks for Skins<'_> {
     }
 
     #[inline(always)]
-    fn box_of(&self, owner: u32, block: &Block, slot: u32) -> Option<Aabb3d> {
+    fn box_of(&self, owner: u32, slot: u32) -> Option<Aabb3d> {
         // What is in the block is in the cache, and what is in the order of space likely to be.
         if self.octree.exact {
-            Some(block.get(slot as usize % WIDTH))
+            Some(self.octree.tree.get(slot as usize))
         } else if self.octree.boxes_are_gathered {
             self.octree.boxes.get(slot as usize).copied()
         } else {
@@ -162,16 +174,19 @@ impl<B: Blocks, M: Measure, V: Visit> Descent<'_, B, M, V> {
                 };
                 self.limit = limit;
                 self.bound = self.measure.bound(limit);
+            } else if height == 0 {
+                let (blocks, measure) = (self.blocks, self.measure);
+                let (hits, nearness) = blocks.test_boxes(simd, measure, index, self.bound);
+                if self.at_leaf(simd, index, hits, nearness).is_break() {
+                    return;
+                }
             } else {
                 let block = &levels[height][index as usize];
                 let (hits, nearness) = self.measure.test_block(simd, block, self.bound);
-                if height > 0 && hits != 0 {
+                if hits != 0 {
                     height -= 1;
                     index = self.enter(simd, height, index, hits, nearness);
                     continue;
-                }
-                if height == 0 && self.at_leaf(simd, index, block, hits, nearness).is_break() {
-                    return;
                 }
             }
             // On the way up, the first level where one waits.
@@ -213,7 +228,6 @@ impl<B: Blocks, M: Measure, V: Visit> Descent<'_, B, M, V> {
         &mut self,
         simd: S,
         index: u32,
-        block: &Block,
         hits: u32,
         nearness: f32x8<S>,
     ) -> ControlFlow<()> {
@@ -228,7 +242,7 @@ impl<B: Blocks, M: Measure, V: Visit> Descent<'_, B, M, V> {
             let distance = if self.blocks.are_exact() && M::EXACT {
                 Some(nearness[lane as usize] + 0.0)
             } else {
-                let aabb = self.blocks.box_of(owner, block, first + lane);
+                let aabb = self.blocks.box_of(owner, first + lane);
                 aabb.and_then(|aabb| self.measure.test_box(&aabb, self.limit))
             };
             let Some(distance) = distance else { continue };

@@ -12,6 +12,7 @@ pub(super) mod local_aabb;
 pub(super) mod memory;
 pub(super) mod near_faces;
 pub(super) mod near_point;
+pub(super) mod near_triangles;
 pub(super) mod oriented_box;
 pub(super) mod outward;
 pub(super) mod placed;

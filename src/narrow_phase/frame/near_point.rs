@@ -10,13 +10,11 @@ use bevy::math::{Mat3A, Vec3, Vec3A};
 use fearless_simd::{f32x8, prelude::*};
 
 use super::closest;
+use super::near_triangles::squared_distances;
 use super::placing::Placing;
 use super::surface::{ClosestPoint, Surface};
-use crate::broad_phase::{ScaledDistance, Visit};
-use crate::narrow_phase::mesh::{
-    polygon_mesh::PolygonMesh,
-    triangle_block::{TriangleBlock, WIDTH},
-};
+use crate::broad_phase::{BLOCK_WIDTH, ScaledDistance, TriangleBlock, Visit};
+use crate::narrow_phase::mesh::polygon_mesh::PolygonMesh;
 
 /// A mesh at a scale between its inverse and this is looked at in its own space, where no number is
 /// so large or so small that its powers are lost.
@@ -87,7 +85,7 @@ impl Surface {
             let square = scale * scale;
             let measure = ScaledDistance::unscaled(around);
             let most = most / square;
-            let (best, polygon) = if let Some(blocks) = mesh.triangle_blocks() {
+            let (best, polygon) = if let Some(blocks) = tree.triangles() {
                 let mut nearest = NearestOfBlocks {
                     blocks,
                     polygons: tree.in_order(),
@@ -269,14 +267,14 @@ impl Visit for NearestOfBlocks<'_> {
     #[inline(always)]
     fn visit_block<S: Simd>(&mut self, simd: S, block: u32) -> ControlFlow<(), f32> {
         let triangles = &self.blocks[block as usize];
-        let Some(squared) = triangles.squared_distances(simd, self.from, self.best) else {
+        let Some(squared) = squared_distances(simd, triangles, self.from, self.best) else {
             return ControlFlow::Continue(self.best);
         };
         let least = squared.reduce_min();
         if least <= self.best {
             let nearest = squared.simd_le(f32x8::splat(simd, least)).to_bitmask();
-            let first = block as usize * WIDTH;
-            let lanes = self.polygons[first..].iter().take(WIDTH).enumerate();
+            let first = block as usize * BLOCK_WIDTH;
+            let lanes = self.polygons[first..].iter().take(BLOCK_WIDTH).enumerate();
             // Of several that are as close, the first in the order of the mesh.
             let polygon = lanes
                 .filter(|(lane, _)| nearest >> lane & 1 != 0)

@@ -12,6 +12,5 @@ pub(super) mod polygon_mesh;
 mod polygons;
 mod solids;
 pub(super) mod topology;
-pub(super) mod triangle_block;
 #[cfg(any(feature = "mesh", test))]
 mod weld;

@@ -8,7 +8,6 @@ use super::{
     normal::checked_normal,
     polygons::Polygons,
     topology::{Solid, Topology},
-    triangle_block::TriangleBlock,
 };
 use crate::{
     broad_phase::StillOctree,
@@ -64,8 +63,6 @@ pub struct PolygonMesh {
     across: Vec<u32>,
     /// Where polygons are; none in a mesh of few.
     tree: Option<StillOctree>,
-    /// The triangles in the order of the tree, eight to a block of it, if all polygons are such.
-    blocks: Box<[TriangleBlock]>,
     /// The first polygon of each connected part of the surface.
     shells: Vec<u32>,
     solid: Solid,
@@ -154,7 +151,6 @@ impl PolygonMesh {
             edges: Vec::new(),
             across: Vec::new(),
             tree: None,
-            blocks: Box::default(),
             shells: Vec::new(),
             solid: Solid::None,
             junctions: Vec::new(),
@@ -382,7 +378,6 @@ impl PolygonMesh {
             + self.sources.as_deref().map_or(0, size_of_val)
             + self.inverted.as_ref().map_or(0, Bits::memory_bytes)
             + self.tree.as_ref().map_or(0, StillOctree::memory_bytes)
-            + size_of_val::<[_]>(&self.blocks)
     }
 
     /// The polygons across the sides of a polygon, of which side i is that from corner i to the
@@ -401,7 +396,6 @@ impl PolygonMesh {
     #[cfg(test)]
     pub(in crate::narrow_phase) fn without_tree(mut self) -> Self {
         self.tree = None;
-        self.blocks = Box::default();
         self
     }
 
@@ -415,11 +409,6 @@ impl PolygonMesh {
     #[inline]
     pub(in crate::narrow_phase) fn polygon(&self, polygon: usize) -> &[u32] {
         self.polygons.get(polygon)
-    }
-
-    /// The triangles in the order of the tree, if there is one and all polygons are such.
-    pub(in crate::narrow_phase) fn triangle_blocks(&self) -> Option<&[TriangleBlock]> {
-        (!self.blocks.is_empty()).then_some(&self.blocks)
     }
 
     /// The vertex indices by polygon, if all are triangles.
@@ -469,7 +458,6 @@ impl PolygonMesh {
             across: self.across.clone(),
             // Measured anew.
             tree: None,
-            blocks: Box::default(),
             shells: self.shells.clone(),
             solid: self.solid.clone(),
             inverted: self.inverted.clone(),
@@ -571,21 +559,17 @@ impl PolygonMesh {
         // Not (max - min) / 2, so that both ends are inside whatever the rounding.
         self.half_size = (max - center).max(center - min).into();
         self.radius = radius;
-        self.tree = (self.polygon_count() > FEW).then(|| {
-            let boxes: Vec<_> = self
-                .polygons()
-                .map(|corners| self.bounds_of(corners))
-                .collect();
-            StillOctree::new(&boxes)
-        });
-        self.blocks = match (&self.tree, self.triangles()) {
-            (Some(tree), Some(triangles)) => {
-                let corners = |polygon: &u32| triangles[*polygon as usize];
-                let triangles = tree.in_order().iter().map(corners);
-                TriangleBlock::of(triangles.map(|t| t.map(|v| self.vertices[v as usize])))
+        self.tree = (self.polygon_count() > FEW).then(|| match self.triangles() {
+            Some(triangles) => {
+                let at = |vertex: u32| self.vertices[vertex as usize];
+                StillOctree::of_triangles(triangles.iter().map(|triangle| triangle.map(at)))
             }
-            _ => Box::default(),
-        };
+            None => {
+                let polygons = self.polygons();
+                let boxes: Vec<_> = polygons.map(|corners| self.bounds_of(corners)).collect();
+                StillOctree::new(&boxes)
+            }
+        });
     }
 
     fn bounds_of(&self, corners: &[u32]) -> Aabb3d {
