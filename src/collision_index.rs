@@ -407,10 +407,8 @@ impl CollisionIndex {
             .bodies
             .get_mut(id.index())
             .filter(|body| body.entity == entity)?;
-        self.index.set(id, aabb).ok()?;
         // It may have turned inside its box.
-        self.index.touch(id);
-        Some(body)
+        self.index.renew(id, aabb).then_some(body)
     }
 
     /// Decides about an entity that cannot [follow](Self::follow), given the handle that it says is
