@@ -127,11 +127,16 @@ impl Shape {
             }
             Self::Convex(_) | Self::Mesh(_) if transform.rotation == Quat::IDENTITY => {
                 let (center, half, _) = self.own_mesh()?.local_bounds();
-                (at + center * Vec3A::from(scale), half * Vec3A::from(scale.abs()))
+                (
+                    at + center * Vec3A::from(scale),
+                    half * Vec3A::from(scale.abs()),
+                )
             }
             _ => return None,
         };
-        (center.abs() + reach).is_finite().then_some((center, reach))
+        (center.abs() + reach)
+            .is_finite()
+            .then_some((center, reach))
     }
 
     /// Returns a sphere around the shape in the world, centred on its box. The smallest one for
