@@ -115,14 +115,15 @@ fn maintain(
             None
         };
         let start = way.and_then(|way| way.to(proxy.pose())).copied();
-        let id = if let Some(id) = proxy.id()
-            && let Some(body) = index.follow(id, entity, &aabb.0)
-        {
-            body.pose = *proxy.pose();
+        let reshape = |body: &mut Body| {
             // It may have changed when nobody looked, between two sets.
             if body.reshaped != own.last_changed() || some_sheared {
                 body.reshape(shape(), own.last_changed());
             }
+        };
+        let id = if let Some(id) = proxy.id()
+            && index.follow((id, entity), &aabb.0, proxy.pose(), &tests, reshape)
+        {
             id
         } else {
             let newcomer = newcomers.get(entity).ok();
@@ -137,14 +138,12 @@ fn maintain(
                 reshaped,
             };
             let extent = extent(aabb, &body, start.as_ref(), &tests);
-            let id = index.upsert(
-                proxy.id(),
-                Seen {
-                    body,
-                    extent,
-                    filter,
-                },
-            );
+            let seen = Seen {
+                body,
+                extent,
+                filter,
+            };
+            let id = index.upsert(proxy.id(), seen, &tests);
             BroadPhaseProxy::note_id(&mut proxy, id);
             let Some(id) = id else { continue };
             id

@@ -118,6 +118,7 @@ mod error;
 mod frame;
 mod length;
 mod mesh;
+mod outline;
 #[cfg(feature = "rapier")]
 mod parry;
 #[cfg(not(feature = "rapier"))]
@@ -141,6 +142,7 @@ pub use frame::placed::Placed;
 pub use frame::workspace::Workspace;
 pub use mesh::convex_mesh::ConvexMesh;
 pub use mesh::polygon_mesh::PolygonMesh;
+pub(crate) use outline::Outline;
 #[cfg(feature = "rapier")]
 pub(crate) use parry::is_known;
 pub use settings::{Exactness, NarrowPhase};
