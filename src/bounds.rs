@@ -88,8 +88,9 @@ fn update_roots(
     tests: Res<NarrowPhase>,
 ) {
     for (entity, shape, transform, mut aabb, mut proxy) in &mut roots {
-        BroadPhaseProxy::note_pose(&mut proxy, *transform);
         *aabb = world_aabb(&tests, entity, shape, transform);
+        let placed = Placed::new(shape, transform);
+        BroadPhaseProxy::note_box(&mut proxy, placed, aabb.last_changed());
     }
     for mut aabb in &mut nowhere {
         aabb.set_if_neq(WorldAabb::NONE);
@@ -129,15 +130,19 @@ pub(crate) fn update_children(
             return;
         };
         let placement = shear::put(own, &pose, sheared.as_deref());
-        BroadPhaseProxy::note_pose(&mut proxy, placement.transform);
+        let mut put = |shape: &Shape| {
+            let placed = Placed::new(shape, &placement.transform);
+            *aabb = world_aabb(&tests, entity, shape, placed.transform);
+            BroadPhaseProxy::note_box(&mut proxy, placed, aabb.last_changed());
+        };
         if let Some(mut sheared) = sheared {
             sheared.follow(own, placement.turn);
-            *aabb = world_aabb(&tests, entity, sheared.shape(), &placement.transform);
+            put(sheared.shape());
         } else if !placement.is_sheared {
-            *aabb = world_aabb(&tests, entity, own, &placement.transform);
+            put(own);
         } else {
             let sheared = Sheared::new(own, placement.turn);
-            *aabb = world_aabb(&tests, entity, sheared.shape(), &placement.transform);
+            put(sheared.shape());
             if sheared.shape().is_same(own) {
                 tracing::warn!(
                     "{entity} is sheared by an ancestor, as its shape cannot be: see `BoundsPlugin`"
@@ -149,6 +154,7 @@ pub(crate) fn update_children(
 }
 
 /// The box around a shape where it is.
+#[inline]
 pub(crate) fn world_aabb(
     tests: &NarrowPhase,
     entity: Entity,
@@ -157,10 +163,15 @@ pub(crate) fn world_aabb(
 ) -> WorldAabb {
     match tests.world_aabb(Placed::new(shape, transform)) {
         Ok(aabb) => WorldAabb(aabb),
-        Err(BoundsError::Unbounded) => WorldAabb::UNBOUNDED,
-        Err(error) => {
-            tracing::warn!("{entity} is left out of collision detection: {error}");
-            WorldAabb::NONE
-        }
+        Err(error) => without_box(entity, error),
     }
+}
+
+#[cold]
+fn without_box(entity: Entity, error: BoundsError) -> WorldAabb {
+    if error == BoundsError::Unbounded {
+        return WorldAabb::UNBOUNDED;
+    }
+    tracing::warn!("{entity} is left out of collision detection: {error}");
+    WorldAabb::NONE
 }

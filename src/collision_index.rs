@@ -12,7 +12,7 @@ use crate::{
     broad_phase::{
         BroadPhase, BroadPhaseMethod, Pair, PairFilter, PairKinds, ProxyId, SpatialIndex,
     },
-    narrow_phase::{Moving, NarrowPhase, Outline, Placed, Shape, StageCounters},
+    narrow_phase::{Fit, Moving, NarrowPhase, Placed, Shape, StageCounters},
 };
 
 /// The [`SpatialIndex`] of all entities with a
@@ -36,7 +36,7 @@ pub struct CollisionIndex {
     #[reflect(ignore)]
     entities: Vec<Entity>,
     #[reflect(ignore)]
-    outlines: Vec<Outline>,
+    fits: Vec<Fit>,
     /// By proxy index, as far as there are any: where the ways of swept bodies begin.
     #[reflect(ignore)]
     starts: Vec<Option<Transform>>,
@@ -63,7 +63,7 @@ impl Default for CollisionIndex {
             method: BroadPhaseMethod::default(),
             bodies: Vec::new(),
             entities: Vec::new(),
-            outlines: Vec::new(),
+            fits: Vec::new(),
             starts: Vec::new(),
             search: 0,
             moved_at_search: Vec::new(),
@@ -180,6 +180,8 @@ pub(crate) struct Seen {
     pub(crate) extent: Extent,
     /// Which pairs it makes, if it comes in; `None` if it is to stay out.
     pub(crate) filter: Option<PairFilter>,
+    /// What its box says of it.
+    pub(crate) fit: Fit,
 }
 
 impl CollisionIndex {
@@ -246,8 +248,8 @@ impl CollisionIndex {
         counters: &mut StageCounters,
     ) -> bool {
         let proxies = self.index.proxies();
-        let outlined = |id: ProxyId| Some((*self.outlines.get(id.index())?, proxies.get(id)?));
-        match (outlined(pair.a), outlined(pair.b)) {
+        let fitted = |id: ProxyId| Some((*self.fits.get(id.index())?, proxies.get(id)?));
+        match (fitted(pair.a), fitted(pair.b)) {
             (Some(a), Some(b)) => tests.certainly_intersect(a, b, counters),
             _ => false,
         }
@@ -285,7 +287,7 @@ impl CollisionIndex {
             && self.index.set(id, &aabb).is_ok()
         {
             body.pose = *pose;
-            self.outlines[id.index()] = tests.outline(body.placed(), &aabb);
+            self.fits[id.index()] = Fit::of(body.placed());
         }
     }
 
@@ -425,7 +427,7 @@ impl CollisionIndex {
         (id, entity): (ProxyId, Entity),
         aabb: &Aabb3d,
         pose: &Transform,
-        tests: &NarrowPhase,
+        fit: Fit,
         reshape: impl FnOnce(&mut Body),
     ) -> bool {
         // It may have turned inside its box.
@@ -435,7 +437,7 @@ impl CollisionIndex {
         let body = &mut self.bodies[id.index()];
         body.pose = *pose;
         reshape(body);
-        self.outlines[id.index()] = tests.outline(body.placed(), aabb);
+        self.fits[id.index()] = fit;
         true
     }
 
@@ -448,16 +450,12 @@ impl CollisionIndex {
     /// | any, or none | a box or no bounds, and a filter | leaves, if it was in, and enters anew |
     /// | any, or none | neither, or no filter | leaves, if it was in |
     #[cold]
-    pub(crate) fn upsert(
-        &mut self,
-        id: Option<ProxyId>,
-        seen: Seen,
-        tests: &NarrowPhase,
-    ) -> Option<ProxyId> {
+    pub(crate) fn upsert(&mut self, id: Option<ProxyId>, seen: Seen) -> Option<ProxyId> {
         let Seen {
             body,
             extent,
             filter,
+            fit,
         } = seen;
         let own = id.filter(|id| self.is_entry_of(*id, body.entity));
         if let (Some(own), Extent::Unbounded(side)) = (own, extent)
@@ -470,7 +468,7 @@ impl CollisionIndex {
         if let Some(own) = own {
             self.index.remove(own);
         }
-        self.enter(body, extent, filter?, tests)
+        self.enter(body, extent, filter?, fit)
     }
 
     /// Gives a new entity a handle, unless its box is refused.
@@ -479,22 +477,22 @@ impl CollisionIndex {
         body: Body,
         extent: Extent,
         filter: PairFilter,
-        tests: &NarrowPhase,
+        fit: Fit,
     ) -> Option<ProxyId> {
-        let (entered, outline) = match extent {
-            Extent::Box(aabb) => (self.index.insert(aabb), tests.outline(body.placed(), &aabb)),
-            Extent::Unbounded(side) => (self.index.insert_unbounded(side), Outline::Inside),
+        let entered = match extent {
+            Extent::Box(aabb) => self.index.insert(aabb),
+            Extent::Unbounded(side) => self.index.insert_unbounded(side),
         };
         let id = entered.ok()?;
         self.change_filter(id, |old| *old = filter);
         debug_assert!(id.index() <= self.bodies.len(), "handles are dense");
         if id.index() < self.bodies.len() {
             self.entities[id.index()] = body.entity;
-            self.outlines[id.index()] = outline;
+            self.fits[id.index()] = fit;
             self.bodies[id.index()] = body;
         } else {
             self.entities.push(body.entity);
-            self.outlines.push(outline);
+            self.fits.push(fit);
             self.bodies.push(body);
         }
         Some(id)

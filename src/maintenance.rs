@@ -85,7 +85,7 @@ fn mend(
 /// What is looked at in each tick, of everything that moved: no more than that.
 type Boxed<'a> = (
     Entity,
-    &'a WorldAabb,
+    Ref<'a, WorldAabb>,
     Ref<'a, CollisionShape>,
     &'a mut BroadPhaseProxy,
     Has<Swept>,
@@ -115,6 +115,7 @@ fn maintain(
             None
         };
         let start = way.and_then(|way| way.to(proxy.pose())).copied();
+        let fit = proxy.fit(aabb.last_changed());
         let reshape = |body: &mut Body| {
             // It may have changed when nobody looked, between two sets.
             if body.reshaped != own.last_changed() || some_sheared {
@@ -122,7 +123,7 @@ fn maintain(
             }
         };
         let id = if let Some(id) = proxy.id()
-            && index.follow((id, entity), &aabb.0, proxy.pose(), &tests, reshape)
+            && index.follow((id, entity), &aabb.0, proxy.pose(), fit, reshape)
         {
             id
         } else {
@@ -137,13 +138,14 @@ fn maintain(
                 shape: shape().clone(),
                 reshaped,
             };
-            let extent = extent(aabb, &body, start.as_ref(), &tests);
+            let extent = extent(&aabb, &body, start.as_ref(), &tests);
             let seen = Seen {
                 body,
                 extent,
                 filter,
+                fit,
             };
-            let id = index.upsert(proxy.id(), seen, &tests);
+            let id = index.upsert(proxy.id(), seen);
             BroadPhaseProxy::note_id(&mut proxy, id);
             let Some(id) = id else { continue };
             id

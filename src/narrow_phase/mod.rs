@@ -115,10 +115,10 @@ mod construct;
 mod contact;
 mod decide;
 mod error;
+mod fit;
 mod frame;
 mod length;
 mod mesh;
-mod outline;
 #[cfg(feature = "rapier")]
 mod parry;
 #[cfg(not(feature = "rapier"))]
@@ -137,12 +137,12 @@ pub use cast::moving::Moving;
 pub use cast_options::{RayCastOptions, ShapeCastOptions};
 pub use contact::manifold::{Manifold, ManifoldPoint};
 pub use error::{BoundsError, ShapeError, ToleranceError};
+pub(crate) use fit::Fit;
 pub(crate) use frame::approach::approach;
 pub use frame::placed::Placed;
 pub use frame::workspace::Workspace;
 pub use mesh::convex_mesh::ConvexMesh;
 pub use mesh::polygon_mesh::PolygonMesh;
-pub(crate) use outline::Outline;
 #[cfg(feature = "rapier")]
 pub(crate) use parry::is_known;
 pub use settings::{Exactness, NarrowPhase};

@@ -92,13 +92,8 @@ impl Shape {
     /// [`NarrowPhase::world_aabb`]: crate::narrow_phase::NarrowPhase::world_aabb
     #[doc(alias = "aabb")]
     pub fn world_aabb(&self, transform: &Transform) -> Result<Aabb3d, BoundsError> {
-        let (center, reach) = match self.quick_reach(transform) {
-            Some(quick) => quick,
-            None => {
-                let oriented = OrientedBox::of(self, transform, Vec3::ZERO)?;
-                (oriented.center, oriented.reach())
-            }
-        };
+        let oriented = OrientedBox::of(self, transform, Vec3::ZERO)?;
+        let (center, reach) = (oriented.center, oriented.reach());
         Ok(Aabb3d {
             min: center - reach,
             max: center + reach,
@@ -106,11 +101,14 @@ impl Shape {
     }
 
     /// The centre and the half sides of the box around the shape in the world, if that is quick to
-    /// tell: of what is not turned, of balls, and of cuboids. `None` too if something is not finite.
+    /// tell: of what is not turned, of balls, and of cuboids. They may be not finite.
     #[inline]
-    fn quick_reach(&self, transform: &Transform) -> Option<(Vec3A, Vec3A)> {
+    pub(in crate::narrow_phase) fn quick_reach(
+        &self,
+        transform: &Transform,
+    ) -> Option<(Vec3A, Vec3A)> {
         let (at, scale) = (Vec3A::from(transform.translation), transform.scale);
-        let (center, reach) = match self {
+        Some(match self {
             Self::Cuboid { half_size } => {
                 let half = (Vec3A::from(*half_size) * Vec3A::from(scale)).abs();
                 if transform.rotation == Quat::IDENTITY {
@@ -133,10 +131,7 @@ impl Shape {
                 )
             }
             _ => return None,
-        };
-        (center.abs() + reach)
-            .is_finite()
-            .then_some((center, reach))
+        })
     }
 
     /// Returns a sphere around the shape in the world, centred on its box. The smallest one for
