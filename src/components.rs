@@ -240,10 +240,15 @@ impl BroadPhaseProxy {
     /// Takes note of where the shape is that a box was computed around, and when that was.
     #[inline]
     pub(crate) fn note_box(proxy: &mut Mut<Self>, placed: Placed, boxed: Tick) {
-        let proxy = proxy.bypass_change_detection();
-        proxy.pose = *placed.transform;
-        proxy.fit = Fit::of(placed);
-        proxy.boxed = boxed;
+        proxy.bypass_change_detection().put_box(placed, boxed);
+    }
+
+    /// The same, for who has no more than the component in hand.
+    #[inline]
+    pub(crate) fn put_box(&mut self, placed: Placed, boxed: Tick) {
+        self.pose = *placed.transform;
+        self.fit = Fit::of(placed);
+        self.boxed = boxed;
     }
 
     /// Takes note of where the shape is that the box is around.
