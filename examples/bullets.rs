@@ -1,13 +1,11 @@
 //! A shooting range: what is fast passes through what is thin, unless it is `Swept`.
 //!
 //! Five walls as thin as paper; bullets that cover from half their own length to a thousand times
-//! that in a tick. `cargo run --example bullets`
+//! that in a tick. At last, bullets that end at the first thing that they hit, and tell which of its
+//! triangles that was. `cargo run --example bullets`
 
-use bevy::prelude::*;
-use bevy_octree::{
-    motion::{MotionSettings, Step},
-    prelude::*,
-};
+use bevy::{platform::collections::HashSet, prelude::*};
+use bevy_octree::prelude::*;
 
 /// The diameter of a bullet.
 const CALIBER: f32 = 0.1;
@@ -35,6 +33,29 @@ fn main() {
     for (wall, time) in shoot(1000.0, |bullet| _ = bullet.insert(Swept::default())).times {
         println!("  {wall} after {time:.4} of the tick");
     }
+
+    println!("\nbullets that end at their first hit:");
+    hit_the_target();
+}
+
+/// The walls.
+fn range() -> App {
+    let mut app = App::new();
+    // A tick per update, of a second each: the example needs no clock.
+    app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
+        .insert_resource(MotionSettings {
+            step: Step::Seconds(1.0),
+        });
+    let paper = CollisionShape::cuboid(0.002, 10.0, 10.0);
+    for number in 0..WALLS {
+        let place = Transform::from_xyz(number as f32 * 0.77, 0.0, 0.0);
+        app.world_mut().spawn((
+            Name::new(format!("wall {}", number + 1)),
+            paper.clone(),
+            place,
+        ));
+    }
+    app
 }
 
 struct Shot {
@@ -48,23 +69,9 @@ struct Shot {
 
 /// Shoots a bullet at the walls, for as many ticks as it takes to get past them.
 fn shoot(calibers_per_tick: f32, prepare: impl Fn(&mut EntityWorldMut)) -> Shot {
-    let mut app = App::new();
-    // A tick per update, of a second each: the example needs no clock.
-    app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
-        .insert_resource(MotionSettings {
-            step: Step::Seconds(1.0),
-        })
-        .init_resource::<Hits>()
+    let mut app = range();
+    app.init_resource::<Hits>()
         .add_systems(Update, count_hits.in_set(CollisionSystems::Last));
-    let paper = CollisionShape::cuboid(0.002, 10.0, 10.0);
-    for number in 0..WALLS {
-        let place = Transform::from_xyz(number as f32 * 0.77, 0.0, 0.0);
-        app.world_mut().spawn((
-            Name::new(format!("wall {}", number + 1)),
-            paper.clone(),
-            place,
-        ));
-    }
     let (start, step) = (-1.0, calibers_per_tick * CALIBER);
     let mut bullet = app.world_mut().spawn((
         CollisionShape::sphere(CALIBER / 2.0),
@@ -102,4 +109,87 @@ fn count_hits(
             hits.0.push((wall.to_string(), *time));
         }
     }
+}
+
+/// What is gone once it has hit something.
+#[derive(Component)]
+struct Bullet;
+
+/// Shoots at a square of four triangles in front of the walls, above, below and beside its middle,
+/// and past it.
+fn hit_the_target() {
+    let mut app = range();
+    // Where bullets hit is asked for all.
+    app.insert_resource(CollisionEventSettings {
+        geometry: EventScope::All,
+        ..default()
+    })
+    .add_systems(Update, end_at_first_hit.in_set(CollisionSystems::Last));
+    let corners = [
+        (-1.0, -1.0),
+        (-1.0, 1.0),
+        (1.0, 1.0),
+        (1.0, -1.0),
+        (0.0, 0.0),
+    ];
+    let corners = corners.map(|(y, z)| Vec3::new(-0.5, y, z));
+    let triangles = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+    let target = CollisionShape::mesh(corners, triangles).expect("its triangles have an area");
+    app.world_mut().spawn((Name::new("target"), target));
+    let aims = [(0.5, 0.1), (-0.5, 0.1), (0.1, -0.5), (0.1, 0.5), (2.0, 0.0)];
+    for (number, (y, z)) in (1..).zip(aims) {
+        app.world_mut().spawn((
+            Bullet,
+            Name::new(format!("bullet {number}")),
+            CollisionShape::sphere(CALIBER / 2.0),
+            // They do not meet each other.
+            CollisionLayers::new(LayerMask::layer(1), LayerMask::layer(0)),
+            Swept::default(),
+            Velocity(Vec3::X * 100.0 * CALIBER),
+            Transform::from_xyz(-1.0, y, z),
+        ));
+    }
+    app.update();
+    let mut left = app.world_mut().query_filtered::<(), With<Bullet>>();
+    assert_eq!(left.iter(app.world()).count(), 0, "each has hit something");
+}
+
+/// All that a bullet meets in a tick is told, in the order of time: the first is what it hits.
+fn end_at_first_hit(
+    mut started: MessageReader<CollisionStarted>,
+    bullets: Query<&Name, With<Bullet>>,
+    names: Query<&Name>,
+    spatial: SpatialQuery,
+    mut commands: Commands,
+) {
+    let mut spent = HashSet::new();
+    for message in started.read() {
+        let hit = if bullets.contains(message.a) {
+            *message
+        } else {
+            message.reversed()
+        };
+        if let Ok(bullet) = bullets.get(hit.a)
+            && let Ok(target) = names.get(hit.b)
+            && spent.insert(hit.a)
+        {
+            match polygon_hit(&hit, &spatial) {
+                Some(triangle) => println!("  {bullet} hits triangle {triangle} of the {target}"),
+                None => println!("  {bullet} hits {target}"),
+            }
+            commands.entity(hit.a).despawn();
+        }
+    }
+}
+
+/// Which polygon of `b` has `a` hit? A short ray along the normal tells, from just before the
+/// surface to just behind it.
+fn polygon_hit(hit: &CollisionStarted, spatial: &SpatialQuery) -> Option<u32> {
+    const REACH: f32 = 0.01;
+    let contact = hit.contact?;
+    let direction = Dir3::new(contact.normal).ok()?;
+    let ray = Ray3d::new(contact.point - REACH * contact.normal, direction);
+    let is_hit = |entity| entity == hit.b;
+    let filter = SpatialQueryFilter::DEFAULT.only(&is_hit);
+    spatial.cast_ray(ray, 2.0 * REACH, &filter)?.polygon
 }

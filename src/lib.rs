@@ -3,7 +3,7 @@
 //!
 //! ```
 //! use bevy::prelude::*;
-//! use bevy_octree::{motion::{MotionSettings, Step}, prelude::*};
+//! use bevy_octree::prelude::*;
 //!
 //! let mut app = App::new();
 //! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
@@ -25,7 +25,8 @@
 //!
 //! | component | what it does |
 //! |---|---|
-//! | [`CollisionShape`](components::CollisionShape) | makes the entity take part; brings the next two with it |
+//! | [`CollisionShape`](components::CollisionShape) | makes the entity take part; brings its box and its entry in the index with it |
+//! | `ShapeFromMesh` | has that shape built of a mesh asset (feature `mesh`) |
 //! | [`WorldAabb`](components::WorldAabb) | its box in the world, kept up to date |
 //! | [`BroadPhaseProxy`](components::BroadPhaseProxy) | its entry in the index |
 //! | [`Velocity`](motion::Velocity) | moves it each tick; without one it is at rest, until something else moves it |
@@ -34,6 +35,9 @@
 //! | [`Bounce`](response::Bounce) | changes its velocity on contact |
 //! | [`Swept`](swept::Swept) | has it looked at all along its way, however fast it is |
 //! | [`CollisionLayers`](filters::CollisionLayers) | says which others it may meet; [more of the kind](filters) |
+//! | [`StaticShape`](filters::StaticShape) | says that it never meets its kind: walls, floors, levels |
+//! | [`Sensor`](filters::Sensor) | has it reported, and nothing bounce off it |
+//! | [`Detector`](filters::Detector) | has it hear of others that do not hear of it |
 //! | [`InCollisionWorld`](worlds::InCollisionWorld) | puts it in a world of its own, apart from all others |
 //! | [`CollisionEventsEnabled`](contacts::CollisionEventsEnabled) | has its observers told of its contacts |
 //! | [`ManifoldsEnabled`](contacts::ManifoldsEnabled) | has the points found at which it lies on others |
@@ -69,13 +73,13 @@
 //! | feature | what it adds |
 //! |---|---|
 //! | `rapier` | the module `rapier`: side by side with `bevy_rapier3d`, whose colliders are shapes too |
-//! | `mesh` | `PolygonMesh::from_mesh`: shapes from Bevy's `Mesh`; the component `ShapeFromMesh`, which builds them of assets on other threads |
+//! | `mesh` | `PolygonMesh::from_mesh`: shapes from Bevy's `Mesh`; the component `ShapeFromMesh`, which builds them of assets; with `multi_threaded`, on other threads |
 //! | `scene_files` | scenes read from RON files, and written to them: [`scene`] |
 //! | `asset` | the same through Bevy's asset system |
 //! | `reports` | the report over a clip, as CSV and JSON lines: [`CollisionReport`](scene::CollisionReport) |
 //! | `debug_draw` | the module `debug_draw`: leaves, boxes, contacts and queries by Bevy's gizmos |
 //! | `picking` | the module `picking`: a backend for `bevy_picking` |
-//! | `multi_threaded` | systems and the broad phase on several threads |
+//! | `multi_threaded` | systems and the broad phase on several threads, shapes of mesh assets beside them |
 //!
 //! # Parts
 //!
@@ -146,13 +150,13 @@ pub mod plugins {
     };
 }
 
-/// The prelude: what a game writes daily. Settings and types that are looked into now and then are
-/// in their modules.
+/// The prelude: what a game writes daily, and no name that Bevy's own prelude has. What is looked
+/// into now and then is in its module.
 pub mod prelude {
     #[cfg(feature = "debug_draw")]
     pub use crate::debug_draw::{CollisionDebugPlugin, CollisionGizmos, DebugDraw, QueryGizmos};
     #[cfg(feature = "mesh")]
-    pub use crate::mesh_shape::{MeshForm, ShapeFromMesh};
+    pub use crate::mesh_shape::{MeshForm, ShapeFromMesh, ShapeFromMeshError};
     #[cfg(feature = "picking")]
     pub use crate::picking::{CollisionPickable, CollisionPickingPlugin};
     #[cfg(feature = "rapier")]
@@ -162,15 +166,17 @@ pub mod prelude {
         collision_layers,
         components::CollisionShape,
         contacts::{
-            CollidingEntities, CollisionEnded, CollisionEventSettings, CollisionEventsEnabled,
-            CollisionStarted, Collisions, Contacts, EventScope, ManifoldsEnabled,
+            CollidingEntities, Collision, CollisionEnded, CollisionEventSettings,
+            CollisionEventsEnabled, CollisionStarted, Collisions, Contacts, EventScope,
+            ManifoldsEnabled,
         },
         counters::CollisionCounters,
         filters::{
             CollisionLayer, CollisionLayers, Detector, IgnoreCollisions, LayerMask, PairHook,
             PairHookPlugin, Sensor, StaticShape,
         },
-        motion::{MovedElsewhere, PositionTrack, Velocity},
+        motion::{MotionSettings, MovedElsewhere, PositionTrack, Step, Velocity},
+        narrow_phase::{Contact, Placed, PolygonMesh, Shape},
         plugin::OctreePlugins,
         response::Bounce,
         schedule::CollisionSystems,
@@ -179,7 +185,7 @@ pub mod prelude {
             PairHit, PointHit, RayCastOptions, RayHit, RayPassage, ShapeCastOptions, ShapeHit,
             SpatialQuery, SpatialQueryFilter, update_spatial_index,
         },
-        swept::Swept,
+        swept::{Swept, SweptWay},
         worlds::{CollisionWorld, InCollisionWorld},
     };
 }

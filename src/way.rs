@@ -50,7 +50,13 @@ impl Default for SweptWay {
 }
 
 impl SweptWay {
-    /// Returns where in the world the way began in the last tick; `None` before the first.
+    /// Returns where in the world the way began in the last tick that is done; `None` before the
+    /// first.
+    ///
+    /// It is written after the set [`Response`](crate::CollisionSystems::Response), before
+    /// [`Report`](crate::CollisionSystems::Report): who reads it from `Report` on, in an observer
+    /// of collision events, in [`Last`](crate::CollisionSystems::Last) or after the tick, gets
+    /// where the way of *this* tick began; up to `Response`, it is that of the tick before.
     #[must_use]
     pub const fn last_start(&self) -> Option<&Transform> {
         self.last.as_ref()

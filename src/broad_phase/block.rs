@@ -24,6 +24,26 @@ impl Block {
         max: [[f32::NEG_INFINITY; WIDTH]; 3],
     };
 
+    /// The boxes around the first so many of eight triangles, by corner and axis.
+    #[inline(always)]
+    pub(super) fn around(corners: &[[[f32; WIDTH]; 3]; 3], count: usize) -> Self {
+        let mut block = Self::EMPTY;
+        let lower = |a: f32, b: f32| if a < b { a } else { b };
+        let upper = |a: f32, b: f32| if a > b { a } else { b };
+        for axis in 0..3 {
+            for lane in 0..WIDTH {
+                let [a, b, c] = [0, 1, 2].map(|corner| corners[corner][axis][lane]);
+                block.min[axis][lane] = lower(lower(a, b), c);
+                block.max[axis][lane] = upper(upper(a, b), c);
+            }
+            for lane in count..WIDTH {
+                block.min[axis][lane] = f32::INFINITY;
+                block.max[axis][lane] = f32::NEG_INFINITY;
+            }
+        }
+        block
+    }
+
     #[inline(always)]
     pub(super) fn set(&mut self, lane: usize, aabb: &Aabb3d) {
         let (min, max) = (aabb.min.to_array(), aabb.max.to_array());

@@ -2,23 +2,25 @@
 
 mod join;
 mod split;
+mod triangle_block;
 
 use std::ops::ControlFlow;
 
-use bevy::math::bounding::Aabb3d;
-use fearless_simd::Level;
+use bevy::math::{Vec3, Vec3A, bounding::Aabb3d};
+use fearless_simd::{Level, f32x8, prelude::*};
 
 use super::{
     block::{Block, WIDTH},
     linear_octree::{
         levels::Levels,
-        query::{self, Blocks},
+        query::{self, Blocks, Visit},
     },
-    measure::Measure,
+    measure::{Bound, Measure},
     query::Region,
 };
 
 pub(crate) use join::JoinStack;
+pub(crate) use triangle_block::TriangleBlock;
 
 /// A pointerless octree of boxes that stay as they are, each known by its index.
 ///
@@ -30,6 +32,8 @@ pub(crate) struct StillOctree {
     levels: Levels,
     /// The index of the box in each slot.
     owners: Vec<u32>,
+    /// Of a tree of triangles, these, in the order of slots; its lowest level has no boxes.
+    triangles: Box<[TriangleBlock]>,
 }
 
 impl StillOctree {
@@ -47,7 +51,39 @@ impl StillOctree {
             level,
             levels,
             owners,
+            triangles: Box::default(),
         }
+    }
+
+    /// A tree of triangles, of which none has an infinite corner.
+    pub(crate) fn of_triangles(
+        triangles: impl ExactSizeIterator<Item = [Vec3; 3]> + Clone,
+    ) -> Self {
+        let around = |[a, b, c]: [Vec3; 3]| Aabb3d {
+            min: Vec3A::from(a.min(b).min(c)),
+            max: Vec3A::from(a.max(b).max(c)),
+        };
+        let triangles: Vec<_> = triangles.collect();
+        let boxes: Vec<_> = triangles.iter().copied().map(around).collect();
+        let mut tree = Self::new(&boxes);
+        drop(boxes);
+        let in_order = tree.owners.iter().map(|index| triangles[*index as usize]);
+        tree.triangles = TriangleBlock::of(in_order);
+        tree.levels.forget_boxes();
+        tree
+    }
+
+    /// The triangles in the order of slots, if it is a tree of triangles.
+    pub(crate) fn triangles(&self) -> Option<&[TriangleBlock]> {
+        (!self.triangles.is_empty()).then_some(&self.triangles)
+    }
+
+    /// The boxes in a block of triangles; `None` if it is a tree of boxes.
+    #[inline(always)]
+    fn boxes_of_triangles(&self, index: u32) -> Option<Block> {
+        let triangles = self.triangles.get(index as usize)?;
+        let left = self.owners.len() - index as usize * WIDTH;
+        Some(triangles.boxes(left.min(WIDTH)))
     }
 
     /// Calls `found` with the index of each box that overlaps a region, in no particular order.
@@ -71,8 +107,14 @@ impl StillOctree {
         &self,
         measure: &M,
         limit: f32,
-        visit: impl FnMut(u32, f32) -> ControlFlow<(), f32>,
+        mut visit: impl FnMut(u32, f32) -> ControlFlow<(), f32>,
     ) {
+        self.search_with(measure, limit, &mut visit);
+    }
+
+    /// The same, with something whose part is compiled into the search, whatever its size.
+    #[inline]
+    pub(crate) fn search_with<M: Measure>(&self, measure: &M, limit: f32, visit: &mut impl Visit) {
         query::search(self.level, self, measure, limit, visit);
     }
 
@@ -82,7 +124,9 @@ impl StillOctree {
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
-        self.levels.memory_bytes() + self.owners.capacity() * size_of::<u32>()
+        self.levels.memory_bytes()
+            + self.owners.capacity() * size_of::<u32>()
+            + size_of_val::<[_]>(&self.triangles)
     }
 }
 
@@ -103,7 +147,25 @@ impl Blocks for StillOctree {
     }
 
     #[inline(always)]
-    fn box_of(&self, _: u32, block: &Block, slot: u32) -> Option<Aabb3d> {
-        Some(block.get(slot as usize % WIDTH))
+    fn box_of(&self, _: u32, slot: u32) -> Option<Aabb3d> {
+        let (index, lane) = (slot / WIDTH as u32, slot as usize % WIDTH);
+        Some(match self.triangles.get(index as usize) {
+            Some(triangles) => triangles.get(lane),
+            None => self.levels.get(slot as usize),
+        })
+    }
+
+    #[inline(always)]
+    fn test_boxes<M: Measure, S: Simd>(
+        &self,
+        simd: S,
+        measure: &M,
+        index: u32,
+        bound: Bound,
+    ) -> (u32, f32x8<S>) {
+        match self.boxes_of_triangles(index) {
+            Some(boxes) => measure.test_block(simd, &boxes, bound),
+            None => measure.test_block(simd, &self.levels()[0][index as usize], bound),
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::pair::Collision;
+use super::pair::{Collision, other};
 use crate::{
     filters::{self, CollisionLayers},
     narrow_phase::Contact,
@@ -16,9 +16,15 @@ use crate::{
 /// and before all that is met at the end of the tick. At the same time, the order is that of the
 /// [`Contacts`](super::Contacts).
 ///
+/// So the first message about a swept entity tells what it meets first. What it meets after that, if
+/// it is not to end there, follows in the same tick: see [what ends at its first
+/// hit](crate::swept#what-ends-at-its-first-hit).
+///
 /// As an **event** it is triggered right after, in the same order, for each of the two entities
 /// that has opted in by [`CollisionEventsEnabled`](super::CollisionEventsEnabled), with that entity
-/// first:
+/// first. All events of a tick are decided before the first is triggered: an observer that despawns
+/// an entity silences the observers of that entity, not those of others that it met in this tick,
+/// which are told of one that is gone.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -83,6 +89,26 @@ pub struct CollisionEnded {
 }
 
 impl CollisionStarted {
+    /// Returns the same as seen from the other one: with the two, their layers and the normal
+    /// turned around.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        let [a, b] = self.layers;
+        Self {
+            a: self.b,
+            b: self.a,
+            contact: self.contact.map(Contact::reversed),
+            layers: [b, a],
+            ..self
+        }
+    }
+
+    /// Returns the other of the two; `None` if the entity is neither.
+    #[must_use]
+    pub fn other(&self, entity: Entity) -> Option<Entity> {
+        other([self.a, self.b], entity)
+    }
+
     /// Returns whether `a` hears of the contact, which it does, and whether `b` does: not if `a` is
     /// a [detector](crate::filters::Detector) that `b` may not meet.
     #[must_use]
@@ -92,6 +118,25 @@ impl CollisionStarted {
 }
 
 impl CollisionEnded {
+    /// Returns the same as seen from the other one: with the two, their layers and the normal
+    /// turned around.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        let [a, b] = self.layers;
+        Self {
+            a: self.b,
+            b: self.a,
+            contact: self.contact.map(Contact::reversed),
+            layers: [b, a],
+        }
+    }
+
+    /// Returns the other of the two; `None` if the entity is neither.
+    #[must_use]
+    pub fn other(&self, entity: Entity) -> Option<Entity> {
+        other([self.a, self.b], entity)
+    }
+
     /// Returns whether `a` heard of the contact, which it did, and whether `b` did: see
     /// [`CollisionStarted::hears`].
     #[must_use]

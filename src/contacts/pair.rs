@@ -90,6 +90,7 @@ pub struct Collision {
     /// Where they meet, with the normal from `a` to `b`; `None` if nobody asked, by
     /// [`CollisionEventsEnabled`](super::CollisionEventsEnabled) on one of them, or for all by
     /// [`CollisionEventSettings::geometry`](super::CollisionEventSettings::geometry).
+    /// [`ManifoldsEnabled`](super::ManifoldsEnabled) asks for something else.
     pub contact: Option<Contact>,
     /// The layers of `a`, and those of `b`, as the broad phase saw them last.
     pub layers: [CollisionLayers; 2],
@@ -110,6 +111,12 @@ impl Collision {
             layers: [b, a],
             ..self
         }
+    }
+
+    /// Returns the other of the two; `None` if the entity is neither.
+    #[must_use]
+    pub fn other(&self, entity: Entity) -> Option<Entity> {
+        other([self.a, self.b], entity)
     }
 
     /// Returns whether `a` hears of the contact, and whether `b` does: one of the two does not, if
@@ -135,6 +142,17 @@ impl Collision {
         } else {
             self.reversed()
         }
+    }
+}
+
+/// Of two, the one that an entity is not, if it is one of them.
+pub(super) fn other([a, b]: [Entity; 2], entity: Entity) -> Option<Entity> {
+    if a == entity {
+        Some(b)
+    } else if b == entity {
+        Some(a)
+    } else {
+        None
     }
 }
 

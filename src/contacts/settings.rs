@@ -24,6 +24,10 @@ pub struct CollisionEventsEnabled;
 /// another. They are read by [`Contacts::manifold`](super::Contacts::manifold) and
 /// [`Collisions::manifold`](super::Collisions::manifold).
 ///
+/// It asks for these alone: [`Collision::contact`](super::Collision::contact) stays `None` unless
+/// somebody asks for that, too. The manifold tells the same and more, by its normal and its first
+/// point, which is as deep as the contact.
+///
 /// It may come and go at any time, and is looked at in the set
 /// [`NarrowPhase`](crate::CollisionSystems::NarrowPhase). Costs by the contact in which something
 /// moves, and nothing where no entity has it.

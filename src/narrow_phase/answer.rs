@@ -67,7 +67,9 @@ pub struct Impact {
     /// their [contact](super::NarrowPhase::contact), whichever way they go.
     pub face_normal: Vec3,
     /// Which polygon of a mesh is met: its number among those that the mesh was made from; of a
-    /// Bevy mesh, that of the triangle. One of them, where several are. `None` where none is known,
+    /// Bevy mesh, that of the triangle. What a [`PolygonMesh`](super::PolygonMesh) is asked about
+    /// it goes by its [index](super::PolygonMesh::polygon_index) among those that were kept. One of
+    /// them, where several are. `None` where none is known,
     /// and for shapes without polygons of their own: cuboids, balls, all of Rapier's but meshes; of
     /// shapes on their way, only if [asked for](super::ShapeCastOptions::find_polygon).
     #[doc(alias("triangle", "primitive", "feature", "face id"))]

@@ -3,7 +3,13 @@
 use bevy::math::Vec3;
 use thiserror::Error;
 
-/// Why a shape cannot be built. Polygons and vertices are named by their index in the input.
+/// Why a shape cannot be built.
+///
+/// Polygons and vertices are named by their index in the input. What is wrong with a mesh that is
+/// to be convex is found once its vertices are welded: there, polygons are named by the [number
+/// that they have in the input](super::PolygonMesh::polygon_number), of a Bevy mesh that of the
+/// triangle, and vertices by their index in [the mesh](super::PolygonMesh::vertices), with their
+/// positions, which are found in the input, too.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ShapeError {
@@ -74,10 +80,16 @@ pub enum ShapeError {
     },
     /// A convex mesh has to be closed, and along this edge, not as many polygons run one way as the
     /// other, or it belongs to a polygon that bounds no solid.
-    #[error("not closed: the edge {edge:?} belongs to a polygon that bounds no solid")]
+    #[error(
+        "not closed: the edge from {} to {} belongs to a polygon that bounds no solid",
+        .positions[0],
+        .positions[1]
+    )]
     NotClosed {
-        /// The vertices at the ends of the edge.
+        /// The vertices at the ends of the edge, by their index in the mesh.
         edge: [u32; 2],
+        /// Where they are.
+        positions: [Vec3; 2],
     },
     /// A convex mesh is solid, and this one was made to be a surface only.
     #[error("a convex mesh is solid, and cannot be made of a surface only")]
@@ -86,12 +98,16 @@ pub enum ShapeError {
     #[error("a convex mesh has to be in one piece, this one has {0}")]
     NotConnected(usize),
     /// A vertex lies outside the plane of a polygon of a mesh that is meant to be convex.
-    #[error("not convex: vertex {vertex} is {distance} outside the plane of polygon {polygon}")]
+    #[error(
+        "not convex: the vertex at {position} is {distance} outside the plane of polygon {polygon}"
+    )]
     NotConvex {
-        /// The polygon whose plane is crossed.
+        /// The polygon whose plane is crossed, by its number in the input.
         polygon: usize,
-        /// The vertex outside of it.
+        /// The vertex outside of it, by its index in the mesh.
         vertex: u32,
+        /// Where it is.
+        position: Vec3,
         /// How far outside it is.
         distance: f32,
     },

@@ -9,6 +9,81 @@ use bevy::{math::DVec3, prelude::*};
 /// without this component pass through each other, and are only reported. Who does not hear of a
 /// contact with a [detector](crate::filters::Detector) does not answer. Those that are
 /// [swept](crate::swept::Swept), and what they meet, answer at the time of impact.
+///
+/// # Resting under a force of your own
+///
+/// A bounce changes velocities, and moves nothing. What a force of your own, such as gravity, pulls
+/// down anew in each tick has moved a little into the ground before the bounce takes that speed
+/// away, and is never moved out: it sinks, the faster the less it bounces, and at last falls
+/// through. There are two cures.
+///
+/// [`Swept`](crate::swept::Swept) stops it at the surface:
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_octree::prelude::*;
+///
+/// const TICK: f32 = 1.0 / 60.0;
+///
+/// fn fall(mut falling: Query<&mut Velocity>) {
+///     for mut velocity in &mut falling {
+///         velocity.y -= 9.8 * TICK;
+///     }
+/// }
+///
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
+///     .insert_resource(MotionSettings { step: Step::Seconds(TICK) })
+///     .add_systems(Update, fall.before(CollisionSystems::Motion));
+/// let floor = (CollisionShape::cuboid(9.0, 1.0, 9.0), StaticShape, Transform::from_xyz(0.0, -0.5, 0.0));
+/// app.world_mut().spawn(floor);
+/// let bounce = Bounce::Reflect { restitution: 0.3 };
+/// let body = (CollisionShape::sphere(0.5), Velocity::default(), bounce, Transform::from_xyz(0.0, 0.6, 0.0));
+/// let body = app.world_mut().spawn((body, Swept::default())).id();
+/// (0..600).for_each(|_| app.update());
+/// assert!(app.world().get::<Transform>(body).unwrap().translation.y > 0.49);
+/// ```
+///
+/// Or a system lifts it by the depth of its contacts, which somebody has to [ask
+/// for](crate::contacts::CollisionEventSettings::geometry). That costs less where many rest, as
+/// there is no search for impacts, and does for what is too slow to pass through the ground in a
+/// tick:
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_octree::prelude::*;
+/// # const TICK: f32 = 1.0 / 60.0;
+/// # fn fall(mut falling: Query<&mut Velocity>) {
+/// #     for mut velocity in &mut falling {
+/// #         velocity.y -= 9.8 * TICK;
+/// #     }
+/// # }
+/// fn lift(contacts: Res<Contacts>, fixed: Query<(), With<StaticShape>>, mut bodies: Query<&mut Transform, With<Bounce>>) {
+///     for collision in contacts.iter() {
+///         // As seen from what is to be lifted.
+///         let collision = if fixed.contains(collision.a) { collision.reversed() } else { collision };
+///         if fixed.contains(collision.b)
+///             && let (Some(contact), Ok(mut body)) = (collision.contact, bodies.get_mut(collision.a))
+///         {
+///             body.translation -= contact.normal * contact.depth;
+///         }
+///     }
+/// }
+///
+/// # let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
+///     .insert_resource(MotionSettings { step: Step::Seconds(TICK) })
+///     .insert_resource(CollisionEventSettings { geometry: EventScope::All, ..default() })
+///     .add_systems(Update, fall.before(CollisionSystems::Motion))
+///     .add_systems(Update, lift.after(CollisionSystems::Response));
+/// # let floor = (CollisionShape::cuboid(9.0, 1.0, 9.0), StaticShape, Transform::from_xyz(0.0, -0.5, 0.0));
+/// # app.world_mut().spawn(floor);
+/// # let bounce = Bounce::Reflect { restitution: 0.3 };
+/// # let body = (CollisionShape::sphere(0.5), Velocity::default(), bounce, Transform::from_xyz(0.0, 0.6, 0.0));
+/// # let body = app.world_mut().spawn(body).id();
+/// # (0..600).for_each(|_| app.update());
+/// # assert!(app.world().get::<Transform>(body).unwrap().translation.y > 0.49);
+/// ```
 #[doc(alias("restitution", "response"))]
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
@@ -28,7 +103,8 @@ pub enum Bounce {
     ///
     /// What has no `Bounce` is a wall that moves as its velocity says. One that is
     /// [reversed](Self::Reverse) is at rest to what it comes towards. So bounces make no energy but
-    /// by the walls that move.
+    /// by the walls that move. Under a force of your own, it [does not
+    /// rest](Self#resting-under-a-force-of-your-own) by itself.
     ///
     /// Where two no more than touch, edge on edge, the normal is the one along which they approach
     /// the least: a box that slides over a floor of flush boxes goes on over the seams.

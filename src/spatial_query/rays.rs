@@ -280,6 +280,12 @@ impl SpatialQuery<'_> {
 impl SpatialQuery<'_> {
     /// Returns where a ray passes through the first entity that it meets within `max_distance`.
     ///
+    /// A ray that is to go on from `leave.point` starts on what it has left, and so would meet the
+    /// same entity again. All that it passes through is told at once by
+    /// [`ray_passages`](Self::ray_passages); the next entity alone, by
+    /// [`cast_ray_with`](Self::cast_ray_with) from there and
+    /// [`RayCastOptions::ignore_start`].
+    ///
     /// ```
     /// use bevy::prelude::*;
     /// use bevy_octree::prelude::*;

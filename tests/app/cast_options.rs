@@ -42,6 +42,21 @@ fn row() -> (App, [Entity; 3]) {
 }
 
 #[test]
+fn a_ray_goes_on_from_where_it_left() {
+    let (mut app, [cube, ball, _]) = row();
+    ask(&mut app, move |spatial| {
+        let from = |point| Ray3d::new(point, Dir3::X);
+        let through = |point| spatial.cast_ray_through(from(point), 100.0, &ALL).unwrap();
+        let left = through(Vec3::new(0.0, 0.1, 0.0)).leave.unwrap();
+        assert_eq!((left.entity, left.point.x), (cube, 2.5));
+        // It is on the cube still.
+        assert_eq!(through(left.point).entity, cube);
+        let next = spatial.cast_ray_with(from(left.point), 100.0, &ALL, &OPTIONS.ignore_start());
+        assert_eq!(next.unwrap().entity, ball);
+    });
+}
+
+#[test]
 fn rays_by_faces() {
     let (mut app, [cube, ball, square]) = row();
     ask(&mut app, move |spatial| {

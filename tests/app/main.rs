@@ -15,6 +15,7 @@ mod debug_draw;
 mod detectors;
 mod diagnostics;
 mod filters;
+mod first_hits;
 mod hierarchies;
 #[path = "../common/hook.rs"]
 mod hook;
@@ -23,6 +24,8 @@ mod layering;
 mod lifecycle;
 mod manifolds;
 mod mesh_floors;
+#[cfg(feature = "mesh")]
+mod mesh_shapes;
 #[cfg(feature = "picking")]
 mod picking;
 mod plugin;

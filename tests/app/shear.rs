@@ -419,9 +419,7 @@ fn a_rapier_collider_is_not_sheared() {
     let tests = *app
         .world()
         .resource::<bevy_octree::narrow_phase::NarrowPhase>();
-    let expected = tests
-        .world_aabb(bevy_octree::narrow_phase::Placed::new(&shape, &at))
-        .unwrap();
+    let expected = tests.world_aabb(Placed::new(&shape, &at)).unwrap();
     let found = get::<WorldAabb>(&app, child).0;
     assert!(
         (found.min - expected.min).abs().max_element() < 1e-5,

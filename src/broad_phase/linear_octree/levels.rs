@@ -121,6 +121,11 @@ impl Levels {
         }
     }
 
+    /// Has no boxes any more, but the bounds of their blocks: for those who have them elsewhere.
+    pub(in crate::broad_phase) fn forget_boxes(&mut self) {
+        self.levels[0] = Vec::new();
+    }
+
     /// Brings the blocks above one box up to date.
     pub(super) fn refit_above(&mut self, slot: usize) {
         let mut block = slot / WIDTH;

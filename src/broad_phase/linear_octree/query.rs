@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use bevy::math::bounding::Aabb3d;
-use fearless_simd::{Level, dispatch, f32x8, prelude::*};
+use fearless_simd::{Level, dispatch, f32x8, mask32x8, prelude::*};
 
 use super::octree::LinearOctree;
 use crate::broad_phase::{
@@ -13,51 +13,19 @@ use crate::broad_phase::{
     proxy::Proxies,
 };
 
-/// A block to look at, in eight bytes: those that wait are many.
+/// As many levels as can be above the boxes, of which there are fewer than 2³².
+const MOST_LEVELS: usize = 11;
+
+/// A block of which some of the eight below wait to be looked at.
 #[derive(Clone, Copy, Debug, Default)]
-struct Task {
-    /// How near its bounds are.
-    nearness: f32,
-    node: Node,
+struct Frame {
+    /// How near the bounds of the eight are, if that matters.
+    nearness: [f32; WIDTH],
+    /// Those that wait: a bit for each.
+    rest: u32,
+    /// The first of them, in its level.
+    first: u32,
 }
-
-/// A block by its number and its height above those of boxes.
-#[derive(Clone, Copy, Debug, Default)]
-struct Node(u32);
-
-impl Node {
-    const HEIGHT_BITS: u32 = 4;
-
-    #[inline(always)]
-    fn new(height: u32, block: u32) -> Self {
-        // So many boxes take 50 gigabytes.
-        debug_assert!(
-            block < 1 << (u32::BITS - Self::HEIGHT_BITS),
-            "2³¹ boxes at most"
-        );
-        Self(block << Self::HEIGHT_BITS | height)
-    }
-
-    #[inline(always)]
-    fn height(self) -> u32 {
-        self.0 & ((1 << Self::HEIGHT_BITS) - 1)
-    }
-
-    #[inline(always)]
-    fn block(self) -> u32 {
-        self.0 >> Self::HEIGHT_BITS
-    }
-
-    /// One of the eight blocks below.
-    #[inline(always)]
-    fn child(self, lane: u32) -> Self {
-        Self::new(self.height() - 1, self.block() * WIDTH as u32 + lane)
-    }
-}
-
-/// As many blocks as can wait: each level but one leaves seven of eight, and there are 10 levels
-/// above 2³¹ boxes.
-const MOST_TASKS: usize = 10 * (WIDTH - 1) + 1;
 
 /// What a query goes down: blocks of boxes, and who is in them.
 pub(in crate::broad_phase) trait Blocks {
@@ -70,22 +38,57 @@ pub(in crate::broad_phase) trait Blocks {
     /// Who is in a slot; `None` beyond the last.
     fn owner(&self, slot: u32) -> Option<u32>;
 
-    /// The box of who is in a slot of a block.
-    fn box_of(&self, owner: u32, block: &Block, slot: u32) -> Option<Aabb3d>;
+    /// The box of who is in a slot.
+    fn box_of(&self, owner: u32, slot: u32) -> Option<Aabb3d>;
+
+    /// What a measure says of a block of boxes.
+    #[inline(always)]
+    fn test_boxes<M: Measure, S: Simd>(
+        &self,
+        simd: S,
+        measure: &M,
+        index: u32,
+        bound: Bound,
+    ) -> (u32, f32x8<S>) {
+        measure.test_block(simd, &self.levels()[0][index as usize], bound)
+    }
 }
 
-/// Calls `visit` with the owner of each box within the limit, and its distance; it tells the limit
-/// from then on.
+/// What is done with what a search finds.
+pub trait Visit {
+    /// Are blocks of boxes taken as a whole?
+    const BLOCKS: bool = false;
+
+    /// Takes an object, or whatever is in a box, and the distance of the box; tells the limit from
+    /// then on.
+    fn visit(&mut self, found: u32, distance: f32) -> ControlFlow<(), f32>;
+
+    /// Takes a block of eight boxes, by its number, of which none has been looked at; tells the
+    /// limit from then on.
+    #[inline(always)]
+    fn visit_block<S: Simd>(&mut self, _: S, _: u32) -> ControlFlow<(), f32> {
+        ControlFlow::Break(())
+    }
+}
+
+impl<F: FnMut(u32, f32) -> ControlFlow<(), f32>> Visit for F {
+    #[inline(always)]
+    fn visit(&mut self, found: u32, distance: f32) -> ControlFlow<(), f32> {
+        self(found, distance)
+    }
+}
+
+/// Has `visit` take the owner of each box within the limit.
 pub(in crate::broad_phase) fn search<M: Measure>(
     level: Level,
     blocks: &impl Blocks,
     measure: &M,
     limit: f32,
-    visit: impl FnMut(u32, f32) -> ControlFlow<(), f32>,
+    visit: &mut impl Visit,
 ) {
     dispatch!(level, simd => {
-        let (bound, mut tasks) = (measure.bound(limit), [Task::default(); MOST_TASKS]);
-        Descent { blocks, measure, visit, limit, bound, tasks: &mut tasks, waiting: 0 }.run(simd);
+        let (bound, mut frames) = (measure.bound(limit), [Frame::default(); MOST_LEVELS]);
+        Descent { blocks, measure, visit, limit, bound, frames: &mut frames }.run(simd);
     });
 }
 
@@ -103,9 +106,8 @@ impl LinearOctree {
             octree: self,
             proxies,
         };
-        search(self.level, &blocks, measure, limit, |id, distance| {
-            visit(ProxyId::new(id), distance)
-        });
+        let mut visit = |id: u32, distance: f32| visit(ProxyId::new(id), distance);
+        search(self.level, &blocks, measure, limit, &mut visit);
     }
 }
 
@@ -132,10 +134,10 @@ impl Blocks for Skins<'_> {
     }
 
     #[inline(always)]
-    fn box_of(&self, owner: u32, block: &Block, slot: u32) -> Option<Aabb3d> {
+    fn box_of(&self, owner: u32, slot: u32) -> Option<Aabb3d> {
         // What is in the block is in the cache, and what is in the order of space likely to be.
         if self.octree.exact {
-            Some(block.get(slot as usize % WIDTH))
+            Some(self.octree.tree.get(slot as usize))
         } else if self.octree.boxes_are_gathered {
             self.octree.boxes.get(slot as usize).copied()
         } else {
@@ -149,134 +151,148 @@ impl Blocks for Skins<'_> {
 struct Descent<'a, B, M, V> {
     blocks: &'a B,
     measure: &'a M,
-    visit: V,
+    visit: &'a mut V,
     /// Objects farther away than this are of no interest, nor blocks beyond the bound that goes
     /// with it.
     limit: f32,
     bound: Bound,
-    /// The blocks that wait, the next one last. Lent, so that all else here can be kept in
-    /// registers.
-    tasks: &'a mut [Task; MOST_TASKS],
-    waiting: usize,
+    /// The block that was looked at last on each level above that of the boxes, by the height of
+    /// the blocks below it. Lent, so that all else here can be kept in registers.
+    frames: &'a mut [Frame; MOST_LEVELS],
 }
 
-impl<B: Blocks, M: Measure, V: FnMut(u32, f32) -> ControlFlow<(), f32>> Descent<'_, B, M, V> {
+impl<B: Blocks, M: Measure, V: Visit> Descent<'_, B, M, V> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
         let levels = self.blocks.levels();
-        let mut node = Node::new(levels.len() as u32 - 1, 0);
+        let top = levels.len() - 1;
+        let (mut height, mut index) = (top, 0);
         loop {
-            let block = &levels[node.height() as usize][node.block() as usize];
-            let (hits, nearness) = self.measure.test_block(simd, block, self.bound);
-            let nearest_child = if node.height() > 0 {
-                self.at_inner(node, hits, nearness)
-            } else if self.at_leaf(node, block, hits, nearness).is_break() {
-                return;
+            if V::BLOCKS && height == 0 {
+                let ControlFlow::Continue(limit) = self.visit.visit_block(simd, index) else {
+                    return;
+                };
+                self.limit = limit;
+                self.bound = self.measure.bound(limit);
+            } else if height == 0 {
+                let (blocks, measure) = (self.blocks, self.measure);
+                let (hits, nearness) = blocks.test_boxes(simd, measure, index, self.bound);
+                if self.at_leaf(simd, index, hits, nearness).is_break() {
+                    return;
+                }
             } else {
-                None
+                let block = &levels[height][index as usize];
+                let (hits, nearness) = self.measure.test_block(simd, block, self.bound);
+                if hits != 0 {
+                    height -= 1;
+                    index = self.enter(simd, height, index, hits, nearness);
+                    continue;
+                }
+            }
+            // On the way up, the first level where one waits.
+            index = loop {
+                if height == top {
+                    return;
+                }
+                if let Some(next) = self.next_of(simd, height) {
+                    break next;
+                }
+                height += 1;
             };
-            let Some(next) = nearest_child.or_else(|| self.next_node()) else {
-                return;
-            };
-            node = next;
         }
+    }
+
+    /// The nearest of the blocks at a height that are below one and are hit; the others wait.
+    #[inline(always)]
+    fn enter<S: Simd>(
+        &mut self,
+        simd: S,
+        height: usize,
+        above: u32,
+        hits: u32,
+        nearness: f32x8<S>,
+    ) -> u32 {
+        let lane = nearest::<M, S>(simd, hits, nearness);
+        let frame = &mut self.frames[height];
+        frame.first = above * WIDTH as u32;
+        frame.rest = hits & !(1 << lane);
+        if M::ORDERED {
+            nearness.store_slice(&mut frame.nearness);
+        }
+        frame.first + lane
     }
 
     /// Visits the objects of a block of boxes that are hit.
     #[inline(always)]
     fn at_leaf<S: Simd>(
         &mut self,
-        node: Node,
-        block: &Block,
+        simd: S,
+        index: u32,
         hits: u32,
         nearness: f32x8<S>,
     ) -> ControlFlow<()> {
-        let first = node.block() * WIDTH as u32;
-        let mut lanes = [0; WIDTH];
-        let count = ranked::<M, S>(hits, nearness, |lane, rank| lanes[rank] = lane);
-        for &lane in &lanes[..count] {
-            if M::ORDERED && self.bound.excludes(nearness[lane as usize]) {
-                break;
-            }
+        let first = index * WIDTH as u32;
+        let mut rest = hits;
+        while rest != 0 {
+            let lane = nearest::<M, S>(simd, rest, nearness);
+            rest &= !(1 << lane);
             let Some(owner) = self.blocks.owner(first + lane) else {
                 continue;
             };
             let distance = if self.blocks.are_exact() && M::EXACT {
                 Some(nearness[lane as usize] + 0.0)
             } else {
-                let aabb = self.blocks.box_of(owner, block, first + lane);
+                let aabb = self.blocks.box_of(owner, first + lane);
                 aabb.and_then(|aabb| self.measure.test_box(&aabb, self.limit))
             };
             let Some(distance) = distance else { continue };
-            self.limit = (self.visit)(owner, distance)?;
+            self.limit = self.visit.visit(owner, distance)?;
             self.bound = self.measure.bound(self.limit);
+            if M::ORDERED {
+                rest &= within(simd, nearness, self.bound);
+            }
         }
         ControlFlow::Continue(())
     }
 
-    /// Returns the nearest of the blocks that are hit, and has the others wait, nearer ones on top.
+    /// The nearest of the blocks that wait at a height and are not beyond the bound.
     #[inline(always)]
-    fn at_inner<S: Simd>(&mut self, node: Node, hits: u32, nearness: f32x8<S>) -> Option<Node> {
-        if hits == 0 {
+    fn next_of<S: Simd>(&mut self, simd: S, height: usize) -> Option<u32> {
+        let frame = &mut self.frames[height];
+        if frame.rest == 0 {
             return None;
         }
-        if hits & (hits - 1) == 0 {
-            return Some(node.child(hits.trailing_zeros()));
-        }
-        let last = self.waiting + hits.count_ones() as usize - 1;
-        debug_assert!(last < MOST_TASKS);
-        ranked::<M, S>(hits, nearness, |lane, rank| {
-            self.tasks[last - rank] = Task {
-                nearness: nearness[lane as usize],
-                node: node.child(lane),
-            };
-        });
-        self.waiting = last;
-        Some(self.tasks[last].node)
-    }
-
-    /// The next of the blocks that wait and are not beyond the bound.
-    #[inline(always)]
-    fn next_node(&mut self) -> Option<Node> {
-        while self.waiting > 0 {
-            self.waiting -= 1;
-            let task = self.tasks[self.waiting];
-            if !(M::ORDERED && self.bound.excludes(task.nearness)) {
-                return Some(task.node);
+        let nearness = f32x8::from_slice(simd, &frame.nearness);
+        if M::ORDERED {
+            frame.rest &= within(simd, nearness, self.bound);
+            if frame.rest == 0 {
+                return None;
             }
         }
-        None
+        let lane = nearest::<M, S>(simd, frame.rest, nearness);
+        frame.rest &= !(1 << lane);
+        Some(frame.first + lane)
     }
 }
 
-/// Calls `f` with each lane that is hit and its rank, from the nearest to the farthest if that
-/// matters. Returns the number of hits.
+/// Which of eight are not beyond a bound: a bit for each.
 #[inline(always)]
-fn ranked<M: Measure, S: Simd>(
-    hits: u32,
-    nearness: f32x8<S>,
-    mut f: impl FnMut(u32, usize),
-) -> usize {
-    if hits.is_power_of_two() {
-        f(hits.trailing_zeros(), 0);
-        return 1;
+fn within<S: Simd>(simd: S, nearness: f32x8<S>, bound: Bound) -> u32 {
+    nearness.simd_le(bound.splat(simd)).to_bitmask() as u32
+}
+
+/// The nearest of those lanes of which the bits are set, of which there is one; the first, if they
+/// are as near, or if that does not matter.
+#[inline(always)]
+fn nearest<M: Measure, S: Simd>(simd: S, lanes: u32, nearness: f32x8<S>) -> u32 {
+    debug_assert!(lanes != 0, "one is there");
+    if !M::ORDERED || lanes.is_power_of_two() {
+        return lanes.trailing_zeros();
     }
-    let mut rest = hits;
-    let mut count = 0;
-    while rest != 0 {
-        let lane = rest.trailing_zeros();
-        rest &= rest - 1;
-        // Without a branch: it would be mispredicted often.
-        let rank = if M::ORDERED {
-            let own = nearness[lane as usize];
-            let nearer = nearness.simd_lt(own).to_bitmask() as u32;
-            let as_near = nearness.simd_eq(own).to_bitmask() as u32 & ((1 << lane) - 1);
-            ((nearer | as_near) & hits).count_ones() as usize
-        } else {
-            count
-        };
-        f(lane, rank);
-        count += 1;
-    }
-    count
+    let far = f32x8::splat(simd, f32::INFINITY);
+    let mask = mask32x8::from_bitmask(simd, u64::from(lanes));
+    let least = f32x8::splat(simd, mask.select(nearness, far).reduce_min());
+    let nearest = nearness.simd_le(least).to_bitmask() as u32 & lanes;
+    debug_assert!(nearest != 0, "nothing is NaN");
+    nearest.trailing_zeros()
 }

@@ -1,12 +1,15 @@
 //! Two trees at once: which boxes of the one are near which of the other.
 
-use std::ops::ControlFlow;
+use std::{borrow::Cow, ops::ControlFlow};
 
 use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::{Level, dispatch, prelude::*};
 
 use super::StillOctree;
-use crate::broad_phase::{block::WIDTH, measure::Measure};
+use crate::broad_phase::{
+    block::{Block, WIDTH},
+    measure::Measure,
+};
 
 /// A part of a tree, by its number on its height: a box at height 0, a block of what is below at
 /// all others.
@@ -68,11 +71,25 @@ impl StillOctree {
     /// The bounds of a part.
     #[inline(always)]
     fn bounds(&self, node: Node) -> Aabb3d {
-        let levels = self.levels.as_slice();
-        match levels.get(node.height as usize) {
-            Some(above) => above[node.index as usize / WIDTH].get(node.index as usize % WIDTH),
-            None => levels[node.height as usize - 1][0].bounds(),
+        if node.height == self.levels.height() {
+            return self.block(node).bounds();
         }
+        let (above, lane) = (node.index as usize / WIDTH, node.index as usize % WIDTH);
+        match self.triangles.get(above) {
+            Some(triangles) if node.height == 0 => triangles.get(lane),
+            _ => self.levels.as_slice()[node.height as usize][above].get(lane),
+        }
+    }
+
+    /// What is below a part that is no box.
+    #[inline(always)]
+    fn block(&self, node: Node) -> Cow<'_, Block> {
+        if node.height == 1
+            && let Some(boxes) = self.boxes_of_triangles(node.index)
+        {
+            return Cow::Owned(boxes);
+        }
+        Cow::Borrowed(&self.levels.as_slice()[node.height as usize - 1][node.index as usize])
     }
 }
 
@@ -135,8 +152,7 @@ where
         if only_other {
             self.meet(simd, one, &own, other, true);
         } else {
-            let levels = tree.levels.as_slice();
-            let block = &levels[one.height as usize - 1][one.index as usize];
+            let block = tree.block(one);
             for lane in 0..WIDTH {
                 let child = block.get(lane);
                 if child.min.x <= child.max.x {
@@ -172,8 +188,8 @@ where
             }
             return;
         }
-        let block = &tree.levels.as_slice()[other.height as usize - 1][other.index as usize];
-        let (mut hits, nearness) = measure.test_block(simd, block, bound);
+        let block = tree.block(other);
+        let (mut hits, nearness) = measure.test_block(simd, &block, bound);
         while hits != 0 {
             let lane = hits.trailing_zeros();
             hits &= hits - 1;

@@ -33,8 +33,14 @@ pub struct ManifoldPoint {
 
 /// The points at which two shapes lie on each other, up to four, with one normal for all.
 ///
-/// The deepest comes first, as deep as the [`Contact`], then the one that is furthest from it, then those that span the largest
-/// area with these. There is at least one.
+/// The deepest comes first, as deep as the [`Contact`], then the one that is furthest from it, then
+/// those that span the largest area with these. There is at least one.
+///
+/// The one normal is that of the place where the two are deepest in each other. So of two that meet
+/// at several faces, as a box in the corner of a room that is one mesh, or in a valley whose walls
+/// it both touches, only what lies along that normal has its points here: the box is still in the
+/// other wall once it got off this one, and the next tick tells so. Where all of it counts at once,
+/// have the walls as meshes of their own.
 #[doc(alias = "contact points")]
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]

@@ -1,6 +1,6 @@
 //! Closest points of points and segments. No input is degenerate: a segment may be a point.
 
-use bevy::math::Vec3A;
+use bevy::math::{Vec3A, Vec4, Vec4Swizzles};
 
 /// The square of the sine of the angle below which segments count as parallel.
 pub const PARALLEL: f32 = 1e-12;
@@ -63,6 +63,54 @@ pub fn point_triangle(point: Vec3A, [a, b, c]: [Vec3A; 3]) -> Vec3A {
     best
 }
 
+/// The square of the distance of a triangle from `point`, without a branch for each of its parts:
+/// the three sides are looked at side by side. Of two triangles with a common corner that is closest,
+/// it is the same.
+#[inline(always)]
+pub fn point_triangle_squared(point: Vec3A, corners: [Vec3A; 3]) -> f32 {
+    let [a, b, c] = corners;
+    // The sides from each corner to the next, and one from the first to itself.
+    let corners = [
+        Vec4::new(a.x, b.x, c.x, a.x),
+        Vec4::new(a.y, b.y, c.y, a.y),
+        Vec4::new(a.z, b.z, c.z, a.z),
+    ];
+    let along = corners.map(|corners| corners.yzxw() - corners);
+    let from = [0, 1, 2].map(|axis| corners[axis] - Vec4::splat(point[axis]));
+    let squares = dot(along, along);
+    let share = (-dot(from, along) / squares.max(Vec4::splat(f32::MIN_POSITIVE))).max(Vec4::ZERO);
+    let closest = [0, 1, 2].map(|axis| from[axis] + along[axis] * share);
+    // What is beyond the end of a side is nearer to the next one.
+    let to_sides = Vec4::select(
+        share.cmplt(Vec4::ONE),
+        dot(closest, closest),
+        Vec4::splat(f32::INFINITY),
+    );
+    let normal = cross(along.map(Vec4Swizzles::zxyw), along).map(Vec4Swizzles::xxxx);
+    // The areas beside the sides, seen along the normal.
+    let beside = dot(normal, cross(along, from));
+    if beside.cmplt(Vec4::ZERO).bitmask() & 0b111 == 0b111 {
+        let height = dot(normal, from);
+        return (height * (height / dot(normal, normal))).x;
+    }
+    to_sides.min_element()
+}
+
+/// The products of vectors, four side by side.
+#[inline(always)]
+fn dot(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn cross(a: [Vec4; 3], b: [Vec4; 3]) -> [Vec4; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
 /// The points of two segments that are closest to each other.
 ///
 /// The crossing of the two lines comes from the cross product of their directions, which stays
@@ -84,54 +132,4 @@ pub fn segments(a: [Vec3A; 2], b: [Vec3A; 2]) -> (Vec3A, Vec3A) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    fn distance(a: [Vec3A; 2], b: [Vec3A; 2]) -> f32 {
-        let (p, q) = segments(a, b);
-        p.distance(q)
-    }
-
-    #[test]
-    fn crossing_touching_and_parallel_segments() {
-        let x = [Vec3A::NEG_X, Vec3A::X];
-        assert_eq!(distance(x, [Vec3A::NEG_Y, Vec3A::Y]), 0.0);
-        assert_eq!(
-            distance(x, [Vec3A::new(1.0, -1.0, 0.5), Vec3A::new(1.0, 1.0, 0.5)]),
-            0.5
-        );
-        assert_eq!(distance(x, x.map(|p| p + Vec3A::Y)), 1.0);
-        assert_eq!(distance(x, x.map(|p| p + Vec3A::X * 5.0)), 3.0);
-        assert_eq!(distance(x, [Vec3A::Y; 2]), 1.0);
-        assert_eq!(distance([Vec3A::Z; 2], [Vec3A::Y; 2]), 2f32.sqrt());
-    }
-
-    #[test]
-    fn nearly_parallel_segments_that_cross_are_found() {
-        for angle in [1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 1e-2] {
-            let tilted = [Vec3A::new(-1.0, -angle, 0.0), Vec3A::new(1.0, angle, 0.0)];
-            let tilted = tilted.map(|p| p + Vec3A::X * 0.3);
-            assert!(distance([Vec3A::NEG_X, Vec3A::X], tilted) < 2e-6, "{angle}");
-        }
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig {
-            failure_persistence: None,
-            ..ProptestConfig::default()
-        })]
-
-        #[test]
-        fn no_sample_is_closer(c in prop::array::uniform12(-1f32..1.0)) {
-            let at = |i: usize| Vec3A::new(c[i], c[i + 1], c[i + 2]);
-            let (a, b) = ([at(0), at(3)], [at(6), at(9)]);
-            let found = distance(a, b);
-            for i in 0..=20 {
-                let on_a = a[0].lerp(a[1], i as f32 / 20.0);
-                let nearest = point_segment(on_a, b[0], b[1]);
-                prop_assert!(on_a.distance(nearest) > found - 1e-5);
-            }
-        }
-    }
-}
+mod tests;

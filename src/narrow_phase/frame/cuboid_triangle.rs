@@ -163,16 +163,11 @@ pub fn sweep(half: DVec3, [a, b, c]: [DVec3; 3], direction: DVec3, limit: f64) -
 /// inside to a corner.
 pub fn closest(half: Vec3A, triangle: [Vec3A; 3], limit: f32) -> Option<([Vec3A; 2], f32)> {
     let [a, b, c] = triangle;
+    if gap_squared(half, a.min(b).min(c), a.max(b).max(c)) >= limit {
+        return None;
+    }
     let mut best: Option<([Vec3A; 2], f32)> = None;
     let mut least = limit;
-    let mut consider = |points: [Vec3A; 2]| {
-        let squared = points[0].distance_squared(points[1]);
-        if squared < least {
-            least = squared;
-            best = Some((points, squared));
-        }
-        squared == 0.0
-    };
     let normal = (b - a).cross(c - a);
     let height = a.dot(normal);
     // The corner that comes closest to the plane, or furthest beyond it.
@@ -190,17 +185,31 @@ pub fn closest(half: Vec3A, triangle: [Vec3A; 3], limit: f32) -> Option<([Vec3A;
             corner + normal * (left / squared)
         };
         if is_over([a, b, c], normal, on_plane) {
-            consider([if crosses { on_plane } else { corner }, on_plane]);
-            return best;
+            let points = [if crosses { on_plane } else { corner }, on_plane];
+            let squared = points[0].distance_squared(points[1]);
+            return (squared < limit).then_some((points, squared));
         }
     }
     for [from, to] in [[a, b], [b, c], [c, a]] {
+        if gap_squared(half, from.min(to), from.max(to)) >= least {
+            continue;
+        }
         let on_side = from + (to - from) * nearest_of_segment(half, from, to - from);
-        if consider([on_side.clamp(-half, half), on_side]) {
-            break;
+        let on_cuboid = on_side.clamp(-half, half);
+        let squared = on_cuboid.distance_squared(on_side);
+        if squared < least {
+            least = squared;
+            best = Some(([on_cuboid, on_side], squared));
         }
     }
     best
+}
+
+/// How far a box is from a cuboid, squared.
+#[inline]
+fn gap_squared(half: Vec3A, min: Vec3A, max: Vec3A) -> f32 {
+    let gap = (min - half).max(-max - half).max(Vec3A::ZERO);
+    gap.length_squared()
 }
 
 /// A point where a cuboid and a triangle touch, which do: the middle of what is in both.

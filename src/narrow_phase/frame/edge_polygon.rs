@@ -9,6 +9,7 @@ use super::cuboid_mesh::{self, CuboidMesh, Found};
 use super::local_aabb::LocalAabb;
 use super::near_faces::{Touching, for_each_near};
 use super::oriented_box::OrientedBox;
+use super::outward;
 use super::placed::{Placed, PlacedPair};
 use super::surface::{ClosestPoint, PlacedFace, Surface};
 use super::workspace::Workspace;
@@ -152,28 +153,22 @@ pub fn sphere_closest(
 }
 
 /// Whether the centre of a sphere, the first of the pair, is inside a mesh, whose closest point is
-/// known: by the side of the face there, if that tells.
+/// known: by the side of the surface there, if that tells.
 fn is_inside(
     pair: &PlacedPair,
     mesh: &PolygonMesh,
     surface: &Surface,
     closest: &ClosestPoint,
 ) -> bool {
+    if !mesh.has_inside() {
+        return false;
+    }
     let center = pair.box_a.center;
     let is_told = mesh.is_one_solid() && !surface.placing().is_flat();
-    is_behind(closest, center, pair.tolerance)
-        .filter(|_| is_told)
+    is_told
+        .then(|| outward::is_behind(mesh, surface.placing(), closest, center, pair.tolerance))
+        .flatten()
         .unwrap_or_else(|| surface.encloses(mesh, center))
-}
-
-/// Whether a point is on the inner side of the face of a mesh that it is closest to; `None` if that
-/// is not straight over that face, or below it. Of a solid in one piece, it tells whether the point
-/// is inside.
-fn is_behind(closest: &ClosestPoint, point: Vec3A, tolerance: f32) -> Option<bool> {
-    let height = (point - closest.point).dot(closest.normal);
-    let is_straight = height.abs() >= STRAIGHT * closest.distance;
-    let is_clear = is_straight && closest.distance > tolerance;
-    is_clear.then_some(height < 0.0)
 }
 
 /// The same as [`sphere_closest`] if the sphere is in contact with the mesh, and only then.
@@ -216,14 +211,11 @@ pub fn fill_second_to_search<'a>(
     workspace: &'a mut Workspace,
 ) -> Option<(&'a PolygonMesh, &'a mut Surface)> {
     let polygons = pair.b.shape.polygons()?;
-    let has_tree = polygons.0.tree().is_some();
-    let region = if has_tree {
-        LocalAabb::NOWHERE
-    } else {
-        LocalAabb::EVERYWHERE
-    };
     let surface = &mut workspace.surfaces[1];
-    surface.fill(polygons, pair.b, &pair.box_b, &region, pair.tolerance);
+    surface.place(polygons, pair.b, &pair.box_b);
+    if polygons.0.tree().is_none() {
+        surface.select_all(polygons.0, pair.tolerance);
+    }
     Some((polygons.0, surface))
 }
 
@@ -312,9 +304,6 @@ fn one_way(
     }
     ControlFlow::Continue(())
 }
-
-/// The least cosine of the angle between a normal and a way that counts as straight.
-const STRAIGHT: f32 = 0.9999;
 
 /// A mesh of so many parts, or fewer, is looked at part by part.
 const FEW_PARTS: usize = 8;

@@ -22,6 +22,14 @@ pub struct OrientedBox {
 }
 
 impl OrientedBox {
+    /// That of a point at the origin.
+    pub const POINT: Self = Self {
+        center: Vec3A::ZERO,
+        axes: Mat3A::IDENTITY,
+        half: Vec3A::ZERO,
+        radius: 0.0,
+    };
+
     #[inline]
     pub fn of(shape: &Shape, transform: &Transform, origin: Vec3) -> Result<Self, BoundsError> {
         let rotation = transform.rotation.normalize();

@@ -98,6 +98,25 @@ impl<'a> PlacedPair<'a> {
         })
     }
 
+    /// The pair of a point, as a sphere without size whose transform is a translation, and a shape.
+    #[inline]
+    pub fn of_point(point: Placed<'a>, b: Placed<'a>, tolerance: f32) -> Result<Self, BoundsError> {
+        let origin = point.transform.translation;
+        if !origin.is_finite() {
+            return Err(BoundsError::NonFinite);
+        }
+        let box_b = OrientedBox::of(b.shape, b.transform, origin)?;
+        let size = box_b.half.max_element();
+        Ok(Self {
+            a: point,
+            b,
+            box_a: OrientedBox::POINT,
+            box_b,
+            size,
+            tolerance: tolerance.max(ROUNDING * size),
+        })
+    }
+
     /// The same pair with the two swapped; the frame stays.
     #[inline]
     pub fn swapped(self) -> Self {

@@ -134,6 +134,15 @@ impl Placing {
         }
     }
 
+    /// A point of the frame in the space of the mesh, and a box there that it is in whatever
+    /// rounding does.
+    #[inline]
+    pub fn near(&self, point: Vec3A) -> (Vec3A, Aabb3d) {
+        let apart = point - self.center;
+        let at = self.axes.transpose() * apart / self.divisor + self.middle;
+        (at, Aabb3d::new(at, self.grown(0.0, apart, Vec3A::ZERO)))
+    }
+
     /// How much larger a box has to be in the space of the mesh for a margin in the frame, and for
     /// rounding: of one that is so far from the centre of the mesh, and reaches so far.
     fn grown(&self, margin: f32, apart: Vec3A, reach: Vec3A) -> Vec3A {

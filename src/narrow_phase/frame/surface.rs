@@ -1,15 +1,12 @@
 //! A polygon mesh put in place: what the last stage computes with.
 
-use std::ops::ControlFlow;
-
-use bevy::math::{Vec3A, bounding::Aabb3d};
+use bevy::math::Vec3A;
 
 use super::closest;
 use super::local_aabb::LocalAabb;
 use super::oriented_box::OrientedBox;
 use super::placed::Placed;
 use super::placing::Placing;
-use crate::broad_phase::ScaledDistance;
 use crate::narrow_phase::{length::unit, mesh::polygon_mesh::PolygonMesh};
 
 /// An edge in place, grown by the tolerance in `bounds`.
@@ -221,103 +218,6 @@ impl Surface {
         let bounds = LocalAabb::around(self.corners.iter().copied(), 0.0);
         let face = self.face(mesh, polygon, 0, bounds);
         self.faces.push(face);
-    }
-
-    /// The point of the mesh, all of it, that is closest to a point of the frame, of those within
-    /// `limit`. What is selected counts for meshes without a tree alone: it has to be everything.
-    pub fn closest_of_all(
-        &mut self,
-        mesh: &PolygonMesh,
-        point: Vec3A,
-        limit: f32,
-    ) -> Option<ClosestPoint> {
-        let Some(_) = mesh.tree() else {
-            return self
-                .closest_point(point)
-                .filter(|found| found.distance <= limit);
-        };
-        let mut best: Option<(f32, u32)> = None;
-        let most = limit * limit;
-        self.search_near(mesh, point, most, |polygon, squared| {
-            // Of several that are as close, the first in the order of the mesh.
-            if best.is_none_or(|best| (squared, polygon) < best) && squared <= most {
-                best = Some((squared, polygon));
-            }
-            ControlFlow::Continue(best.map_or(most, |(squared, _)| squared))
-        });
-        let (squared, polygon) = best?;
-        self.select(mesh, polygon, 0.0);
-        let face = &self.faces[0];
-        Some(ClosestPoint {
-            point: self.closest_point_of(face, point)?,
-            distance: squared.sqrt(),
-            normal: face.normal,
-            polygon,
-        })
-    }
-
-    /// Returns `true` if a point of the frame is as near to the mesh as `limit`. As for
-    /// [`closest_of_all`](Self::closest_of_all).
-    pub fn is_near(&mut self, mesh: &PolygonMesh, point: Vec3A, limit: f32) -> bool {
-        if mesh.tree().is_none() {
-            return self
-                .closest_point(point)
-                .is_some_and(|found| found.distance <= limit);
-        }
-        let (mut is_near, most) = (false, limit * limit);
-        self.search_near(mesh, point, most, |_, squared| {
-            is_near = squared <= most;
-            if is_near {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(most)
-            }
-        });
-        is_near
-    }
-
-    /// Calls `found` with polygons whose boxes are within the limit of a point of the frame, near
-    /// ones first, and how far they are; it tells the limit from then on. Both are squared.
-    fn search_near(
-        &mut self,
-        mesh: &PolygonMesh,
-        point: Vec3A,
-        limit: f32,
-        mut found: impl FnMut(u32, f32) -> ControlFlow<(), f32>,
-    ) {
-        let Some(tree) = mesh.tree() else { return };
-        let placing = self.placing;
-        let at = placing.way_back(point, Vec3A::ZERO).place(&Aabb3d {
-            min: point,
-            max: point,
-        });
-        let measure = ScaledDistance::new(at, placing.scale());
-        // Where all axes have one scale, what is closest in the space of the mesh is so here.
-        let uniform = placing.uniform_scale();
-        let (from, scale) = match uniform {
-            Some(scale) => ((at.min + at.max) * 0.5, scale),
-            None => (point, 1.0),
-        };
-        let vertices = mesh.vertices();
-        let corner = |vertex: u32| {
-            let vertex = vertices[vertex as usize];
-            match uniform {
-                Some(_) => Vec3A::from(vertex),
-                None => placing.place(vertex),
-            }
-        };
-        let square = scale * scale;
-        tree.search(&measure, limit, |polygon, _| {
-            let squared = if let &[a, b, c] = mesh.polygon(polygon as usize) {
-                let closest = closest::point_triangle(from, [a, b, c].map(corner));
-                closest.distance_squared(from) * square
-            } else {
-                self.select(mesh, polygon, 0.0);
-                self.closest_point_of(&self.faces[0], point)
-                    .map_or(f32::INFINITY, |closest| closest.distance_squared(point))
-            };
-            found(polygon, squared)
-        });
     }
 
     /// A vertex of the mesh, in place.

@@ -14,7 +14,8 @@ impl PolygonMesh {
     /// millionths of the mesh's extent, so that the surface closes even where it was closed by
     /// sines of a full turn, and as close as 32-bit floats are there. Triangles which then have no
     /// area, as at the poles of a sphere or between strips, are left out: nothing of them is seen,
-    /// either. What is left keeps its order.
+    /// either. What is left keeps its order; which triangle of the mesh it was is told by
+    /// [`polygon_number`](Self::polygon_number).
     ///
     /// The time taken is linear in the number of vertices and triangles, as that of
     /// [`new`](Self::new).
@@ -23,8 +24,8 @@ impl PolygonMesh {
     /// [`ShapeError::Topology`], [`ShapeError::NoPositions`] and [`ShapeError::NoAccess`] for a
     /// mesh without triangles, positions, or data in main memory; [`ShapeError::IndexOutOfRange`]
     /// and [`ShapeError::TooFewCorners`], for the last triangle, name triangles by their number in
-    /// the mesh, and [`ShapeError::NonFiniteVertex`] the vertex; [`ShapeError::Empty`] if no
-    /// triangle has an area.
+    /// the mesh, and [`ShapeError::NonFiniteVertex`] the vertex, be it one that no triangle uses;
+    /// [`ShapeError::Empty`] if no triangle has an area.
     pub fn from_mesh(mesh: &Mesh) -> Result<Self, ShapeError> {
         let no_access =
             |error: bevy::mesh::MeshAccessError| ShapeError::NoAccess(error.to_string());

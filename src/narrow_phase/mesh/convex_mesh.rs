@@ -50,7 +50,8 @@ impl ConvexMesh {
             return Err(ShapeError::SurfaceOnly);
         }
         if let Some(edge) = mesh.open_edge() {
-            return Err(ShapeError::NotClosed { edge });
+            let positions = edge.map(|vertex| mesh.vertices()[vertex as usize]);
+            return Err(ShapeError::NotClosed { edge, positions });
         }
         let mut polygons = 0..mesh.polygon_count();
         if mesh.shells().len() != 1 && polygons.all(|p| !mesh.across(p).contains(&NO_NEIGHBOR)) {
@@ -70,8 +71,9 @@ impl ConvexMesh {
                 vertex,
                 distance,
             }) => Err(ShapeError::NotConvex {
-                polygon,
+                polygon: mesh.polygon_number(polygon) as usize,
                 vertex,
+                position: mesh.vertices()[vertex as usize],
                 distance: distance as f32,
             }),
         }

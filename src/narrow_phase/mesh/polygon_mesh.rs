@@ -87,11 +87,11 @@ impl PolygonMesh {
     /// input. A vertex in the middle of more than 64 edges is taken to be on none; and where
     /// boxes of very many polygons overlap, the search for vertices on edges ends with some
     /// surfaces taken for open. Vertices that no polygon names are kept, but are no part of the
-    /// surface.
+    /// surface; they have to be finite all the same.
     ///
     /// # Errors
-    /// [`ShapeError::Empty`] without polygons, [`ShapeError::NonFiniteVertex`], and for a polygon
-    /// that has fewer than three corners, names a vertex that does not exist or names one twice,
+    /// [`ShapeError::Empty`] without polygons, [`ShapeError::NonFiniteVertex`] for any vertex, one
+    /// that no polygon names included, and for a polygon that has fewer than three corners, names a vertex that does not exist or names one twice,
     /// has no area (less than a millionth of its size squared) or is not planar (off by more than a
     /// ten-thousandth of its size).
     pub fn new<P: AsRef<[u32]>>(
@@ -209,29 +209,73 @@ impl PolygonMesh {
         self
     }
 
-    /// Returns the vertices, as given.
+    /// Returns the vertices, as given; of a Bevy mesh, those that are left of them once they are
+    /// welded, which have other indices.
     #[must_use]
     pub fn vertices(&self) -> &[Vec3] {
         &self.vertices
     }
 
     /// Returns how many polygons there are; at least one.
+    ///
+    /// Those that were left out do not count: see [`polygon_number`](Self::polygon_number).
     #[must_use]
     pub fn polygon_count(&self) -> usize {
         self.polygons.len()
     }
 
     /// Returns the vertex indices of the polygons, in the order given; each polygon
-    /// counter-clockwise around its [normal](Self::normals).
+    /// counter-clockwise around its [normal](Self::normals). By index, [not by
+    /// number](Self::polygon_index).
     #[must_use]
     pub fn polygons(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         self.polygons.iter()
     }
 
-    /// Returns the unit normals of the polygons.
+    /// Returns the unit normals of the polygons. By index, [not by number](Self::polygon_index).
     #[must_use]
     pub fn normals(&self) -> &[Vec3] {
         &self.normals
+    }
+
+    /// Returns the index of a polygon, by the number that it had in the input: by which hits
+    /// [tell](super::super::Impact::polygon) it. `None` if there is none of that number, or it was
+    /// left out.
+    ///
+    /// The two differ where triangles without an area were left out of a Bevy mesh, as at the poles
+    /// of a sphere. All that the mesh is asked about a polygon goes by its index: its
+    /// [corners](Self::polygons), its [normal](Self::normals), whether it [bounds a
+    /// solid](Self::bounds_solid). O(log n) where some were left out, else O(1).
+    ///
+    /// ```
+    /// use bevy::math::Vec3;
+    /// use bevy_octree::{narrow_phase::{PolygonMesh, Shape}, prelude::*};
+    ///
+    /// /// The corners of the triangle that a ray met, in the space of the mesh.
+    /// fn corners(hit: &RayHit, shape: &CollisionShape) -> Option<Vec<Vec3>> {
+    ///     let Shape::Mesh(mesh) = &shape.0 else { return None };
+    ///     let corners = mesh.polygons().nth(mesh.polygon_index(hit.polygon?)?)?;
+    ///     Some(corners.iter().map(|corner| mesh.vertices()[*corner as usize]).collect())
+    /// }
+    /// ```
+    #[must_use]
+    pub fn polygon_index(&self, number: u32) -> Option<usize> {
+        match &self.sources {
+            Some(sources) => sources.binary_search(&number).ok(),
+            None => Some(number as usize).filter(|index| *index < self.polygon_count()),
+        }
+    }
+
+    /// Returns the number that a polygon had in the input, by its index: what hits
+    /// [tell](super::super::Impact::polygon), and the other way round as
+    /// [`polygon_index`](Self::polygon_index). Of a Bevy mesh, that of the triangle.
+    ///
+    /// # Panics
+    /// If there are not so many polygons.
+    #[must_use]
+    pub fn polygon_number(&self, index: usize) -> u32 {
+        assert!(index < self.polygon_count(), "there is no polygon {index}");
+        self.source(index as u32)
     }
 
     /// Returns each edge once, as the indices of its ends.
@@ -240,7 +284,11 @@ impl PolygonMesh {
         &self.edges
     }
 
-    /// Returns `true` if every polygon bounds a solid, so that nothing of the mesh is mere surface.
+    /// Returns `true` if every polygon is part of a closed surface, so that the mesh has no
+    /// border and nothing that stands alone.
+    ///
+    /// That is a matter of edges: it says the same of a [surface only](Self::surface_only) as of
+    /// the mesh that it was made from. Of any other, it says that nothing is mere surface.
     ///
     /// Copies of polygons that do, and walls within a solid whose two sides are polygons with the
     /// same corners, do no harm. Whether the mesh encloses anything at all is told by
@@ -261,7 +309,7 @@ impl PolygonMesh {
 
     /// Returns `true` if a polygon is part of a closed surface that bounds a solid: it then faces
     /// outwards. What is no such part is met from both sides, as all of a
-    /// [surface only](Self::surface_only) is.
+    /// [surface only](Self::surface_only) is. By index, [not by number](Self::polygon_index).
     ///
     /// # Panics
     /// If there are not so many polygons.
@@ -281,8 +329,9 @@ impl PolygonMesh {
         self.is_surface_only
     }
 
-    /// Returns an edge that keeps the mesh from being [closed](Self::is_closed), if there is one: it
-    /// belongs to a polygon that bounds no solid.
+    /// Returns an edge that keeps the mesh from being [closed](Self::is_closed), if there is one, as
+    /// indices of [vertices](Self::vertices): it belongs to a polygon that is part of no closed
+    /// surface.
     #[must_use]
     pub fn open_edge(&self) -> Option<[u32; 2]> {
         self.open_edge
@@ -326,6 +375,7 @@ impl PolygonMesh {
             + (self.across.capacity() + self.shells.capacity()) * size_of::<u32>()
             + self.junctions.capacity() * size_of::<Junction>()
             + solid
+            + self.sources.as_deref().map_or(0, size_of_val)
             + self.inverted.as_ref().map_or(0, Bits::memory_bytes)
             + self.tree.as_ref().map_or(0, StillOctree::memory_bytes)
     }
@@ -359,6 +409,12 @@ impl PolygonMesh {
     #[inline]
     pub(in crate::narrow_phase) fn polygon(&self, polygon: usize) -> &[u32] {
         self.polygons.get(polygon)
+    }
+
+    /// The vertex indices by polygon, if all are triangles.
+    #[inline]
+    pub(in crate::narrow_phase) fn triangles(&self) -> Option<&[[u32; 3]]> {
+        self.polygons.triangles()
     }
 
     /// A vertex of each connected part of the surface.
@@ -503,12 +559,16 @@ impl PolygonMesh {
         // Not (max - min) / 2, so that both ends are inside whatever the rounding.
         self.half_size = (max - center).max(center - min).into();
         self.radius = radius;
-        self.tree = (self.polygon_count() > FEW).then(|| {
-            let boxes: Vec<_> = self
-                .polygons()
-                .map(|corners| self.bounds_of(corners))
-                .collect();
-            StillOctree::new(&boxes)
+        self.tree = (self.polygon_count() > FEW).then(|| match self.triangles() {
+            Some(triangles) => {
+                let at = |vertex: u32| self.vertices[vertex as usize];
+                StillOctree::of_triangles(triangles.iter().map(|triangle| triangle.map(at)))
+            }
+            None => {
+                let polygons = self.polygons();
+                let boxes: Vec<_> = polygons.map(|corners| self.bounds_of(corners)).collect();
+                StillOctree::new(&boxes)
+            }
         });
     }
 

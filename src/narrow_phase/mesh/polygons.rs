@@ -81,6 +81,12 @@ impl Polygons {
         &self.corners[self.sides(polygon)]
     }
 
+    /// The corners by polygon, if all are triangles.
+    #[inline]
+    pub fn triangles(&self) -> Option<&[[u32; 3]]> {
+        (self.stride == 3).then(|| self.corners.as_chunks().0)
+    }
+
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         (0..self.count).map(|polygon| self.get(polygon))
     }

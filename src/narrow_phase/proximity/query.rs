@@ -57,7 +57,8 @@ impl NarrowPhase {
             Shape::Sphere { radius: 0.0 },
             Transform::from_translation(point),
         );
-        let pair = PlacedPair::new(Placed::new(&at_point, &here), target, self.tolerance()).ok()?;
+        let at_point = Placed::new(&at_point, &here);
+        let pair = PlacedPair::of_point(at_point, target, self.tolerance()).ok()?;
         if pair.is_wide()
             && let Some(smaller) = Smaller::of(&pair, self)
         {

@@ -2,7 +2,7 @@
 
 use bevy::math::DVec3;
 
-use super::PolygonMesh;
+use super::{PolygonMesh, winding::AxisRay};
 use crate::narrow_phase::mesh::{duplicates::Twin, edges::Bits, topology::NO_NEIGHBOR};
 
 /// So many polygons around surfaces are looked at for each polygon, on average, and so many anyway;
@@ -133,11 +133,12 @@ impl PolygonMesh {
         let point = self.middle(part.first);
         // How often each that may be around it winds around it.
         let mut around: Vec<(u32, i32)> = Vec::new();
-        self.for_each_along_x(point, |polygon| {
+        let ray = AxisRay::along_x(point);
+        self.for_each_along(&ray, |polygon| {
             let other = part_of[polygon];
             let may_be_around = |other: &Part| other.turns.is_some() && other.holds(part);
             if parts.get(other as usize).is_some_and(may_be_around) {
-                let crossing = self.crossing(polygon, point);
+                let crossing = self.crossing(polygon, &ray);
                 *effort = effort.saturating_sub(1);
                 around.push((other, crossing));
             }

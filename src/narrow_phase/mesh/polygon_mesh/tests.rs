@@ -39,6 +39,14 @@ fn missing_polygon_leaves_the_mesh_open() {
     let open = PolygonMesh::new(cube.vertices(), cube.polygons().skip(1)).unwrap();
     assert!(!open.is_closed());
     assert_eq!(open.edges().len(), 12);
+    assert!(!open.surface_only().is_closed());
+}
+
+#[test]
+fn a_surface_only_is_as_closed_as_before() {
+    let room = cube().surface_only();
+    assert!(room.is_closed() && room.open_edge().is_none());
+    assert!(!room.has_inside() && (0..6).all(|polygon| !room.bounds_solid(polygon)));
 }
 
 #[test]
@@ -86,6 +94,13 @@ fn bad_input_is_named() {
     let error = PolygonMesh::new(bent, [good]).unwrap_err();
     assert!(
         matches!(error, ShapeError::NonFiniteVertex { vertex: 2, .. }),
+        "{error}"
+    );
+    let mut unused = square;
+    unused[4].z = f32::NAN;
+    let error = PolygonMesh::new(unused, [good]).unwrap_err();
+    assert!(
+        matches!(error, ShapeError::NonFiniteVertex { vertex: 4, .. }),
         "{error}"
     );
 }

@@ -1,6 +1,6 @@
 //! Whether a mesh winds around a point.
 
-use bevy::math::{DVec3, bounding::Aabb3d};
+use bevy::math::{DVec3, Vec3A, Vec3Swizzles, bounding::Aabb3d};
 
 use smallvec::SmallVec;
 
@@ -33,6 +33,64 @@ impl Iterator for Outline<'_> {
         let corner = self.corners.next()?;
         self.next_side += 1;
         Some(*corner)
+    }
+}
+
+/// A ray along an axis, one way or the other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AxisRay {
+    origin: DVec3,
+    axis: usize,
+    is_backwards: bool,
+}
+
+impl AxisRay {
+    /// The one along x.
+    pub(super) const fn along_x(origin: DVec3) -> Self {
+        Self {
+            origin,
+            axis: 0,
+            is_backwards: false,
+        }
+    }
+
+    /// The one that leaves a box first, or misses it.
+    fn shortest(origin: DVec3, center: Vec3A, half: Vec3A) -> Self {
+        let from_center = origin - center.as_dvec3();
+        let left = half.as_dvec3() - from_center.abs();
+        let axis = left.min_position();
+        Self {
+            origin,
+            axis,
+            is_backwards: from_center[axis] < 0.0,
+        }
+    }
+
+    /// Has the ray go along x.
+    #[inline]
+    fn turn(&self, point: DVec3) -> DVec3 {
+        let turned = match self.axis {
+            0 => point,
+            1 => point.yzx(),
+            _ => point.zxy(),
+        };
+        if self.is_backwards {
+            turned.with_x(-turned.x)
+        } else {
+            turned
+        }
+    }
+
+    /// A box around the ray, which as 32-bit floats may be a little off.
+    fn bounds(&self) -> Aabb3d {
+        let near = self.origin.as_vec3a();
+        let (mut min, mut max) = (near.map(f32::next_down), near.map(f32::next_up));
+        if self.is_backwards {
+            min[self.axis] = f32::MIN;
+        } else {
+            max[self.axis] = f32::MAX;
+        }
+        Aabb3d { min, max }
     }
 }
 
@@ -74,46 +132,43 @@ impl PolygonMesh {
 
     /// Returns `true` if the mesh winds around a point that is not on its surface.
     ///
-    /// Counts how often a ray along x comes out of it more often than in. A side that two polygons
-    /// share is seen alike from both, so that none can slip through between them.
+    /// Counts how often a ray along an axis comes out of it more often than in: the one that first
+    /// leaves its box. A side that two polygons share is seen alike from both, so that none can slip
+    /// through between them.
     pub(in crate::narrow_phase) fn winds_around(&self, point: DVec3) -> bool {
         if !self.has_inside() {
             return false;
         }
+        let ray = AxisRay::shortest(point, self.center, self.half_size);
         let mut winding = 0;
-        self.for_each_along_x(point, |polygon| {
+        self.for_each_along(&ray, |polygon| {
             if self.solid.contains(polygon as u32) {
-                winding += self.crossing(polygon, point);
+                winding += self.crossing(polygon, &ray);
             }
         });
         winding != 0
     }
 
-    /// Calls `found` with each polygon whose box a ray along x may meet.
-    pub(super) fn for_each_along_x(&self, point: DVec3, mut found: impl FnMut(usize)) {
+    /// Calls `found` with each polygon whose box a ray may meet.
+    pub(super) fn for_each_along(&self, ray: &AxisRay, mut found: impl FnMut(usize)) {
         let Some(tree) = &self.tree else {
             return (0..self.polygon_count()).for_each(found);
         };
-        // As 32-bit floats, it may be a little off.
-        let near = point.as_vec3a();
-        let ray = Aabb3d {
-            min: near.map(f32::next_down),
-            max: near.map(f32::next_up).with_x(f32::MAX),
-        };
-        tree.for_each_overlapping(&ray, |polygon| found(polygon as usize));
+        tree.for_each_overlapping(&ray.bounds(), |polygon| found(polygon as usize));
     }
 
-    /// Which way a ray along x, from a point on, crosses a polygon: 1 or -1; 0 if it does not.
-    pub(super) fn crossing(&self, polygon: usize, point: DVec3) -> i32 {
+    /// Which way a ray crosses a polygon: 1 or -1; 0 if it does not. Opposite rays, opposite signs.
+    pub(super) fn crossing(&self, polygon: usize, ray: &AxisRay) -> i32 {
         if self.has_junctions() {
-            self.crossing_of(self.outline(polygon), point)
+            self.crossing_of(self.outline(polygon), ray)
         } else {
-            self.crossing_of(self.polygon(polygon).iter().copied(), point)
+            self.crossing_of(self.polygon(polygon).iter().copied(), ray)
         }
     }
 
-    fn crossing_of(&self, corners: impl Iterator<Item = u32> + Clone, point: DVec3) -> i32 {
-        let at = |vertex: u32| self.vertices[vertex as usize].as_dvec3();
+    fn crossing_of(&self, corners: impl Iterator<Item = u32> + Clone, ray: &AxisRay) -> i32 {
+        let point = ray.turn(ray.origin);
+        let at = |vertex: u32| ray.turn(self.vertices[vertex as usize].as_dvec3());
         let mut winding = 0;
         for (a, b) in corners.clone().zip(corners.clone().cycle().skip(1)) {
             let (a, b) = (at(a), at(b));

@@ -1,7 +1,10 @@
-use bevy::{math::Quat, transform::components::Transform};
+use bevy::{
+    math::{Dir3, Quat},
+    transform::components::Transform,
+};
 
 use super::*;
-use crate::narrow_phase::{Contact, NarrowPhase, Placed, Shape, Workspace};
+use crate::narrow_phase::{Contact, ConvexMesh, NarrowPhase, Placed, Shape, Workspace};
 
 fn welded(positions: &[[f32; 3]]) -> Welded {
     Welded::of(positions).unwrap()
@@ -335,4 +338,92 @@ fn polygons_that_are_there_twice_or_inside_out_do_no_harm() {
     let more = [membrane[0], membrane[2], Vec3::Z];
     let with_more = [&cube[..], &flag, &membrane, &more].concat();
     assert_solid(&with_more, &[MIDDLE.with_x(0.8)], &[MIDDLE + Vec3::Y]);
+}
+
+/// A box of triangles with one without an area before, one amidst, and one after the others.
+fn dirty() -> (PolygonMesh, [u32; 3]) {
+    let mut triangles = cuboid(Vec3::ZERO, Vec3::ONE);
+    let nothing = [Vec3::ZERO, Vec3::X, Vec3::X];
+    triangles.extend(nothing);
+    triangles.splice(15..15, nothing);
+    triangles.splice(0..0, nothing);
+    (listed(&triangles), [0, 6, 14])
+}
+
+#[test]
+fn numbers_of_what_was_left_out_have_no_index() {
+    let (mesh, left_out) = dirty();
+    assert_eq!(mesh.polygon_count(), 12);
+    for number in 0..16 {
+        let index = mesh.polygon_index(number);
+        let is_kept = number < 15 && !left_out.contains(&number);
+        assert_eq!(index.is_some(), is_kept, "{number}");
+        if let Some(index) = index {
+            assert_eq!(mesh.polygon_number(index), number);
+            assert!(mesh.bounds_solid(index));
+        }
+    }
+    let clean = listed(&cuboid(Vec3::ZERO, Vec3::ONE));
+    assert_eq!([11, 12].map(|n| clean.polygon_index(n)), [Some(11), None]);
+    assert_eq!(clean.polygon_number(11), 11);
+    // What keeps the numbers takes memory, too.
+    assert!(mesh.memory_bytes() >= clean.memory_bytes() + 12 * size_of::<u32>());
+}
+
+#[test]
+fn a_polygon_that_is_met_is_found_by_its_number() {
+    let (mesh, _) = dirty();
+    let (shape, here) = (Shape::from(mesh.clone()), Transform::IDENTITY);
+    for axis in 0..6 {
+        let mut normal = Vec3::ZERO;
+        normal[axis / 2] = if axis % 2 == 0 { 1.0 } else { -1.0 };
+        let start = Vec3::new(0.5, 0.45, 0.52) + normal * 2.0;
+        let hit = NarrowPhase::default()
+            .cast_ray(
+                Placed::new(&shape, &here),
+                start,
+                Dir3::new(-normal).unwrap(),
+                9.0,
+            )
+            .unwrap();
+        let index = mesh.polygon_index(hit.polygon.unwrap()).unwrap();
+        assert_eq!(mesh.normals()[index], normal);
+    }
+}
+
+#[test]
+fn what_is_not_convex_is_named_by_the_input() {
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::splat(0.1)];
+    // The second is nothing; the tip is pushed in.
+    let faces: [[usize; 3]; 7] = [
+        [0, 2, 1],
+        [0, 0, 1],
+        [0, 1, 3],
+        [2, 0, 3],
+        [1, 2, 4],
+        [2, 3, 4],
+        [3, 1, 4],
+    ];
+    let list = |faces: &[[usize; 3]]| -> Vec<Vec3> {
+        faces.iter().flatten().map(|i| corners[*i]).collect()
+    };
+    let refused = |faces: &[[usize; 3]]| ConvexMesh::new(listed(&list(faces))).unwrap_err();
+    let error = refused(&faces);
+    let ShapeError::NotConvex {
+        polygon, position, ..
+    } = error
+    else {
+        panic!("{error}")
+    };
+    let [a, b, c] = faces[polygon].map(|i| corners[i]);
+    let outwards = (b - a).cross(c - a);
+    assert!(outwards.dot(position - a) > 0.0, "{polygon}, {position}");
+    assert!(corners.contains(&position));
+    assert!(error.to_string().contains(&position.to_string()), "{error}");
+
+    let ShapeError::NotClosed { positions, .. } = refused(&faces[..6]) else {
+        panic!("it is open")
+    };
+    let around = [3, 1, 4].map(|i: usize| corners[i]);
+    assert!(positions.iter().all(|at| around.contains(at)));
 }
