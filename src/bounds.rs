@@ -1,11 +1,18 @@
 //! World boxes from transforms and shapes.
 
-use bevy::{ecs::system::RegisteredSystemError, prelude::*};
+use bevy::{
+    ecs::{
+        change_detection::{ContiguousMut, ContiguousRef, MAX_CHANGE_AGE, Tick},
+        system::RegisteredSystemError,
+    },
+    prelude::*,
+};
 
 use crate::{
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     hierarchy::{self, Hierarchy},
     narrow_phase::{BoundsError, NarrowPhase, Placed, Shape},
+    parallel,
     schedule::{CollisionSystems, add_to_tick},
     shear::{self, Sheared},
 };
@@ -66,34 +73,85 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     world.run_system_cached(update_children)
 }
 
-type Bounded<'a> = (
+type Root<'a> = (
     Entity,
-    &'a CollisionShape,
-    &'a Transform,
+    Ref<'a, CollisionShape>,
+    Ref<'a, Transform>,
     &'a mut WorldAabb,
     &'a mut BroadPhaseProxy,
 );
-type ChangedRoot = (
-    Without<ChildOf>,
-    Or<(
-        Changed<Transform>,
-        Changed<CollisionShape>,
-        Changed<BroadPhaseProxy>,
-    )>,
-);
 
+/// Tables are gone through as slices, in which what rests costs a look at its change ticks, and on
+/// all threads.
 fn update_roots(
-    mut roots: Query<Bounded, ChangedRoot>,
+    mut roots: Query<Root, Without<ChildOf>>,
     mut nowhere: Query<&mut WorldAabb, (With<CollisionShape>, Without<Transform>)>,
     tests: Res<NarrowPhase>,
 ) {
-    for (entity, shape, transform, mut aabb, mut proxy) in &mut roots {
-        BroadPhaseProxy::note_pose(&mut proxy, *transform);
-        *aabb = world_aabb(&tests, entity, shape, transform);
+    match roots.contiguous_iter_mut() {
+        Ok(tables) => tables.for_each(|table| update_table(&tests, table)),
+        // What disables entities may not be in tables.
+        Err(_) => {
+            for (entity, shape, transform, mut aabb, mut proxy) in &mut roots {
+                if shape.is_changed() || transform.is_changed() || proxy.is_changed() {
+                    *aabb = world_aabb(&tests, entity, &shape, &transform);
+                    let placed = Placed::new(&shape, &transform);
+                    BroadPhaseProxy::note_box(&mut proxy, placed, aabb.last_changed());
+                }
+            }
+        }
     }
     for mut aabb in &mut nowhere {
         aabb.set_if_neq(WorldAabb::NONE);
     }
+}
+
+/// So many rows of a table make a job of their own.
+const ROWS: usize = 4096;
+
+type Table<'a> = (
+    &'a [Entity],
+    ContiguousRef<'a, CollisionShape>,
+    ContiguousRef<'a, Transform>,
+    ContiguousMut<'a, WorldAabb>,
+    ContiguousMut<'a, BroadPhaseProxy>,
+);
+
+fn update_table(tests: &NarrowPhase, (entities, shapes, transforms, boxes, proxies): Table) {
+    let this_run = boxes.this_run_tick();
+    // As `Tick::is_newer_than` has it.
+    let since = this_run
+        .get()
+        .wrapping_sub(boxes.last_run_tick().get())
+        .min(MAX_CHANGE_AGE);
+    let is_new = |tick: Tick| this_run.get().wrapping_sub(tick.get()) < since;
+    let (boxes, mut boxed) = ContiguousMut::bypass_change_detection_split(boxes);
+    let (proxies, outdated) = ContiguousMut::bypass_change_detection_split(proxies);
+    let read = entities.chunks(ROWS).zip(shapes.chunks(ROWS));
+    let read = read.zip(transforms.chunks(ROWS));
+    let ticks = shapes
+        .changed_ticks_slice()
+        .chunks(ROWS)
+        .zip(transforms.changed_ticks_slice().chunks(ROWS))
+        .zip(outdated.changed().chunks(ROWS));
+    let written = boxes
+        .chunks_mut(ROWS)
+        .zip(boxed.changed_mut().chunks_mut(ROWS))
+        .zip(proxies.chunks_mut(ROWS));
+    parallel::for_each(read.zip(ticks).zip(written), |((read, ticks), written)| {
+        let ((entities, shapes), transforms) = read;
+        let ((reshaped, moved), outdated) = ticks;
+        let ((boxes, boxed), proxies) = written;
+        let ticks = reshaped.iter().zip(moved).zip(outdated).enumerate();
+        for (row, ((reshaped, moved), outdated)) in ticks {
+            if is_new(*reshaped) | is_new(*moved) | is_new(*outdated) {
+                let (shape, transform) = (&shapes[row], &transforms[row]);
+                boxes[row] = world_aabb(tests, entities[row], shape, transform);
+                boxed[row] = this_run;
+                proxies[row].put_box(Placed::new(shape, transform), this_run);
+            }
+        }
+    });
 }
 
 type Child = (
@@ -129,15 +187,19 @@ pub(crate) fn update_children(
             return;
         };
         let placement = shear::put(own, &pose, sheared.as_deref());
-        BroadPhaseProxy::note_pose(&mut proxy, placement.transform);
+        let mut put = |shape: &Shape| {
+            let placed = Placed::new(shape, &placement.transform);
+            *aabb = world_aabb(&tests, entity, shape, placed.transform);
+            BroadPhaseProxy::note_box(&mut proxy, placed, aabb.last_changed());
+        };
         if let Some(mut sheared) = sheared {
             sheared.follow(own, placement.turn);
-            *aabb = world_aabb(&tests, entity, sheared.shape(), &placement.transform);
+            put(sheared.shape());
         } else if !placement.is_sheared {
-            *aabb = world_aabb(&tests, entity, own, &placement.transform);
+            put(own);
         } else {
             let sheared = Sheared::new(own, placement.turn);
-            *aabb = world_aabb(&tests, entity, sheared.shape(), &placement.transform);
+            put(sheared.shape());
             if sheared.shape().is_same(own) {
                 tracing::warn!(
                     "{entity} is sheared by an ancestor, as its shape cannot be: see `BoundsPlugin`"
@@ -149,6 +211,7 @@ pub(crate) fn update_children(
 }
 
 /// The box around a shape where it is.
+#[inline]
 pub(crate) fn world_aabb(
     tests: &NarrowPhase,
     entity: Entity,
@@ -157,10 +220,15 @@ pub(crate) fn world_aabb(
 ) -> WorldAabb {
     match tests.world_aabb(Placed::new(shape, transform)) {
         Ok(aabb) => WorldAabb(aabb),
-        Err(BoundsError::Unbounded) => WorldAabb::UNBOUNDED,
-        Err(error) => {
-            tracing::warn!("{entity} is left out of collision detection: {error}");
-            WorldAabb::NONE
-        }
+        Err(error) => without_box(entity, error),
     }
+}
+
+#[cold]
+fn without_box(entity: Entity, error: BoundsError) -> WorldAabb {
+    if error == BoundsError::Unbounded {
+        return WorldAabb::UNBOUNDED;
+    }
+    tracing::warn!("{entity} is left out of collision detection: {error}");
+    WorldAabb::NONE
 }

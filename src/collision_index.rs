@@ -12,7 +12,7 @@ use crate::{
     broad_phase::{
         BroadPhase, BroadPhaseMethod, Pair, PairFilter, PairKinds, ProxyId, SpatialIndex,
     },
-    narrow_phase::{Moving, NarrowPhase, Placed, Shape},
+    narrow_phase::{Fit, Moving, NarrowPhase, Placed, Shape, StageCounters},
 };
 
 /// The [`SpatialIndex`] of all entities with a
@@ -32,6 +32,11 @@ pub struct CollisionIndex {
     /// By proxy index. Entries of removed proxies stay until the proxy is handed out again.
     #[reflect(ignore)]
     bodies: Vec<Body>,
+    /// By proxy index too, and by themselves: most pairs need no more of the bodies.
+    #[reflect(ignore)]
+    entities: Vec<Entity>,
+    #[reflect(ignore)]
+    fits: Vec<Fit>,
     /// By proxy index, as far as there are any: where the ways of swept bodies begin.
     #[reflect(ignore)]
     starts: Vec<Option<Transform>>,
@@ -57,6 +62,8 @@ impl Default for CollisionIndex {
             index: SpatialIndex::default(),
             method: BroadPhaseMethod::default(),
             bodies: Vec::new(),
+            entities: Vec::new(),
+            fits: Vec::new(),
             starts: Vec::new(),
             search: 0,
             moved_at_search: Vec::new(),
@@ -173,6 +180,8 @@ pub(crate) struct Seen {
     pub(crate) extent: Extent,
     /// Which pairs it makes, if it comes in; `None` if it is to stay out.
     pub(crate) filter: Option<PairFilter>,
+    /// What its box says of it.
+    pub(crate) fit: Fit,
 }
 
 impl CollisionIndex {
@@ -192,7 +201,7 @@ impl CollisionIndex {
     /// last.
     #[must_use]
     pub fn entity(&self, id: ProxyId) -> Option<Entity> {
-        self.bodies.get(id.index()).map(|body| body.entity)
+        self.entities.get(id.index()).copied()
     }
 
     /// Returns the entities of a pair.
@@ -201,7 +210,7 @@ impl CollisionIndex {
     /// If the pair is not of this index.
     #[must_use]
     pub fn entities(&self, pair: Pair) -> [Entity; 2] {
-        [pair.a, pair.b].map(|id| self.bodies[id.index()].entity)
+        [pair.a, pair.b].map(|id| self.entities[id.index()])
     }
 
     /// What is behind a handle, unless it was removed.
@@ -227,6 +236,23 @@ impl CollisionIndex {
     #[inline]
     pub(crate) fn placed(&self, pair: Pair) -> Option<[Placed<'_>; 2]> {
         Some([self.body(pair.a)?.placed(), self.body(pair.b)?.placed()])
+    }
+
+    /// Are the two of a pair in contact where they are at the end of the tick, for certain, by
+    /// their boxes?
+    #[inline]
+    pub(crate) fn certainly_intersect(
+        &self,
+        pair: Pair,
+        tests: &NarrowPhase,
+        counters: &mut StageCounters,
+    ) -> bool {
+        let proxies = self.index.proxies();
+        let fitted = |id: ProxyId| Some((*self.fits.get(id.index())?, proxies.get(id)?));
+        match (fitted(pair.a), fitted(pair.b)) {
+            (Some(a), Some(b)) => tests.certainly_intersect(a, b, counters),
+            _ => false,
+        }
     }
 
     /// What is behind a handle, on its way in this tick: at rest where it is, if it is not swept.
@@ -261,6 +287,7 @@ impl CollisionIndex {
             && self.index.set(id, &aabb).is_ok()
         {
             body.pose = *pose;
+            self.fits[id.index()] = Fit::of(body.placed());
         }
     }
 
@@ -378,9 +405,7 @@ impl CollisionIndex {
     /// Is this handle that of this entity? Others may have a copy of it, or one of another index.
     #[inline]
     pub(crate) fn is_entry_of(&self, id: ProxyId, entity: Entity) -> bool {
-        self.bodies
-            .get(id.index())
-            .is_some_and(|body| body.entity == entity)
+        self.entities.get(id.index()) == Some(&entity)
     }
 
     /// Removes all whose entities do not say that the entry is theirs.
@@ -388,29 +413,32 @@ impl CollisionIndex {
         let proxies = self.index.proxies();
         let all = proxies.iter().map(|(id, _)| id).chain(proxies.unbounded());
         let strays: Vec<_> = all
-            .filter(|id| !is_entry(*id, self.bodies[id.index()].entity))
+            .filter(|id| !is_entry(*id, self.entities[id.index()]))
             .collect();
         strays.into_iter().for_each(|id| self.remove(id));
     }
 
-    /// Gives an entity that is in, and in a box, its box of this tick. Returns what is to follow
-    /// it; `None` if it is not in by this handle, or one of the boxes is none: then
-    /// [`upsert`](Self::upsert) has to decide.
+    /// Gives an entity that is in, and in a box, its box and its pose of this tick, and has its
+    /// shape brought up to date. `false`, and nothing changes, if it is not in by this handle, or
+    /// one of the boxes is none: then [`upsert`](Self::upsert) has to decide.
     #[inline]
     pub(crate) fn follow(
         &mut self,
-        id: ProxyId,
-        entity: Entity,
+        (id, entity): (ProxyId, Entity),
         aabb: &Aabb3d,
-    ) -> Option<&mut Body> {
-        let body = self
-            .bodies
-            .get_mut(id.index())
-            .filter(|body| body.entity == entity)?;
-        self.index.set(id, aabb).ok()?;
+        pose: &Transform,
+        fit: Fit,
+        reshape: impl FnOnce(&mut Body),
+    ) -> bool {
         // It may have turned inside its box.
-        self.index.touch(id);
-        Some(body)
+        if !(self.is_entry_of(id, entity) && self.index.renew(id, aabb)) {
+            return false;
+        }
+        let body = &mut self.bodies[id.index()];
+        body.pose = *pose;
+        reshape(body);
+        self.fits[id.index()] = fit;
+        true
     }
 
     /// Decides about an entity that cannot [follow](Self::follow), given the handle that it says is
@@ -427,6 +455,7 @@ impl CollisionIndex {
             body,
             extent,
             filter,
+            fit,
         } = seen;
         let own = id.filter(|id| self.is_entry_of(*id, body.entity));
         if let (Some(own), Extent::Unbounded(side)) = (own, extent)
@@ -439,11 +468,17 @@ impl CollisionIndex {
         if let Some(own) = own {
             self.index.remove(own);
         }
-        self.enter(body, extent, filter?)
+        self.enter(body, extent, filter?, fit)
     }
 
     /// Gives a new entity a handle, unless its box is refused.
-    fn enter(&mut self, body: Body, extent: Extent, filter: PairFilter) -> Option<ProxyId> {
+    fn enter(
+        &mut self,
+        body: Body,
+        extent: Extent,
+        filter: PairFilter,
+        fit: Fit,
+    ) -> Option<ProxyId> {
         let entered = match extent {
             Extent::Box(aabb) => self.index.insert(aabb),
             Extent::Unbounded(side) => self.index.insert_unbounded(side),
@@ -451,9 +486,14 @@ impl CollisionIndex {
         let id = entered.ok()?;
         self.change_filter(id, |old| *old = filter);
         debug_assert!(id.index() <= self.bodies.len(), "handles are dense");
-        match self.bodies.get_mut(id.index()) {
-            Some(slot) => *slot = body,
-            None => self.bodies.push(body),
+        if id.index() < self.bodies.len() {
+            self.entities[id.index()] = body.entity;
+            self.fits[id.index()] = fit;
+            self.bodies[id.index()] = body;
+        } else {
+            self.entities.push(body.entity);
+            self.fits.push(fit);
+            self.bodies.push(body);
         }
         Some(id)
     }

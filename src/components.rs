@@ -1,7 +1,7 @@
 //! The components that an entity carries to take part in collision detection.
 
 use bevy::{
-    ecs::{lifecycle::HookContext, world::DeferredWorld},
+    ecs::{change_detection::Tick, lifecycle::HookContext, world::DeferredWorld},
     math::{Vec3A, bounding::Aabb3d},
     prelude::*,
 };
@@ -9,7 +9,7 @@ use bevy::{
 use crate::{
     broad_phase::{EVERYWHERE, PairFilter, ProxyId},
     collision_index::{CollisionIndex, Upkeep},
-    narrow_phase::{Shape, ShapeError},
+    narrow_phase::{Fit, Placed, Shape, ShapeError},
     way::SweptWay,
 };
 
@@ -186,6 +186,12 @@ pub struct BroadPhaseProxy {
     id: Option<ProxyId>,
     /// Where the shape was when its box was computed.
     pose: Transform,
+    /// What that box says of the shape, and when it was computed: a box that was changed since says
+    /// nothing.
+    #[reflect(ignore)]
+    fit: Fit,
+    #[reflect(ignore)]
+    boxed: Tick,
 }
 
 impl BroadPhaseProxy {
@@ -200,6 +206,16 @@ impl BroadPhaseProxy {
     pub(crate) const fn pose(&self) -> &Transform {
         &self.pose
     }
+
+    /// What the box of the entity, which was last changed at that time, says of its shape.
+    #[inline]
+    pub(crate) fn fit(&self, changed: Tick) -> Fit {
+        if changed == self.boxed {
+            self.fit
+        } else {
+            Fit::Loose
+        }
+    }
 }
 
 /// # Out of date or not
@@ -211,13 +227,28 @@ impl BroadPhaseProxy {
 /// | method | who calls it | is the box out of date then? |
 /// |---|---|---|
 /// | [`outdate`](Self::outdate) | whoever makes a box wrong that no transform and no shape tells of | yes |
-/// | [`note_pose`](Self::note_pose) | who computes the box, or puts the entity elsewhere together with its box | no |
+/// | [`note_box`](Self::note_box) | who computes the box | no |
+/// | [`note_pose`](Self::note_pose) | who puts the entity elsewhere together with its box | no |
 /// | [`note_id`](Self::note_id) | maintenance, which gives out handles | no |
 /// | [`leave`] | hooks, as the entity leaves the index | yes: its box brings it back, if it has all it needs |
 impl BroadPhaseProxy {
     /// Has the box computed anew in the next tick.
     pub(crate) fn outdate(proxy: &mut Mut<Self>) {
         proxy.set_changed();
+    }
+
+    /// Takes note of where the shape is that a box was computed around, and when that was.
+    #[inline]
+    pub(crate) fn note_box(proxy: &mut Mut<Self>, placed: Placed, boxed: Tick) {
+        proxy.bypass_change_detection().put_box(placed, boxed);
+    }
+
+    /// The same, for who has no more than the component in hand.
+    #[inline]
+    pub(crate) fn put_box(&mut self, placed: Placed, boxed: Tick) {
+        self.pose = *placed.transform;
+        self.fit = Fit::of(placed);
+        self.boxed = boxed;
     }
 
     /// Takes note of where the shape is that the box is around.

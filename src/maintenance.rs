@@ -82,23 +82,21 @@ fn mend(
     upkeep.done(&index);
 }
 
+/// What is looked at in each tick, of everything that moved: no more than that.
 type Boxed<'a> = (
     Entity,
-    &'a WorldAabb,
+    Ref<'a, WorldAabb>,
     Ref<'a, CollisionShape>,
     &'a mut BroadPhaseProxy,
-);
-type ChangedBoxes<'a> = (
-    Boxed<'a>,
-    FilterParts<'a>,
-    Option<(&'a Swept, &'a SweptWay)>,
+    Has<Swept>,
 );
 
 fn maintain(
     mut index: ResMut<CollisionIndex>,
     (settings, tests, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhase>, Res<Upkeep>),
-    mut boxes: Query<ChangedBoxes, Changed<WorldAabb>>,
-    (archetypes, sheared): (Query<&Archetype>, Query<&Sheared>),
+    mut boxes: Query<Boxed, Changed<WorldAabb>>,
+    newcomers: Query<(&Archetype, FilterParts)>,
+    (ways, sheared): (Query<&SweptWay>, Query<&Sheared>),
     mut counters: ResMut<CollisionCounters>,
 ) {
     let index = &mut *index;
@@ -107,26 +105,32 @@ fn maintain(
         index.search_all();
     }
     let some_sheared = !sheared.is_empty();
-    for ((entity, aabb, own, mut proxy), parts, swept) in &mut boxes {
+    for (entity, aabb, own, mut proxy, is_swept) in &mut boxes {
         let shape = || shear::shape(&own, sheared.get(entity).ok());
-        let way = swept
-            .map(|(_, way)| way)
-            .filter(|way| way.belongs_to(entity, proxy.id()));
+        let way = if is_swept {
+            ways.get(entity)
+                .ok()
+                .filter(|way| way.belongs_to(entity, proxy.id()))
+        } else {
+            None
+        };
         let start = way.and_then(|way| way.to(proxy.pose())).copied();
-        let id = if let Some(id) = proxy.id()
-            && let Some(body) = index.follow(id, entity, &aabb.0)
-        {
-            body.pose = *proxy.pose();
+        let fit = proxy.fit(aabb.last_changed());
+        let reshape = |body: &mut Body| {
             // It may have changed when nobody looked, between two sets.
             if body.reshaped != own.last_changed() || some_sheared {
                 body.reshape(shape(), own.last_changed());
             }
+        };
+        let id = if let Some(id) = proxy.id()
+            && index.follow((id, entity), &aabb.0, proxy.pose(), fit, reshape)
+        {
             id
         } else {
-            let is_disabled = archetypes
-                .get(entity)
-                .is_ok_and(|archetype| upkeep.disables(archetype));
-            let filter = (!is_disabled).then(|| filters::filter(parts));
+            let newcomer = newcomers.get(entity).ok();
+            let filter = newcomer
+                .filter(|(archetype, _)| !upkeep.disables(archetype))
+                .map(|(_, parts)| filters::filter(parts));
             let (pose, reshaped) = (*proxy.pose(), own.last_changed());
             let body = Body {
                 entity,
@@ -134,15 +138,14 @@ fn maintain(
                 shape: shape().clone(),
                 reshaped,
             };
-            let extent = extent(aabb, &body, start.as_ref(), &tests);
-            let id = index.upsert(
-                proxy.id(),
-                Seen {
-                    body,
-                    extent,
-                    filter,
-                },
-            );
+            let extent = extent(&aabb, &body, start.as_ref(), &tests);
+            let seen = Seen {
+                body,
+                extent,
+                filter,
+                fit,
+            };
+            let id = index.upsert(proxy.id(), seen);
             BroadPhaseProxy::note_id(&mut proxy, id);
             let Some(id) = id else { continue };
             id

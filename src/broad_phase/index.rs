@@ -101,6 +101,14 @@ impl SpatialIndex {
         self.proxies.set(id, aabb)
     }
 
+    /// Gives an object its box of this tick, and counts it as moved though its box may stay, as
+    /// [`set`](Self::set) and [`touch`](Self::touch) do together. Returns `false`, and changes
+    /// nothing, if it is refused. O(1).
+    #[inline]
+    pub(crate) fn renew(&mut self, id: ProxyId, aabb: &Aabb3d) -> bool {
+        self.proxies.renew(id, aabb)
+    }
+
     /// Adds an unbounded object, one without an end and so without a box: a ground plane, with the
     /// half-space that it fills; or `None` for one that may be anywhere. It makes a pair with every
     /// box that has a part in the half-space, and with no other unbounded object; queries find it

@@ -343,6 +343,25 @@ impl Proxies {
         Ok(())
     }
 
+    #[inline]
+    pub(super) fn renew(&mut self, id: ProxyId, aabb: &Aabb3d) -> bool {
+        let (Some(flags), Some(old)) = (
+            self.flags.get_mut(id.index()),
+            self.boxes.get_mut(id.index()),
+        ) else {
+            return false;
+        };
+        let is_taken = flags.has_box() && is_box(aabb);
+        if is_taken {
+            *old = *aabb;
+            if !flags.has(Flags::PENDING) {
+                flags.set(Flags::PENDING);
+                self.moved.pending.push(id);
+            }
+        }
+        is_taken
+    }
+
     /// Why a box is not taken.
     #[cold]
     fn refusal(&self, id: ProxyId, aabb: &Aabb3d) -> BoxError {

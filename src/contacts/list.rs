@@ -259,7 +259,7 @@ impl Contacts {
         self.search = search;
         self.by_object.take();
         self.handles.take();
-        verdicts.sort();
+        verdicts.sort(index.index().proxies().capacity());
         verdicts.swap_impacts(&mut self.impacts);
         self.merge_pairs(verdicts, index);
         self.merge_watched(verdicts, geometry);

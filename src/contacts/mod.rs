@@ -15,6 +15,7 @@ mod find_manifolds;
 mod list;
 mod manifolds;
 mod narrow;
+mod order;
 mod pair;
 mod report;
 mod settings;

@@ -87,9 +87,10 @@ fn test_candidates(
     verdicts.begin(index.search(), may_repeat);
     if verdicts.watch.is_idle() && !index.has_swept() {
         let mut touch = |pair: &Pair| {
-            index
-                .placed(*pair)
-                .is_some_and(|[a, b]| tests.intersects(a, b, &mut workspace))
+            index.certainly_intersect(*pair, &tests, &mut workspace.counters)
+                || index
+                    .placed(*pair)
+                    .is_some_and(|[a, b]| tests.intersects(a, b, &mut workspace))
         };
         let touching = candidates.iter().copied().filter(|pair| touch(pair));
         if may_repeat {

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::{pair::SweptContact, watched::Watch};
+use super::{order::Sorter, pair::SweptContact, watched::Watch};
 use crate::{
     broad_phase::{Pair, ProxyId},
     narrow_phase::Contact,
@@ -30,6 +30,7 @@ pub(crate) struct Verdicts {
     displaced: Vec<ProxyId>,
     /// Who has asked about contacts.
     pub(super) watch: Watch,
+    sorter: Sorter,
 }
 
 /// # Testing
@@ -115,12 +116,12 @@ impl Verdicts {
         self.search.take()
     }
 
-    /// Puts all in the order of pairs, those in contact once each, those that met on the way among
-    /// them.
-    pub(super) fn sort(&mut self) {
+    /// Puts all in the order of pairs, of handles below a number: those in contact once each, those
+    /// that met on the way among them.
+    pub(super) fn sort(&mut self, handles: usize) {
         self.found
             .extend(self.impacts.iter().map(|impact| impact.pair));
-        self.found.sort_unstable();
+        self.sorter.sort(&mut self.found, handles);
         if self.may_repeat || !self.impacts.is_empty() {
             self.found.dedup();
         }

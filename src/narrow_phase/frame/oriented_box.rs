@@ -1,7 +1,7 @@
 //! Boxes with axes of their own: the frame in which every test of a pair is computed.
 
 use bevy::math::bounding::{Aabb3d, BoundingSphere};
-use bevy::math::{Mat3A, Vec3, Vec3A};
+use bevy::math::{Mat3A, Quat, Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
 use crate::narrow_phase::{error::BoundsError, shape::Shape};
@@ -101,10 +101,44 @@ impl Shape {
     #[doc(alias = "aabb")]
     pub fn world_aabb(&self, transform: &Transform) -> Result<Aabb3d, BoundsError> {
         let oriented = OrientedBox::of(self, transform, Vec3::ZERO)?;
-        let reach = oriented.reach();
+        let (center, reach) = (oriented.center, oriented.reach());
         Ok(Aabb3d {
-            min: oriented.center - reach,
-            max: oriented.center + reach,
+            min: center - reach,
+            max: center + reach,
+        })
+    }
+
+    /// The centre and the half sides of the box around the shape in the world, if that is quick to
+    /// tell: of what is not turned, of balls, and of cuboids. They may be not finite.
+    #[inline]
+    pub(in crate::narrow_phase) fn quick_reach(
+        &self,
+        transform: &Transform,
+    ) -> Option<(Vec3A, Vec3A)> {
+        let (at, scale) = (Vec3A::from(transform.translation), transform.scale);
+        Some(match self {
+            Self::Cuboid { half_size } => {
+                let half = (Vec3A::from(*half_size) * Vec3A::from(scale)).abs();
+                if transform.rotation == Quat::IDENTITY {
+                    (at, half)
+                } else {
+                    let axes = Mat3A::from_quat(transform.rotation.normalize());
+                    (at, axes.abs() * half)
+                }
+            }
+            // However it is turned, as long as that is a rotation.
+            Self::Sphere { radius } if transform.rotation.length_recip().is_finite() => {
+                let radius = radius.abs() * scale.abs().max_element();
+                (at, Vec3A::splat(radius))
+            }
+            Self::Convex(_) | Self::Mesh(_) if transform.rotation == Quat::IDENTITY => {
+                let (center, half, _) = self.own_mesh()?.local_bounds();
+                (
+                    at + center * Vec3A::from(scale),
+                    half * Vec3A::from(scale.abs()),
+                )
+            }
+            _ => return None,
         })
     }
 
@@ -122,7 +156,6 @@ impl Shape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bevy::math::Quat;
     use std::f32::consts::FRAC_PI_4;
 
     #[test]
