@@ -19,8 +19,12 @@ use crate::narrow_phase::{
 };
 
 /// So many steps at most lead to a time at which two have parted: doubled, the smallest number
-/// there is becomes one after 149.
+/// there is becomes one after 149, of which the last four take up to 16 where they are cut short.
 const MOST_PARTING_STEPS: u32 = 192;
+
+/// No step that leads there is longer, as a share of the way, where two that have parted may come
+/// back.
+const LONGEST_STEP: f32 = 1.0 / 16.0;
 
 /// So many times at most may two graze each other before they meet.
 const MOST_GRAZES: u32 = 8;
@@ -33,7 +37,8 @@ impl NarrowPhase {
     /// each other. Those that do not, as a body that slides over a floor or leaves it, meet when
     /// they first come to what keeps them from going on: another wall of the same room, say. If there
     /// is nothing, they meet at once if they are in contact at the end too, and else not at all.
-    /// Whatever is in contact at the end has met.
+    /// Whatever is in contact at the end has met. Two that come apart for less than 1/16 of the way
+    /// may count as in contact all along.
     ///
     /// Where two touch so that more than one plane parts them, as edge on edge, the normal is the
     /// one along which they come nearer to each other the least. If that is not at all, as for a
@@ -126,7 +131,9 @@ impl Moments<'_> {
 
     /// The first meeting that keeps two from going on that touch at the start and may go on, as a
     /// body that slides over the floor of a room: it is lifted off what it touches, and met is then
-    /// what comes, whether it goes on touching the first or not.
+    /// what comes, whether it goes on touching the first or not. Once the two have parted, what
+    /// counts is the way that they go, of which that of one lifted out of a deep overlap says
+    /// nothing.
     fn meeting_off(
         self,
         met: TimedContact,
@@ -135,8 +142,10 @@ impl Moments<'_> {
     ) -> Option<TimedContact> {
         let margin = lift::margin(self.tests, self.a.start.translation);
         let (mut lifted, mut touch) = (*self.a, met);
+        let (mut overlap, mut ahead) = (0.0, None);
         for _ in 0..lift::MOST_LIFTS {
             let Contact { normal, depth, .. } = touch.contact;
+            overlap += depth;
             lifted = lifted.beside(-normal * (depth + margin));
             let rest = Moments { a: &lifted, ..self };
             match rest.touch(0.0, workspace) {
@@ -144,16 +153,40 @@ impl Moments<'_> {
                 Some(next) if rest.come_nearer(&next) => return Some(next),
                 Some(next) => touch = next,
                 None => {
-                    let later = rest.meeting(grazes, workspace);
-                    if later.is_some_and(|later| rest.come_nearer(&later)) {
-                        return later;
-                    }
+                    ahead = rest
+                        .meeting(grazes, workspace)
+                        .filter(|later| rest.come_nearer(later));
                     break;
                 }
             }
         }
+        if overlap > margin
+            && let Some(grazes) = grazes.checked_sub(1)
+            && let Some(parted) = self.parted_before(ahead, workspace)
+        {
+            let (a, b) = (self.a.after(parted), self.b.after(parted));
+            let rest = Moments {
+                a: &a,
+                b: &b,
+                ..self
+            };
+            let later = rest.meeting(grazes, workspace);
+            return later.map(|later| later.after(parted));
+        }
         // All the way along what it touches, or off it.
-        self.touches(1.0, workspace).then_some(met)
+        ahead.or_else(|| self.touches(1.0, workspace).then_some(met))
+    }
+
+    /// A moment at which two that overlap at the start have parted, if that is before they meet, on
+    /// a way beside theirs, what is ahead.
+    fn parted_before(&self, ahead: Option<TimedContact>, workspace: &mut Workspace) -> Option<f32> {
+        let parted = self.parted(workspace);
+        match ahead {
+            Some(ahead) if parted.is_none_or(|parted| ahead.time <= parted) => {
+                (!self.touches(ahead.time, workspace)).then_some(ahead.time)
+            }
+            _ => parted,
+        }
     }
 
     /// A moment at which two that are in contact at the start have parted, soon after they did.
@@ -161,6 +194,11 @@ impl Moments<'_> {
     fn parted(&self, workspace: &mut Workspace) -> Option<f32> {
         let speed = self.velocity().length() + self.a.turning_speed() + self.b.turning_speed();
         let (mut last, mut time) = (0.0, 4.0 * self.tests.tolerance() / speed);
+        let longest = if self.turn() || !self.are_convex() {
+            LONGEST_STEP
+        } else {
+            1.0
+        };
         for _ in 0..MOST_PARTING_STEPS {
             // Not if nothing moves, nor if something is not finite.
             if !(time > 0.0 && time.is_finite() && last < 1.0) {
@@ -177,7 +215,7 @@ impl Moments<'_> {
             }
             last = now;
             // Two convex shapes that part do not come back, but for turns.
-            time += time.min(1.0);
+            time += time.min(longest);
         }
         None
     }

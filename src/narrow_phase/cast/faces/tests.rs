@@ -210,7 +210,9 @@ proptest! {
             tests.cast_ray_with(target, hit.point, Dir3::new(direction).unwrap(), 20.0, &options)
         };
         let reflected = direction.reflect(hit.normal);
-        let along = direction.reject_from_normalized(hit.normal);
+        // What rounding leaves across is a large share of what is left of a steep direction: twice.
+        let reject = |direction: Dir3| Dir3::new(direction.reject_from_normalized(hit.normal));
+        let along = reject(direction).and_then(reject);
         for options in [DEFAULT, DEFAULT.hollow(), DEFAULT.front_faces()] {
             // From behind, loose polygons are gone into.
             if options == DEFAULT.front_faces() && hit.is_back_face() {
@@ -223,8 +225,8 @@ proptest! {
             let next = from_there(reflected, DEFAULT.ignore_start());
             prop_assert_eq!(next, None);
         }
-        if shape.polygons().is_some() {
-            let next = from_there(along, DEFAULT.ignore_start());
+        if let Ok(along) = along && shape.polygons().is_some() {
+            let next = from_there(*along, DEFAULT.ignore_start());
             prop_assert!(next.is_none_or(|next| next.distance > 1e-3), "LOOK {next:?} {hit:?} line {}", line!());
         }
         // Further in, it is there, if it is a solid.

@@ -4,7 +4,7 @@ use bevy::math::{Quat, Vec3};
 use bevy::transform::components::Transform;
 use proptest::prelude::*;
 
-use crate::narrow_phase::cast::tests::{placed, vectors};
+use crate::narrow_phase::cast::tests::{placed, shapes, vectors};
 use crate::narrow_phase::tests::{at, box_of, mesh_of};
 use crate::{broad_phase::overlap, narrow_phase::*};
 
@@ -26,6 +26,14 @@ fn met(a: &Moving, b: &Moving) -> Option<TimedContact> {
 fn turned(axis: Vec3, angle: f32) -> Quat {
     axis.try_normalize()
         .map_or(Quat::IDENTITY, |axis| Quat::from_axis_angle(axis, angle))
+}
+
+fn moved_end(start: &Transform, way: Vec3) -> Transform {
+    start.with_translation(start.translation + way)
+}
+
+fn turned_end(start: &Transform, way: Vec3, axis: Vec3, angle: f32) -> Transform {
+    moved_end(start, way).with_rotation(turned(axis, angle) * start.rotation)
 }
 
 /// As a look at all moments has it: whether the two meet at all, and not before or after the time
@@ -96,8 +104,8 @@ proptest! {
 
     #[test]
     fn shapes_that_do_not_turn((one, at_one) in placed(), (two, at_two) in placed(), way in vectors(6.0), other in vectors(6.0)) {
-        let end = |start: &Transform, way| Transform { translation: start.translation + way, ..*start };
-        check(&Moving::new(&one, &at_one, &end(&at_one, way)), &Moving::new(&two, &at_two, &end(&at_two, other)), 1)?;
+        let (end, end_two) = (moved_end(&at_one, way), moved_end(&at_two, other));
+        check(&Moving::new(&one, &at_one, &end), &Moving::new(&two, &at_two, &end_two), 1)?;
     }
 
     #[test]
@@ -107,14 +115,206 @@ proptest! {
         (way, other) in (vectors(6.0), vectors(1.0)),
         (axis, angle) in (vectors(1.0), -3f32..3.0),
     ) {
-        let end = Transform {
-            translation: at_one.translation + way,
-            rotation: turned(axis, angle) * at_one.rotation,
-            ..at_one
-        };
-        let end_two = Transform { translation: at_two.translation + other, ..at_two };
+        let (end, end_two) = (turned_end(&at_one, way, axis, angle), moved_end(&at_two, other));
         check(&Moving::new(&one, &at_one, &end), &Moving::new(&two, &at_two, &end_two), MOMENTS / 64 + 1)?;
     }
+}
+
+/// A turning way of one shape of [`shapes`] and a straight one of another, as `shapes_that_turn`
+/// draws them: each shape and where it starts, how far they go, and an axis and the angle.
+type Ways = (
+    (usize, Transform),
+    (usize, Transform),
+    ([f32; 3], [f32; 3]),
+    ([f32; 3], f32),
+);
+
+fn place(translation: [f32; 3], rotation: [f32; 4], scale: [f32; 3]) -> Transform {
+    Transform {
+        translation: translation.into(),
+        rotation: Quat::from_array(rotation),
+        scale: scale.into(),
+    }
+}
+
+/// Checks ways that were drawn once.
+fn check_ways(ways: impl IntoIterator<Item = Ways>) {
+    let shapes = shapes();
+    for (i, ((one, at_one), (two, at_two), (way, other), (axis, angle))) in
+        ways.into_iter().enumerate()
+    {
+        let (Some(one), Some(two)) = (shapes.get(one), shapes.get(two)) else {
+            // One of Rapier's.
+            continue;
+        };
+        let end = turned_end(&at_one, way.into(), axis.into(), angle);
+        let end_two = moved_end(&at_two, other.into());
+        let (a, b) = (
+            Moving::new(one, &at_one, &end),
+            Moving::new(two, &at_two, &end_two),
+        );
+        if let Err(error) = check(&a, &b, MOMENTS / 64 + 1) {
+            panic!("{i}: {error}");
+        }
+    }
+}
+
+/// They overlap, turn out of each other and meet again: on their own way, not on that of one that
+/// was lifted out of the overlap.
+#[test]
+fn those_that_turn_out_of_an_overlap_meet_when_they_come_back() {
+    check_ways([
+        (
+            (
+                3,
+                place(
+                    [-1.9670136, 1.1906096, 0.4800968],
+                    [0.0, 0.0, -0.10152768, 0.9948327],
+                    [0.5, -1.3706671, 1.1017991],
+                ),
+            ),
+            (
+                3,
+                place(
+                    [-1.7967938, 0.0, 1.4263235],
+                    [0.0, 0.0, -0.92132163, 0.38880134],
+                    [1.1421741, -0.5, 0.5],
+                ),
+            ),
+            ([2.932413, -3.2199576, -0.60795707], [0.0, 0.0, 0.0]),
+            ([0.0, 0.23651762, -0.58176553], 2.614169),
+        ),
+        (
+            (
+                4,
+                place(
+                    [1.2576108, 0.948693, 1.2916499],
+                    [0.17470235, 0.0, 0.4939456, 0.85176104],
+                    [0.5, 1.4559028, 0.5],
+                ),
+            ),
+            (
+                6,
+                place(
+                    [1.4361638, 0.66724896, 1.5181978],
+                    [0.0, -0.0, 0.0, 1.0],
+                    [0.5, 0.5, 0.5],
+                ),
+            ),
+            ([-0.467518, 0.0, 0.0], [0.63391435, -0.8557379, 0.0]),
+            ([-0.22530246, -0.5877111, 0.0], -2.721279),
+        ),
+        (
+            (
+                4,
+                place(
+                    [1.6038061, 0.9311557, -1.0549666],
+                    [0.38133758, -0.2369745, 0.0, 0.89354616],
+                    [-0.63728005, 0.5, 0.5],
+                ),
+            ),
+            (
+                0,
+                place(
+                    [0.5106828, 0.23748608, -1.3244611],
+                    [0.0, -0.0, 0.0, 1.0],
+                    [1.493708, 0.98148525, 0.5],
+                ),
+            ),
+            ([0.0, 0.0, -1.4922221], [0.0, -0.43448597, 0.0]),
+            ([-0.86735064, 0.44894233, 0.32050347], -2.2464714),
+        ),
+        (
+            (
+                3,
+                place(
+                    [0.095842615, -1.10878, -0.04916443],
+                    [-0.05539128, 0.64932203, -0.7508575, 0.10735711],
+                    [1.014004, -1.1793251, 0.5],
+                ),
+            ),
+            (
+                6,
+                place(
+                    [-1.2192522, -1.2364047, 1.9018836],
+                    [0.0, 0.0, 0.0, 1.0],
+                    [0.5, 0.5, 0.5],
+                ),
+            ),
+            (
+                [1.1053097, 0.0, 1.8482326],
+                [-5.1417074, -3.3901792, -3.703336],
+            ),
+            ([0.0, 0.0, 0.0], 0.0),
+        ),
+        (
+            (
+                5,
+                place(
+                    [-0.46026844, 1.5981482, -1.3065714],
+                    [0.12007246, 0.0, 0.0, 0.9927651],
+                    [0.5, 0.5, 0.5],
+                ),
+            ),
+            (
+                3,
+                place(
+                    [-0.69111055, 0.0, 1.2107003],
+                    [-0.2623882, 0.30893478, 0.2040784, 0.89110255],
+                    [1.1596518, 1.2591803, -1.284967],
+                ),
+            ),
+            ([-5.182185, 0.0, 0.9145015], [-3.7999988, -4.0362406, 0.0]),
+            ([0.0, 0.0, 0.0], 0.0),
+        ),
+    ]);
+}
+
+/// Edges of meshes and of open polygons, of which the contact knows no normal that parts the two.
+#[test]
+fn edges_of_meshes_that_meet_are_no_graze() {
+    check_ways([
+        (
+            (
+                3,
+                place(
+                    [0.0, -0.48757866, -1.6820976],
+                    [0.5290742, 0.15336718, 0.60735345, 0.5724342],
+                    [1.1408917, 0.75461286, -0.5],
+                ),
+            ),
+            (
+                4,
+                place(
+                    [-0.33120257, 0.11345094, 0.38558006],
+                    [0.07257906, 0.69813144, 0.6686237, 0.24553427],
+                    [0.6790871, -0.679003, 0.5],
+                ),
+            ),
+            ([0.16147827, 0.0, 4.4165454], [0.0, 0.0, 0.0]),
+            ([0.4492811, 0.6813818, 0.0], -2.47189),
+        ),
+        (
+            (
+                4,
+                place(
+                    [-0.77979517, 1.0630068, -1.5306907],
+                    [0.0, -0.32427463, 0.62172294, 0.71295625],
+                    [-1.0476084, 1.0324782, 0.5],
+                ),
+            ),
+            (
+                3,
+                place(
+                    [1.3443557, -0.11742384, 0.4798216],
+                    [0.11638512, -0.31341943, -0.7684995, 0.54555595],
+                    [-0.7759843, -1.2237542, 0.5],
+                ),
+            ),
+            ([0.0, -3.5107725, -1.5733491], [0.0, 0.0, -0.4235391]),
+            ([0.9564385, 0.0, -0.88058394], 2.5101418),
+        ),
+    ]);
 }
 
 /// A blade of length 2 that turns by a third of a turn hits a ball beside it with its end.
