@@ -6,6 +6,7 @@ use super::moments::Moments;
 use crate::narrow_phase::{
     answer::{Contact, Proximity, TimedContact},
     frame::{
+        case::Case,
         placed::{Placed, PlacedPair},
         workspace::Workspace,
     },
@@ -137,28 +138,42 @@ impl<'a> Advance<'a> {
         (closing > 0.0 && free.is_finite()).then_some(free)
     }
 
+    /// Is one of them of Rapier's?
+    fn is_foreign(&self) -> bool {
+        let Moments { a, b, .. } = self.moments;
+        Case::of(a.shape(), b.shape()) == Case::Foreign
+    }
+
     /// How the two meet that are in contact at the moment, or were since the last one.
     fn meeting(&self, near: Option<Proximity>, workspace: &mut Workspace) -> TimedContact {
         debug_assert!(self.last <= self.time, "{} {}", self.last, self.time);
-        let time = if self.overshot {
-            self.moments.narrow([self.time, self.last], workspace)[0]
+        let (time, near) = if self.overshot {
+            let [touching, free] = self.moments.narrow([self.time, self.last], workspace);
+            (touching, self.moments.closest_points(free, workspace))
         } else {
-            self.time
+            (self.time, near)
         };
-        self.moments.touch(time, workspace).unwrap_or_else(|| {
+        let touch = self.moments.touch(time, workspace);
+        // Two that have just met do not overlap. The normal of a contact of meshes may be one along
+        // which they do, and says nothing about whether they come nearer to each other. Parry's
+        // closest points are too far off to tell a better one.
+        if let Some(touch) = touch
+            && (touch.contact.depth <= self.tolerance || self.is_foreign())
+        {
+            return touch;
+        }
+        let parting = near.and_then(|near| Some((near.offset.try_normalize()?, near.points[1])));
+        if let Some((normal, point)) = parting {
+            return self.moments.touch_along(time, normal, point, workspace);
+        }
+        touch.unwrap_or_else(|| {
             // Within the tolerance, but for rounding.
-            let normal = near
-                .and_then(|near| near.offset.try_normalize())
-                .unwrap_or(Vec3::Y);
-            let point = near.map_or(self.moments.b.at(time).translation, |near| near.points[1]);
-            TimedContact {
-                time,
-                contact: Contact {
-                    normal,
-                    point,
-                    depth: 0.0,
-                },
-            }
+            let contact = Contact {
+                normal: Vec3::Y,
+                point: self.moments.b.at(time).translation,
+                depth: 0.0,
+            };
+            TimedContact { time, contact }
         })
     }
 }

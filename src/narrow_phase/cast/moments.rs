@@ -4,7 +4,7 @@ use bevy::math::Vec3;
 
 use super::moving::Moving;
 use crate::narrow_phase::{
-    answer::{Proximity, TimedContact},
+    answer::{Contact, Proximity, TimedContact},
     frame::{approach::approach, placed::Placed, workspace::Workspace},
     settings::NarrowPhase,
 };
@@ -53,11 +53,38 @@ impl Moments<'_> {
 
     /// The contact at a moment.
     pub fn touch(&self, time: f32, workspace: &mut Workspace) -> Option<TimedContact> {
-        let velocity = |point| self.a.velocity_at(time, point) - self.b.velocity_at(time, point);
+        let velocity = |point| self.velocity_at(time, point);
         let contact = self.at(time, |a, b| {
             self.tests.contact_in_passing(a, b, velocity, workspace)
         })?;
         Some(TimedContact { time, contact })
+    }
+
+    /// The contact of two that no more than touch at a moment, at a point and with a normal that
+    /// parts them, or a better one of these.
+    pub fn touch_along(
+        &self,
+        time: f32,
+        normal: Vec3,
+        point: Vec3,
+        workspace: &mut Workspace,
+    ) -> TimedContact {
+        let velocity = self.velocity_at(time, point);
+        let normal = self.at(time, |a, b| {
+            self.tests
+                .normal_in_passing(a, b, normal, velocity, workspace)
+        });
+        let contact = Contact {
+            normal,
+            point,
+            depth: 0.0,
+        };
+        TimedContact { time, contact }
+    }
+
+    /// How fast, per whole way, the two come to each other at a point.
+    fn velocity_at(&self, time: f32, point: Vec3) -> Vec3 {
+        self.a.velocity_at(time, point) - self.b.velocity_at(time, point)
     }
 
     pub fn touches(&self, time: f32, workspace: &mut Workspace) -> bool {
