@@ -97,7 +97,7 @@ impl Nearest {
         workspace: &Workspace,
     ) -> [Vec3A; 2] {
         let nested = || edge_polygon::nested(pair, meshes, workspace);
-        let touch = self.squared <= pair.tolerance * pair.tolerance;
+        let touch = self.squared == 0.0;
         match if touch { None } else { nested() } {
             Some(point) => [point; 2],
             None => self.points,
