@@ -81,15 +81,43 @@ fn answers(a: Placed, b: Placed, way: Dir3) -> (bool, f32, Option<f32>) {
     (touch, distance, impact.map(|impact| impact.distance))
 }
 
+fn close(a: f32, b: f32) -> bool {
+    (a - b).abs() < 2e-4
+}
+
 fn same(with: (bool, f32, Option<f32>), without: (bool, f32, Option<f32>)) -> bool {
-    let close = |a: f32, b: f32| (a - b).abs() < 2e-4;
-    // What grazes may meet or not.
-    let impacts = match (with.2, without.2) {
-        (Some(a), Some(b)) => close(a, b),
-        (None, None) => true,
-        _ => false,
+    (with.0 == without.0 || with.1.max(without.1) < 2e-4) && close(with.1, without.1)
+}
+
+/// Whether two impacts are the same. What comes closer than the tolerance may count as meeting or
+/// not: if one does and the other does not, it is among those of the same mesh a tolerance aside.
+fn same_impact(
+    impacts: [Option<f32>; 2],
+    aside: impl Fn(Vec3) -> [Option<f32>; 2],
+    way: Dir3,
+) -> bool {
+    match impacts {
+        [Some(a), Some(b)] if close(a, b) => return true,
+        [None, None] => return true,
+        _ => {}
+    }
+    let (right, up) = way.any_orthonormal_pair();
+    let aside: Vec<_> = (0..8)
+        .map(|i| {
+            let (sin, cos) = (i as f32 / 8.0 * TAU).sin_cos();
+            aside((right * cos + up * sin) * NarrowPhase::DEFAULT_TOLERANCE)
+        })
+        .collect();
+    let is_among = |one: usize, other: usize| {
+        let far = |impact: [Option<f32>; 2], i: usize| impact[i].unwrap_or(f32::INFINITY);
+        let all = || aside.iter().map(|impacts| far(*impacts, other));
+        let (first, last) = (
+            all().fold(f32::INFINITY, f32::min),
+            all().fold(0.0, f32::max),
+        );
+        (first..=last).contains(&far(impacts, one))
     };
-    (with.0 == without.0 || with.1.max(without.1) < 2e-4) && close(with.1, without.1) && impacts
+    is_among(0, 1) || is_among(1, 0)
 }
 
 proptest! {
@@ -120,16 +148,25 @@ proptest! {
             for [other, other_without] in &others {
                 let plain = Transform { scale: Vec3::ONE, ..at_other };
                 for at_other in [plain, at_other] {
-                    let asked = |mesh: &Shape, other: &Shape| {
+                    let asked = |at: Transform, mesh: &Shape, other: &Shape| {
                         let (mesh, other) = (Placed::new(mesh, &at), Placed::new(other, &at_other));
                         [answers(mesh, other, way), answers(other, mesh, way)]
                     };
-                    let [by_tree, one_by_one] =
-                        [asked(&with, other), asked(&without, other_without)];
-                    prop_assert!(
-                        by_tree.iter().zip(&one_by_one).all(|(a, b)| same(*a, *b)),
-                        "{by_tree:?} {one_by_one:?}"
-                    );
+                    let both = |at| {
+                        let answers = [asked(at, &with, other), asked(at, &without, other_without)];
+                        [0, 1].map(|order| answers.map(|answers| answers[order]))
+                    };
+                    for (order, [by_tree, one_by_one]) in both(at).into_iter().enumerate() {
+                        let aside = |by: Vec3| {
+                            let moved = at.with_translation(at.translation + by);
+                            both(moved)[order].map(|(.., impact)| impact)
+                        };
+                        prop_assert!(
+                            same(by_tree, one_by_one)
+                                && same_impact([by_tree.2, one_by_one.2], aside, way),
+                            "{by_tree:?} {one_by_one:?}"
+                        );
+                    }
                 }
             }
             let mut workspace = Workspace::default();
