@@ -6,6 +6,7 @@ use super::moments::Moments;
 use crate::narrow_phase::{
     answer::{Contact, Proximity, TimedContact},
     frame::{
+        case::Case,
         placed::{Placed, PlacedPair},
         workspace::Workspace,
     },
@@ -137,6 +138,12 @@ impl<'a> Advance<'a> {
         (closing > 0.0 && free.is_finite()).then_some(free)
     }
 
+    /// Is one of them of Rapier's?
+    fn is_foreign(&self) -> bool {
+        let Moments { a, b, .. } = self.moments;
+        Case::of(a.shape(), b.shape()) == Case::Foreign
+    }
+
     /// How the two meet that are in contact at the moment, or were since the last one.
     fn meeting(&self, near: Option<Proximity>, workspace: &mut Workspace) -> TimedContact {
         debug_assert!(self.last <= self.time, "{} {}", self.last, self.time);
@@ -148,9 +155,10 @@ impl<'a> Advance<'a> {
         };
         let touch = self.moments.touch(time, workspace);
         // Two that have just met do not overlap. The normal of a contact of meshes may be one along
-        // which they do, and says nothing about whether they come nearer to each other.
+        // which they do, and says nothing about whether they come nearer to each other. Parry's
+        // closest points are too far off to tell a better one.
         if let Some(touch) = touch
-            && touch.contact.depth <= self.tolerance
+            && (touch.contact.depth <= self.tolerance || self.is_foreign())
         {
             return touch;
         }
