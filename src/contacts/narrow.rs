@@ -15,7 +15,8 @@ use crate::{
     components::BroadPhaseProxy,
     counters::CollisionCounters,
     maintenance::find_candidates,
-    narrow_phase::{NarrowPhase, Workspace},
+    narrow_phase::{NarrowPhase, StageCounters, Workspace},
+    parallel,
     schedule::{CollisionSystems, ImpactSystems, add_to_tick},
 };
 
@@ -65,6 +66,26 @@ fn in_order(pair: Pair) -> Option<Pair> {
     (pair.a != pair.b).then(|| Pair::new(pair.a, pair.b))
 }
 
+/// So many candidates make a job of their own.
+const CANDIDATES: usize = 2048;
+
+/// What is found by a job, and what it needs: memory that outlives the tick.
+#[derive(Default)]
+struct Job {
+    workspace: Workspace,
+    touching: Vec<Pair>,
+}
+
+/// The memory of the exact tests.
+#[derive(Default)]
+struct Jobs {
+    /// The first does what is not divided into jobs, too.
+    jobs: Vec<Job>,
+    /// Was it told that there are shapes about which nothing can be said?
+    #[cfg(feature = "rapier")]
+    is_told: bool,
+}
+
 /// Where no search was made since, there is nothing new to test: all contacts stay.
 fn test_candidates(
     index: Res<CollisionIndex>,
@@ -73,7 +94,7 @@ fn test_candidates(
     enabled: Query<&BroadPhaseProxy, With<CollisionEventsEnabled>>,
     (contacts, mut verdicts): (Res<Contacts>, ResMut<Verdicts>),
     mut counters: ResMut<CollisionCounters>,
-    mut workspace: Local<Workspace>,
+    mut memory: Local<Jobs>,
 ) {
     if !contacts.are_out_of_step(&index) {
         return;
@@ -85,34 +106,41 @@ fn test_candidates(
     );
     let may_repeat = !index.has_listed(&candidates);
     verdicts.begin(index.search(), may_repeat);
+    let needed = candidates.len().div_ceil(CANDIDATES).max(1);
+    if memory.jobs.len() < needed {
+        memory.jobs.resize_with(needed, Job::default);
+    }
     if verdicts.watch.is_idle() && !index.has_swept() {
-        let mut touch = |pair: &Pair| {
-            index.certainly_intersect(*pair, &tests, &mut workspace.counters)
-                || index
-                    .placed(*pair)
-                    .is_some_and(|[a, b]| tests.intersects(a, b, &mut workspace))
-        };
-        let touching = candidates.iter().copied().filter(|pair| touch(pair));
-        if may_repeat {
-            verdicts.extend(touching.filter_map(in_order));
-        } else {
-            verdicts.extend(touching);
+        let jobs = candidates.chunks(CANDIDATES).zip(&mut memory.jobs);
+        parallel::for_each(jobs, |(candidates, job)| {
+            job.touching.clear();
+            let touch = |pair: &&Pair| touch(&index, &tests, **pair, &mut job.workspace);
+            job.touching.extend(candidates.iter().filter(touch));
+        });
+        for job in &mut memory.jobs[..needed] {
+            let touching = job.touching.drain(..);
+            if may_repeat {
+                verdicts.extend(touching.filter_map(in_order));
+            } else {
+                verdicts.extend(touching);
+            }
         }
     } else {
+        let workspace = &mut memory.jobs[0].workspace;
         for pair in candidates.iter().copied().filter_map(in_order) {
             let contact = match index.candidate(pair) {
                 None => continue,
                 Some(Candidate::OnTheWay([a, b])) => {
-                    if let Some(met) = tests.time_of_impact(&a, &b, &mut workspace) {
+                    if let Some(met) = tests.time_of_impact(&a, &b, workspace) {
                         verdicts.meet(SweptContact { pair, met });
                     }
                     continue;
                 }
                 Some(Candidate::AtTheEnd([a, b])) if verdicts.watch.wants(pair) => {
-                    tests.contact(a, b, &mut workspace).map(Some)
+                    tests.contact(a, b, workspace).map(Some)
                 }
-                Some(Candidate::AtTheEnd([a, b])) => {
-                    tests.intersects(a, b, &mut workspace).then_some(None)
+                Some(Candidate::AtTheEnd(_)) => {
+                    touch(&index, &tests, pair, workspace).then_some(None)
                 }
             };
             if let Some(geometry) = contact {
@@ -121,11 +149,33 @@ fn test_candidates(
         }
         verdicts.sort_impacts();
     }
-    counters.tick.stages = std::mem::take(&mut workspace.counters);
-    #[cfg(feature = "rapier")]
-    if workspace.is_first_unknown() {
-        warn_of_unknown(&index, &candidates);
+    counters.tick.stages = StageCounters::default();
+    for job in &mut memory.jobs {
+        counters.tick.stages += std::mem::take(&mut job.workspace.counters);
     }
+    #[cfg(feature = "rapier")]
+    {
+        let is_unknown = |job: &mut Job| job.workspace.is_first_unknown();
+        // Each of them is asked.
+        let found = memory.jobs.iter_mut().map(is_unknown).filter(|is| *is);
+        if found.count() > 0 && !std::mem::replace(&mut memory.is_told, true) {
+            warn_of_unknown(&index, &candidates);
+        }
+    }
+}
+
+/// Are the two of a pair in contact at the end of the tick? Not if one is gone.
+#[inline]
+fn touch(
+    index: &CollisionIndex,
+    tests: &NarrowPhase,
+    pair: Pair,
+    workspace: &mut Workspace,
+) -> bool {
+    index.certainly_intersect(pair, tests, &mut workspace.counters)
+        || index
+            .placed(pair)
+            .is_some_and(|[a, b]| tests.intersects(a, b, workspace))
 }
 
 /// Tells of the first pair of shapes about which nothing can be said.
