@@ -27,19 +27,19 @@ impl Block {
     /// The boxes around the first so many of eight triangles, by corner and axis.
     #[inline(always)]
     pub(super) fn around(corners: &[[[f32; WIDTH]; 3]; 3], count: usize) -> Self {
-        let mut block = Self::EMPTY;
         let lower = |a: f32, b: f32| if a < b { a } else { b };
         let upper = |a: f32, b: f32| if a > b { a } else { b };
-        for axis in 0..3 {
-            for lane in 0..WIDTH {
-                let [a, b, c] = [0, 1, 2].map(|corner| corners[corner][axis][lane]);
-                block.min[axis][lane] = lower(lower(a, b), c);
-                block.max[axis][lane] = upper(upper(a, b), c);
-            }
-            for lane in count..WIDTH {
-                block.min[axis][lane] = f32::INFINITY;
-                block.max[axis][lane] = f32::NEG_INFINITY;
-            }
+        let [a, b, c] = corners;
+        let fold = |axis: usize, pick: fn(f32, f32) -> f32| -> [f32; WIDTH] {
+            std::array::from_fn(|lane| pick(pick(a[axis][lane], b[axis][lane]), c[axis][lane]))
+        };
+        let mut block = Self {
+            min: std::array::from_fn(|axis| fold(axis, lower)),
+            max: std::array::from_fn(|axis| fold(axis, upper)),
+        };
+        for (min, max) in block.min.iter_mut().zip(&mut block.max) {
+            min[count..].fill(f32::INFINITY);
+            max[count..].fill(f32::NEG_INFINITY);
         }
         block
     }
