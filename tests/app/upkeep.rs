@@ -295,6 +295,41 @@ fn any_disabling_component_takes_an_entity_out() {
     }
 }
 
+/// Where what disables is not in tables, boxes are computed row by row, not in slices.
+#[test]
+fn boxes_follow_whether_tables_are_slices_or_not() {
+    #[derive(Component)]
+    #[component(storage = "SparseSet")]
+    struct Asleep;
+
+    for sparse in [false, true] {
+        let (mut app, cubes) = in_contact();
+        if sparse {
+            app.world_mut().register_disabling_component::<Asleep>();
+        }
+        get_mut::<Transform>(&mut app, cubes[1]).translation.x = 3.0;
+        tick(&mut app, 1);
+        assert_eq!(get::<WorldAabb>(&app, cubes[1]).center().x, 3.0);
+        assert!(contacts(&app).is_empty());
+        // What rests is left alone.
+        let changed = |app: &App| {
+            let entity = app.world().entity(cubes[1]);
+            entity.get_ref::<WorldAabb>().unwrap().last_changed()
+        };
+        let before = changed(&app);
+        tick(&mut app, 2);
+        assert_eq!(changed(&app), before);
+        *get_mut::<CollisionShape>(&mut app, cubes[1]) = CollisionShape::cuboid(6.0, 1.0, 1.0);
+        tick(&mut app, 1);
+        assert_eq!(contacts(&app), [cubes]);
+        if sparse {
+            app.world_mut().entity_mut(cubes[1]).insert(Asleep);
+            tick(&mut app, 1);
+            assert!(contacts(&app).is_empty());
+        }
+    }
+}
+
 #[test]
 fn an_entity_spawned_disabled_stays_out_and_so_does_its_swept_way() {
     let (mut app, cubes) = in_contact();
