@@ -6,10 +6,11 @@ use super::moments::Moments;
 use crate::narrow_phase::{
     answer::{Contact, Proximity, TimedContact},
     frame::{
-        case::Case,
         placed::{Placed, PlacedPair},
         workspace::Workspace,
     },
+    parry,
+    shape::Kind,
 };
 
 /// So often may two that turn look how far they are from each other; after that, they go on by
@@ -138,10 +139,12 @@ impl<'a> Advance<'a> {
         (closing > 0.0 && free.is_finite()).then_some(free)
     }
 
-    /// Is one of them of Rapier's?
+    /// Is one of them of Rapier's, and not as one of ours?
     fn is_foreign(&self) -> bool {
-        let Moments { a, b, .. } = self.moments;
-        Case::of(a.shape(), b.shape()) == Case::Foreign
+        [self.moments.a, self.moments.b].iter().any(|moving| {
+            let placed = Placed::new(moving.shape(), &moving.end);
+            placed.shape.kind() == Kind::Foreign && parry::as_own(placed).is_none()
+        })
     }
 
     /// How the two meet that are in contact at the moment, or were since the last one.
