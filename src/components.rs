@@ -1,7 +1,11 @@
 //! The components that an entity carries to take part in collision detection.
 
 use bevy::{
-    ecs::{change_detection::Tick, lifecycle::HookContext, world::DeferredWorld},
+    ecs::{
+        change_detection::{MAX_CHANGE_AGE, Tick},
+        lifecycle::HookContext,
+        world::DeferredWorld,
+    },
     math::{Vec3A, bounding::Aabb3d},
     prelude::*,
 };
@@ -207,10 +211,13 @@ impl BroadPhaseProxy {
         &self.pose
     }
 
-    /// What the box of the entity, which was last changed at that time, says of its shape.
+    /// What the box of the entity says of its shape, by when the two were last changed. Nothing, if
+    /// that was after the box was computed.
     #[inline]
-    pub(crate) fn fit(&self, changed: Tick) -> Fit {
-        if changed == self.boxed {
+    pub(crate) fn fit(&self, box_changed: Tick, shape_changed: Tick) -> Fit {
+        // Ticks wrap around; those of components are never further apart than that.
+        let age = self.boxed.get().wrapping_sub(shape_changed.get());
+        if box_changed == self.boxed && age <= MAX_CHANGE_AGE {
             self.fit
         } else {
             Fit::Loose

@@ -115,7 +115,7 @@ fn maintain(
             None
         };
         let start = way.and_then(|way| way.to(proxy.pose())).copied();
-        let fit = proxy.fit(aabb.last_changed());
+        let fit = proxy.fit(aabb.last_changed(), own.last_changed());
         let reshape = |body: &mut Body| {
             // It may have changed when nobody looked, between two sets.
             if body.reshaped != own.last_changed() || some_sheared {

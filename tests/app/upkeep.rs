@@ -330,6 +330,35 @@ fn boxes_follow_whether_tables_are_slices_or_not() {
     }
 }
 
+/// A box that was computed for another shape than there is now, or that somebody widened, decides
+/// nothing.
+#[test]
+fn what_changes_after_the_boxes_were_computed_counts() {
+    for widens in [false, true] {
+        let (mut app, cubes) = in_contact();
+        let change = move |mut shapes: Query<(Entity, &mut CollisionShape, &mut WorldAabb)>,
+                           mut is_done: Local<bool>| {
+            if std::mem::replace(&mut *is_done, true) {
+                return;
+            }
+            let (_, mut shape, mut aabb) =
+                shapes.iter_mut().find(|(e, ..)| *e == cubes[1]).unwrap();
+            if widens {
+                aabb.0 = aabb.grow(Vec3::splat(2.0));
+            } else {
+                *shape = CollisionShape::cuboid(0.1, 0.1, 0.1);
+            }
+        };
+        let between = change
+            .after(CollisionSystems::Bounds)
+            .before(CollisionSystems::Maintenance);
+        app.add_systems(FixedPostUpdate, between);
+        get_mut::<Transform>(&mut app, cubes[1]).translation.x = if widens { 1.5 } else { 0.8 };
+        tick(&mut app, 1);
+        assert!(contacts(&app).is_empty());
+    }
+}
+
 #[test]
 fn an_entity_spawned_disabled_stays_out_and_so_does_its_swept_way() {
     let (mut app, cubes) = in_contact();
