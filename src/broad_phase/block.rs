@@ -24,24 +24,26 @@ impl Block {
         max: [[f32::NEG_INFINITY; WIDTH]; 3],
     };
 
-    /// The boxes around the first so many of eight triangles, by corner and axis.
+    /// The boxes between eight lower and eight upper corners, of which the first so many are some.
     #[inline(always)]
-    pub(super) fn around(corners: &[[[f32; WIDTH]; 3]; 3], count: usize) -> Self {
-        let lower = |a: f32, b: f32| if a < b { a } else { b };
-        let upper = |a: f32, b: f32| if a > b { a } else { b };
-        let [a, b, c] = corners;
-        let fold = |axis: usize, pick: fn(f32, f32) -> f32| -> [f32; WIDTH] {
-            std::array::from_fn(|lane| pick(pick(a[axis][lane], b[axis][lane]), c[axis][lane]))
-        };
-        let mut block = Self {
-            min: std::array::from_fn(|axis| fold(axis, lower)),
-            max: std::array::from_fn(|axis| fold(axis, upper)),
-        };
-        for (min, max) in block.min.iter_mut().zip(&mut block.max) {
+    pub(super) fn between<S: Simd>(min: [f32x8<S>; 3], max: [f32x8<S>; 3], count: usize) -> Self {
+        let mut block = Self::EMPTY;
+        for axis in 0..3 {
+            min[axis].store_slice(&mut block.min[axis]);
+            max[axis].store_slice(&mut block.max[axis]);
+        }
+        if count < WIDTH {
+            block.keep_first(count);
+        }
+        block
+    }
+
+    #[cold]
+    fn keep_first(&mut self, count: usize) {
+        for (min, max) in self.min.iter_mut().zip(&mut self.max) {
             min[count..].fill(f32::INFINITY);
             max[count..].fill(f32::NEG_INFINITY);
         }
-        block
     }
 
     #[inline(always)]
