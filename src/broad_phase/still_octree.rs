@@ -80,10 +80,10 @@ impl StillOctree {
 
     /// The boxes in a block of triangles; `None` if it is a tree of boxes.
     #[inline(always)]
-    fn boxes_of_triangles<S: Simd>(&self, simd: S, index: u32) -> Option<Block> {
+    fn boxes_of_triangles(&self, index: u32) -> Option<Block> {
         let triangles = self.triangles.get(index as usize)?;
         let left = self.owners.len() - index as usize * WIDTH;
-        Some(triangles.boxes(simd, left.min(WIDTH)))
+        Some(triangles.boxes(left.min(WIDTH)))
     }
 
     /// Calls `found` with the index of each box that overlaps a region, in no particular order.
@@ -163,7 +163,7 @@ impl Blocks for StillOctree {
         index: u32,
         bound: Bound,
     ) -> (u32, f32x8<S>) {
-        match self.boxes_of_triangles(simd, index) {
+        match self.boxes_of_triangles(index) {
             Some(boxes) => measure.test_block(simd, &boxes, bound),
             None => measure.test_block(simd, &self.levels()[0][index as usize], bound),
         }

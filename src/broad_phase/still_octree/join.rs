@@ -72,7 +72,7 @@ impl StillOctree {
     #[inline(always)]
     fn bounds(&self, node: Node) -> Aabb3d {
         if node.height == self.levels.height() {
-            return self.whole();
+            return self.block(node).bounds();
         }
         let (above, lane) = (node.index as usize / WIDTH, node.index as usize % WIDTH);
         match self.triangles.get(above) {
@@ -81,28 +81,11 @@ impl StillOctree {
         }
     }
 
-    /// The bounds of all.
-    fn whole(&self) -> Aabb3d {
-        let top = self.levels.height() as usize - 1;
-        match self.levels.as_slice()[top].first() {
-            Some(block) => block.bounds(),
-            // A single block of triangles.
-            None => {
-                let boxes = (0..self.owners.len()).map(|slot| self.triangles[0].get(slot));
-                let nowhere = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
-                let (min, max) = boxes.fold(nowhere, |(min, max), aabb| {
-                    (min.min(aabb.min), max.max(aabb.max))
-                });
-                Aabb3d { min, max }
-            }
-        }
-    }
-
     /// What is below a part that is no box.
     #[inline(always)]
-    fn block<S: Simd>(&self, simd: S, node: Node) -> Cow<'_, Block> {
+    fn block(&self, node: Node) -> Cow<'_, Block> {
         if node.height == 1
-            && let Some(boxes) = self.boxes_of_triangles(simd, node.index)
+            && let Some(boxes) = self.boxes_of_triangles(node.index)
         {
             return Cow::Owned(boxes);
         }
@@ -169,7 +152,7 @@ where
         if only_other {
             self.meet(simd, one, &own, other, true);
         } else {
-            let block = tree.block(simd, one);
+            let block = tree.block(one);
             for lane in 0..WIDTH {
                 let child = block.get(lane);
                 if child.min.x <= child.max.x {
@@ -205,7 +188,7 @@ where
             }
             return;
         }
-        let block = tree.block(simd, other);
+        let block = tree.block(other);
         let (mut hits, nearness) = measure.test_block(simd, &block, bound);
         while hits != 0 {
             let lane = hits.trailing_zeros();

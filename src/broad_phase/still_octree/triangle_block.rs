@@ -52,10 +52,7 @@ impl TriangleBlock {
 
     /// The boxes around the first `count` of the triangles.
     #[inline(always)]
-    pub(super) fn boxes<S: Simd>(&self, simd: S, count: usize) -> Block {
-        let [a, b, c] = [0, 1, 2].map(|corner| self.corners(simd, corner));
-        let lower = |axis: usize| a[axis].min(b[axis]).min(c[axis]);
-        let upper = |axis: usize| a[axis].max(b[axis]).max(c[axis]);
-        Block::between([0, 1, 2].map(lower), [0, 1, 2].map(upper), count)
+    pub(super) fn boxes(&self, count: usize) -> Block {
+        Block::around(&self.corners, count)
     }
 }
