@@ -96,7 +96,8 @@ fn update_roots(
                 if shape.is_changed() || transform.is_changed() || proxy.is_changed() {
                     *aabb = world_aabb(&tests, entity, &shape, &transform);
                     let placed = Placed::new(&shape, &transform);
-                    BroadPhaseProxy::note_box(&mut proxy, placed, aabb.last_changed());
+                    let proxy = proxy.bypass_change_detection();
+                    proxy.note_box(placed, aabb.last_changed());
                 }
             }
         }
@@ -148,7 +149,7 @@ fn update_table(tests: &NarrowPhase, (entities, shapes, transforms, boxes, proxi
                 let (shape, transform) = (&shapes[row], &transforms[row]);
                 boxes[row] = world_aabb(tests, entities[row], shape, transform);
                 boxed[row] = this_run;
-                proxies[row].put_box(Placed::new(shape, transform), this_run);
+                proxies[row].note_box(Placed::new(shape, transform), this_run);
             }
         }
     });
@@ -190,7 +191,8 @@ pub(crate) fn update_children(
         let mut put = |shape: &Shape| {
             let placed = Placed::new(shape, &placement.transform);
             *aabb = world_aabb(&tests, entity, shape, placed.transform);
-            BroadPhaseProxy::note_box(&mut proxy, placed, aabb.last_changed());
+            let proxy = proxy.bypass_change_detection();
+            proxy.note_box(placed, aabb.last_changed());
         };
         if let Some(mut sheared) = sheared {
             sheared.follow(own, placement.turn);

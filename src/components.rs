@@ -244,15 +244,10 @@ impl BroadPhaseProxy {
         proxy.set_changed();
     }
 
-    /// Takes note of where the shape is that a box was computed around, and when that was.
+    /// Takes note of where the shape is that a box was computed around, and when that was. For who
+    /// bypasses change detection.
     #[inline]
-    pub(crate) fn note_box(proxy: &mut Mut<Self>, placed: Placed, boxed: Tick) {
-        proxy.bypass_change_detection().put_box(placed, boxed);
-    }
-
-    /// The same, for who has no more than the component in hand.
-    #[inline]
-    pub(crate) fn put_box(&mut self, placed: Placed, boxed: Tick) {
+    pub(crate) fn note_box(&mut self, placed: Placed, boxed: Tick) {
         self.pose = *placed.transform;
         self.fit = Fit::of(placed);
         self.boxed = boxed;

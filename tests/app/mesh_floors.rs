@@ -65,14 +65,7 @@ fn boxes() -> [Shape; 3] {
         )
     };
     let corners: Vec<_> = (0..8).map(corner).collect();
-    let sides = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
+    let sides = SIDES;
     [
         Shape::from_half_size(Vec3::splat(half)),
         Shape::convex(corners.clone(), sides).unwrap(),

@@ -109,14 +109,7 @@ fn shapes_of_ours_touch_height_fields_and_voxels() {
     let corners: Vec<_> = (0..8)
         .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5)
         .collect();
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
+    let faces = SIDES;
     let shapes = [
         CollisionShape::try_sphere(0.5),
         CollisionShape::try_from_half_size(Vec3::splat(0.5)),

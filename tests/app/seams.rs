@@ -27,14 +27,7 @@ fn faces(half: Vec3) -> (Vec<Vec3>, [[u32; 4]; 6]) {
         ) * 2.0
             - 1.0
     };
-    let sides = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
+    let sides = SIDES;
     ((0..8).map(|bits| corner(bits) * half).collect(), sides)
 }
 

@@ -170,14 +170,7 @@ fn cuboid(half: Vec3, which: u8) -> CollisionShape {
     let corners: Vec<Vec3> = corners(half.as_dvec3(), &DAffine3::IDENTITY)
         .map(DVec3::as_vec3)
         .to_vec();
-    let sides = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
+    let sides = SIDES;
     match which {
         0 => CollisionShape::from_half_size(half),
         1 => CollisionShape(Shape::convex(corners, sides).unwrap()),

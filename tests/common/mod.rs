@@ -37,6 +37,16 @@ pub const SETS: [CollisionSystems; 9] = [
 /// Two entities, the one that was spawned first in front.
 pub type EntityPair = [Entity; 2];
 
+/// The sides of a box whose corners are numbered by their bits: x, y, z from the lowest.
+pub const SIDES: [[u32; 4]; 6] = [
+    [0, 2, 3, 1],
+    [4, 5, 7, 6],
+    [0, 1, 5, 4],
+    [2, 6, 7, 3],
+    [0, 4, 6, 2],
+    [1, 3, 7, 5],
+];
+
 /// The pair of two entities in any order.
 pub fn pair(a: Entity, b: Entity) -> EntityPair {
     if a.index_u32() < b.index_u32() {

@@ -136,7 +136,7 @@ const CELL_BITS: u32 = 9;
 const LONG_RUN: usize = 2 * WIDTH;
 
 /// Fills `items` with the objects in their order on the curve, in the lower halves.
-pub(in crate::broad_phase) fn order(
+pub(super) fn order(
     level: Level,
     boxes: &[Aabb3d],
     objects: impl Iterator<Item = u32>,

@@ -3,6 +3,7 @@
 use bevy::math::{Quat, Vec3};
 use bevy::transform::components::Transform;
 
+use crate::narrow_phase::mesh::cube::SIDES;
 use crate::narrow_phase::tests::{at, box_of, mesh_of};
 use crate::narrow_phase::*;
 
@@ -28,17 +29,7 @@ fn assert_close(found: Contact, normal: Vec3, depth: f32) {
 fn every_kind_of_pair_pushes_the_second_away() {
     let (cube, ball) = (box_of(1.0, 1.0, 1.0), Shape::sphere(1.0));
     let (mesh, here) = (mesh_of(Vec3::ONE), at(0.0, 0.0, 0.0));
-    let convex = Shape::convex(
-        mesh_vertices(&mesh).to_vec(),
-        [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ],
-    );
+    let convex = Shape::convex(mesh_vertices(&mesh).to_vec(), SIDES);
     let convex = convex.unwrap();
     for a in [&cube, &ball, &mesh, &convex] {
         for b in [&cube, &ball, &mesh, &convex] {

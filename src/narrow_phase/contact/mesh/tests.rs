@@ -3,6 +3,7 @@
 use bevy::math::{Quat, Vec3};
 use bevy::transform::components::Transform;
 
+use crate::narrow_phase::mesh::cube::SIDES;
 use crate::narrow_phase::tests::{at, box_of, mesh_of};
 use crate::narrow_phase::*;
 
@@ -88,15 +89,7 @@ fn slab() -> Shape {
         ]
     };
     let corners: Vec<_> = (0..8).map(corner).collect();
-    let sides = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let halves = sides.map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let halves = SIDES.map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
     triangles(&corners, halves.as_flattened())
 }
 
@@ -313,14 +306,7 @@ fn shells_that_face_differently_each_know_their_outside() {
             (bits >> 2) as f32,
         ]
     };
-    let sides = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
+    let sides = SIDES;
     let (mut vertices, mut list) = (Vec::new(), Vec::new());
     for (shell, backwards) in [(0u32, false), (1, true), (2, false)] {
         let first = vertices.len() as u32;
@@ -423,15 +409,7 @@ fn bricks() -> Shape {
             let [x, y, z] = [bits & 1, bits >> 1 & 1, bits >> 2].map(|bit| bit as f32);
             Vec3::new(from + 2.0 * x, y - 1.0, 4.0 * z - 2.0)
         }));
-        let sides = [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ];
-        lists.extend(sides.map(|side| side.map(|vertex| vertex + first)));
+        lists.extend(SIDES.map(|side| side.map(|vertex| vertex + first)));
     }
     Shape::mesh(vertices, lists).unwrap()
 }

@@ -4,6 +4,7 @@ use bevy::{
 };
 
 use super::*;
+use crate::narrow_phase::mesh::cube::SIDES;
 use crate::narrow_phase::{Contact, ConvexMesh, NarrowPhase, Placed, Shape, Workspace};
 
 fn welded(positions: &[[f32; 3]]) -> Welded {
@@ -19,7 +20,7 @@ fn listed(positions: &[Vec3]) -> PolygonMesh {
 
 /// The twelve triangles of a box, listed; by their corners from 0 to 7.
 fn cuboid(min: Vec3, max: Vec3) -> Vec<Vec3> {
-    let corner = |i: usize| {
+    let corner = |i: u32| {
         let pick = |axis: usize| {
             if i >> axis & 1 == 1 {
                 max[axis]
@@ -29,15 +30,7 @@ fn cuboid(min: Vec3, max: Vec3) -> Vec<Vec3> {
         };
         Vec3::new(pick(0), pick(1), pick(2))
     };
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]);
+    let triangles = SIDES.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]);
     triangles.map(corner).collect()
 }
 

@@ -6,6 +6,7 @@ use bevy_rapier3d::geometry::Collider;
 use bevy_rapier3d::parry::math::IVector;
 use bevy_rapier3d::parry::shape::SharedShape;
 
+use crate::narrow_phase::mesh::cube::SIDES;
 use crate::narrow_phase::tests::{at, box_of, mesh_of};
 use crate::narrow_phase::*;
 
@@ -77,14 +78,7 @@ pub fn contact(a: (&Shape, Transform), b: (&Shape, Transform)) -> Option<Contact
 
 pub fn hull_of(half: Vec3) -> SharedShape {
     let corners: Vec<_> = (0..8).map(|i| half * Vec3::from(signs(i))).collect();
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
+    let faces = SIDES;
     let triangles: Vec<_> = faces
         .iter()
         .flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]])
