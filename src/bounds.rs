@@ -2,13 +2,14 @@
 
 use bevy::{
     ecs::{
-        change_detection::{ContiguousMut, ContiguousRef, MAX_CHANGE_AGE, Tick},
+        change_detection::{ContiguousMut, ContiguousRef},
         system::RegisteredSystemError,
     },
     prelude::*,
 };
 
 use crate::{
+    change_ticks::SinceLastRun,
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     hierarchy::{self, Hierarchy},
     narrow_phase::{BoundsError, NarrowPhase, Placed, Shape},
@@ -109,6 +110,8 @@ fn update_roots(
 
 /// So many rows of a table make a job of their own.
 const ROWS: usize = 4096;
+/// So many rows are passed over at once where nothing changed.
+const GROUP: usize = 64;
 
 type Table<'a> = (
     &'a [Entity],
@@ -119,13 +122,7 @@ type Table<'a> = (
 );
 
 fn update_table(tests: &NarrowPhase, (entities, shapes, transforms, boxes, proxies): Table) {
-    let this_run = boxes.this_run_tick();
-    // As `Tick::is_newer_than` has it.
-    let since = this_run
-        .get()
-        .wrapping_sub(boxes.last_run_tick().get())
-        .min(MAX_CHANGE_AGE);
-    let is_new = |tick: Tick| this_run.get().wrapping_sub(tick.get()) < since;
+    let since = SinceLastRun::of_mut(&boxes);
     let (boxes, mut boxed) = ContiguousMut::bypass_change_detection_split(boxes);
     let (proxies, outdated) = ContiguousMut::bypass_change_detection_split(proxies);
     let read = entities.chunks(ROWS).zip(shapes.chunks(ROWS));
@@ -143,13 +140,20 @@ fn update_table(tests: &NarrowPhase, (entities, shapes, transforms, boxes, proxi
         let ((entities, shapes), transforms) = read;
         let ((reshaped, moved), outdated) = ticks;
         let ((boxes, boxed), proxies) = written;
-        let ticks = reshaped.iter().zip(moved).zip(outdated).enumerate();
-        for (row, ((reshaped, moved), outdated)) in ticks {
-            if is_new(*reshaped) | is_new(*moved) | is_new(*outdated) {
-                let (shape, transform) = (&shapes[row], &transforms[row]);
-                boxes[row] = world_aabb(tests, entities[row], shape, transform);
-                boxed[row] = this_run;
-                proxies[row].note_box(Placed::new(shape, transform), this_run);
+        for start in (0..entities.len()).step_by(GROUP) {
+            let group = start..entities.len().min(start + GROUP);
+            let ticks = [reshaped, moved, outdated].map(|ticks| &ticks[group.clone()]);
+            if !ticks.iter().any(|ticks| since.any_changed(ticks)) {
+                continue;
+            }
+            for row in group {
+                let ticks = [reshaped[row], moved[row], outdated[row]];
+                if ticks.iter().any(|tick| since.changed(*tick)) {
+                    let (shape, transform) = (&shapes[row], &transforms[row]);
+                    boxes[row] = world_aabb(tests, entities[row], shape, transform);
+                    boxed[row] = since.this_run();
+                    proxies[row].note_box(Placed::new(shape, transform), since.this_run());
+                }
             }
         }
     });

@@ -15,6 +15,8 @@ use crate::{
     narrow_phase::{Fit, Moving, NarrowPhase, Placed, Shape, StageCounters},
 };
 
+pub(crate) mod follow;
+
 /// The [`SpatialIndex`] of all entities with a
 /// [`CollisionShape`](crate::components::CollisionShape).
 ///
@@ -374,11 +376,20 @@ impl CollisionIndex {
         rested(pair.a) && rested(pair.b) && self.entities(pair) == entities
     }
 
+    /// Brings the shape of an entity up to date, if it is in by this handle: it became what it is at
+    /// that time.
+    pub(crate) fn reshape(&mut self, (id, entity): (ProxyId, Entity), shape: &Shape, at: Tick) {
+        if self.is_entry_of(id, entity)
+            && let Some(body) = self.bodies.get_mut(id.index())
+        {
+            body.reshape(shape, at);
+        }
+    }
+
     /// Says where the way of what is behind a handle begins, if it is on one.
-    #[inline]
     pub(crate) fn set_start(&mut self, id: ProxyId, start: Option<Transform>) {
-        if start.is_some() && self.starts.len() <= id.index() {
-            self.starts.resize(id.index() + 1, None);
+        if start.is_some() {
+            self.make_room_for_starts();
         }
         if let Some(slot) = self.starts.get_mut(id.index()) {
             *slot = start;
@@ -418,31 +429,8 @@ impl CollisionIndex {
         strays.into_iter().for_each(|id| self.remove(id));
     }
 
-    /// Gives an entity that is in, and in a box, its box and its pose of this tick, and has its
-    /// shape brought up to date. `false`, and nothing changes, if it is not in by this handle, or
-    /// one of the boxes is none: then [`upsert`](Self::upsert) has to decide.
-    #[inline]
-    pub(crate) fn follow(
-        &mut self,
-        (id, entity): (ProxyId, Entity),
-        aabb: &Aabb3d,
-        pose: &Transform,
-        fit: Fit,
-        reshape: impl FnOnce(&mut Body),
-    ) -> bool {
-        // It may have turned inside its box.
-        if !(self.is_entry_of(id, entity) && self.index.renew(id, aabb)) {
-            return false;
-        }
-        let body = &mut self.bodies[id.index()];
-        body.pose = *pose;
-        reshape(body);
-        self.fits[id.index()] = fit;
-        true
-    }
-
-    /// Decides about an entity that cannot [follow](Self::follow), given the handle that it says is
-    /// its own. Returns the one that it has from now on.
+    /// Decides about an entity that cannot [follow](follow::Followers::follow), given the handle that
+    /// it says is its own. Returns the one that it has from now on.
     ///
     /// | its own handle is | it has | it |
     /// |---|---|---|

@@ -95,6 +95,7 @@
 mod ancestors;
 mod bounds;
 pub mod broad_phase;
+mod change_ticks;
 pub mod collision_index;
 pub mod components;
 pub mod contacts;

@@ -9,17 +9,24 @@ use bevy::{
 };
 
 use crate::{
-    collision_index::{Body, CandidatePairs, CollisionIndex, Extent, Seen, Upkeep},
-    components::{self, BroadPhaseProxy, CollisionShape, WorldAabb},
+    broad_phase::ProxyId,
+    collision_index::{
+        Body, CandidatePairs, CollisionIndex, Extent, Seen, Upkeep, follow::Following,
+    },
+    components::{self, BroadPhaseProxy, WorldAabb},
     counters::CollisionCounters,
     filters::{self, FilterParts},
     narrow_phase::{Moving, NarrowPhase},
     schedule::{CollisionSystems, add_to_tick},
     settings::BroadPhaseSettings,
     shear::{self, Sheared},
-    swept::{self, Swept},
+    swept,
     way::SweptWay,
 };
+
+mod tables;
+
+use tables::{Boxed, Job};
 
 /// The plugin for maintenance of the [`CollisionIndex`] and the search for [`CandidatePairs`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -82,75 +89,74 @@ fn mend(
     upkeep.done(&index);
 }
 
-/// What is looked at in each tick, of everything that moved: no more than that.
-type Boxed<'a> = (
-    Entity,
-    Ref<'a, WorldAabb>,
-    Ref<'a, CollisionShape>,
-    &'a mut BroadPhaseProxy,
-    Has<Swept>,
-);
-
+/// What is in the index already and has moved is brought up to date table by table, side by side;
+/// all else, which comes, goes, or has another shape by now, is left, and decided about one by one.
 fn maintain(
     mut index: ResMut<CollisionIndex>,
     (settings, tests, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhase>, Res<Upkeep>),
-    mut boxes: Query<Boxed, Changed<WorldAabb>>,
+    mut boxes: Query<Boxed, With<BroadPhaseProxy>>,
     newcomers: Query<(&Archetype, FilterParts)>,
-    (ways, sheared): (Query<&SweptWay>, Query<&Sheared>),
+    sheared: Query<&Sheared>,
     mut counters: ResMut<CollisionCounters>,
+    (mut jobs, mut left): (Local<Vec<Job>>, Local<Vec<Entity>>),
 ) {
     let index = &mut *index;
     index.set_method(&settings.method, settings.pair_kinds);
     if tests.is_changed() {
         index.search_all();
     }
-    let some_sheared = !sheared.is_empty();
-    for (entity, aabb, own, mut proxy, is_swept) in &mut boxes {
-        let shape = || shear::shape(&own, sheared.get(entity).ok());
-        let way = if is_swept {
-            ways.get(entity)
-                .ok()
-                .filter(|way| way.belongs_to(entity, proxy.id()))
-        } else {
-            None
+    left.clear();
+    match boxes.contiguous_iter() {
+        Ok(tables) => tables.for_each(|table| tables::follow(index, table, &mut jobs, &mut left)),
+        // What disables entities may not be in tables.
+        Err(_) => {
+            let changed = boxes.iter().filter(|(_, aabb, ..)| aabb.is_changed());
+            left.extend(changed.map(|(entity, ..)| entity));
+        }
+    }
+    for entity in left.drain(..) {
+        let Ok((_, aabb, own, mut proxy, way, _)) = boxes.get_mut(entity) else {
+            continue;
         };
-        let start = way.and_then(|way| way.to(proxy.pose())).copied();
-        let fit = proxy.fit(aabb.last_changed(), own.last_changed());
-        let reshape = |body: &mut Body| {
-            // It may have changed when nobody looked, between two sets.
-            if body.reshaped != own.last_changed() || some_sheared {
-                body.reshape(shape(), own.last_changed());
+        let shape = shear::shape(&own, sheared.get(entity).ok());
+        let now = Following {
+            entity,
+            id: proxy.id().unwrap_or(ProxyId::new(0)),
+            aabb: &aabb.0,
+            pose: proxy.pose(),
+            fit: proxy.fit(aabb.last_changed(), own.last_changed()),
+            reshaped: own.last_changed(),
+            start: tables::start(way, entity, &proxy),
+        };
+        if let Some(id) = proxy.id() {
+            index.reshape((id, entity), shape, now.reshaped);
+            if index.follow(&now) {
+                continue;
             }
+        }
+        let newcomer = newcomers.get(entity).ok();
+        let filter = newcomer
+            .filter(|(archetype, _)| !upkeep.disables(archetype))
+            .map(|(_, parts)| filters::filter(parts));
+        let body = Body {
+            entity,
+            pose: *now.pose,
+            shape: shape.clone(),
+            reshaped: now.reshaped,
         };
-        let id = if let Some(id) = proxy.id()
-            && index.follow((id, entity), &aabb.0, proxy.pose(), fit, reshape)
-        {
-            id
-        } else {
-            let newcomer = newcomers.get(entity).ok();
-            let filter = newcomer
-                .filter(|(archetype, _)| !upkeep.disables(archetype))
-                .map(|(_, parts)| filters::filter(parts));
-            let (pose, reshaped) = (*proxy.pose(), own.last_changed());
-            let body = Body {
-                entity,
-                pose,
-                shape: shape().clone(),
-                reshaped,
-            };
-            let extent = extent(&aabb, &body, start.as_ref(), &tests);
-            let seen = Seen {
-                body,
-                extent,
-                filter,
-                fit,
-            };
-            let id = index.upsert(proxy.id(), seen);
-            BroadPhaseProxy::note_id(&mut proxy, id);
-            let Some(id) = id else { continue };
-            id
+        let (start, fit) = (now.start.copied(), now.fit);
+        let extent = extent(&aabb, &body, start.as_ref(), &tests);
+        let seen = Seen {
+            body,
+            extent,
+            filter,
+            fit,
         };
-        index.set_start(id, start);
+        let id = index.upsert(proxy.id(), seen);
+        BroadPhaseProxy::note_id(&mut proxy, id);
+        if let Some(id) = id {
+            index.set_start(id, start);
+        }
     }
     index.update();
     let proxies = index.index().proxies();

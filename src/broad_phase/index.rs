@@ -1,6 +1,6 @@
 //! The boxes, the broad phase and the pairs, together.
 
-use std::{any::Any, fmt};
+use std::{any::Any, fmt, ops::Range};
 
 use bevy::math::{bounding::Aabb3d, primitives::HalfSpace};
 
@@ -10,7 +10,7 @@ use super::{
     filter::{PairFilter, PairKinds},
     method::BroadPhaseMethod,
     pairs::{Pair, PairSet},
-    proxy::Proxies,
+    proxy::{Proxies, part::ProxyPart},
 };
 
 /// An index over the boxes of objects: boxes in, overlapping pairs out, queries on the side.
@@ -101,12 +101,18 @@ impl SpatialIndex {
         self.proxies.set(id, aabb)
     }
 
-    /// Gives an object its box of this tick, and counts it as moved though its box may stay, as
-    /// [`set`](Self::set) and [`touch`](Self::touch) do together. Returns `false`, and changes
-    /// nothing, if it is refused. O(1).
-    #[inline]
-    pub(crate) fn renew(&mut self, id: ProxyId, aabb: &Aabb3d) -> bool {
-        self.proxies.renew(id, aabb)
+    /// The parts of the proxies behind some ranges of handles, which ascend and do not overlap: for
+    /// jobs to renew boxes side by side.
+    pub(crate) fn parts<'a>(
+        &'a mut self,
+        ranges: impl Iterator<Item = Range<usize>> + 'a,
+    ) -> impl Iterator<Item = ProxyPart<'a>> {
+        self.proxies.parts(ranges)
+    }
+
+    /// Takes note of what the jobs have renewed, in the order in which it is to count as moved.
+    pub(crate) fn note_moved(&mut self, moved: &[ProxyId]) {
+        self.proxies.note_moved(moved);
     }
 
     /// Adds an unbounded object, one without an end and so without a box: a ground plane, with the

@@ -132,6 +132,7 @@ pub use method::{BroadPhaseMethod, UnknownMethod};
 pub use object_octree::{ObjectOctree, ObjectOctreeSettings, RootPolicy, SettingsError};
 pub use pairs::{Pair, PairSet};
 pub use proxy::Proxies;
+pub(crate) use proxy::part::{ProxyPart, cut};
 pub use query::{Cast, Flow, Hit, Region};
 pub(crate) use query::{Height, Overlap, ScaledDistance, Sweep};
 pub(crate) use still_octree::{JoinStack, StillOctree, TriangleBlock};

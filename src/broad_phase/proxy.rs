@@ -9,6 +9,8 @@ use super::{
     unbounded::Unbounded,
 };
 
+pub(crate) mod part;
+
 /// The boxes of all objects, and which of them changed.
 ///
 /// Unbounded objects have a handle too, but no box: they are in none of the lists, and no concern
@@ -341,25 +343,6 @@ impl Proxies {
             self.moved.pending.push(id);
         }
         Ok(())
-    }
-
-    #[inline]
-    pub(super) fn renew(&mut self, id: ProxyId, aabb: &Aabb3d) -> bool {
-        let (Some(flags), Some(old)) = (
-            self.flags.get_mut(id.index()),
-            self.boxes.get_mut(id.index()),
-        ) else {
-            return false;
-        };
-        let is_taken = flags.has_box() && is_box(aabb);
-        if is_taken {
-            *old = *aabb;
-            if !flags.has(Flags::PENDING) {
-                flags.set(Flags::PENDING);
-                self.moved.pending.push(id);
-            }
-        }
-        is_taken
     }
 
     /// Why a box is not taken.
