@@ -10,9 +10,10 @@ use bevy::{
 
 use crate::{
     broad_phase::{
-        BroadPhase, BroadPhaseMethod, Pair, PairFilter, PairKinds, ProxyId, SpatialIndex,
+        BroadPhase, BroadPhaseMethod, EVERYWHERE, Pair, PairFilter, PairKinds, ProxyId,
+        SpatialIndex,
     },
-    narrow_phase::{Fit, Moving, NarrowPhase, Placed, Shape, StageCounters},
+    narrow_phase::{Fit, Moving, NarrowPhase, Placed, Shape},
 };
 
 pub(crate) mod follow;
@@ -45,6 +46,9 @@ pub struct CollisionIndex {
     /// How many searches there were whose pairs are for the exact tests.
     #[reflect(ignore)]
     search: u64,
+    /// How many updates there were until the last of them.
+    #[reflect(ignore)]
+    searched_at: u64,
     /// By proxy index: what had moved when pairs were last searched for. Empty as long as the boxes
     /// are those of the search, and say so themselves.
     #[reflect(ignore)]
@@ -68,10 +72,26 @@ impl Default for CollisionIndex {
             fits: Vec::new(),
             starts: Vec::new(),
             search: 0,
+            searched_at: 0,
             moved_at_search: Vec::new(),
             listed: Tick::default(),
             number: NUMBER.fetch_add(1, Ordering::Relaxed),
         }
+    }
+}
+
+/// A state of an index: what an update makes of the state before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct IndexState {
+    index: u64,
+    updates: u64,
+}
+
+impl IndexState {
+    /// Is it the next one of the same index? What that says of who moved since the last update, is
+    /// then all that moved in between.
+    pub(crate) const fn follows(self, last: Self) -> bool {
+        self.index == last.index && self.updates == last.updates + 1
     }
 }
 
@@ -223,37 +243,36 @@ impl CollisionIndex {
             .then(|| &self.bodies[id.index()])
     }
 
-    /// The two of a pair, as the exact tests are to look at them. `None` if one is gone: pairs may
-    /// be older than that.
+    /// Two, as the exact tests are to look at them. `None` if one is gone: pairs may be older than
+    /// that.
     #[inline]
-    pub(crate) fn candidate(&self, pair: Pair) -> Option<Candidate<'_>> {
-        let (a, b) = (self.body(pair.a)?, self.body(pair.b)?);
-        Some(match (self.start(pair.a), self.start(pair.b)) {
-            (None, None) => Candidate::AtTheEnd([a.placed(), b.placed()]),
-            (start_a, start_b) => Candidate::OnTheWay([a.moving(start_a), b.moving(start_b)]),
+    pub(crate) fn candidate(&self, ids: [ProxyId; 2]) -> Option<Candidate<'_>> {
+        let (a, b) = (self.body(ids[0])?, self.body(ids[1])?);
+        Some(match ids.map(|id| self.start(id)) {
+            [None, None] => Candidate::AtTheEnd([a.placed(), b.placed()]),
+            [start_a, start_b] => Candidate::OnTheWay([a.moving(start_a), b.moving(start_b)]),
         })
     }
 
-    /// The two shapes of a pair, where they are at the end of the tick. `None` if one is gone.
+    /// Two shapes, where they are at the end of the tick. `None` if one is gone.
     #[inline]
-    pub(crate) fn placed(&self, pair: Pair) -> Option<[Placed<'_>; 2]> {
-        Some([self.body(pair.a)?.placed(), self.body(pair.b)?.placed()])
+    pub(crate) fn placed(&self, [a, b]: [ProxyId; 2]) -> Option<[Placed<'_>; 2]> {
+        Some([self.body(a)?.placed(), self.body(b)?.placed()])
     }
 
-    /// Are the two of a pair in contact where they are at the end of the tick, for certain, by
-    /// their boxes?
+    /// The box behind a handle; if that was removed, or has none, any box.
     #[inline]
-    pub(crate) fn certainly_intersect(
-        &self,
-        pair: Pair,
-        tests: &NarrowPhase,
-        counters: &mut StageCounters,
-    ) -> bool {
-        let proxies = self.index.proxies();
-        let fitted = |id: ProxyId| Some((*self.fits.get(id.index())?, proxies.get(id)?));
-        match (fitted(pair.a), fitted(pair.b)) {
-            (Some(a), Some(b)) => tests.certainly_intersect(a, b, counters),
-            _ => false,
+    pub(crate) fn box_of(&self, id: ProxyId) -> Aabb3d {
+        let boxes = self.index.proxies().boxes();
+        *boxes.get(id.index()).unwrap_or(&EVERYWHERE)
+    }
+
+    /// What the box behind a handle says of the shape in it. Nothing, if that was removed.
+    #[inline]
+    pub(crate) fn fit(&self, id: ProxyId) -> Fit {
+        match self.fits.get(id.index()) {
+            Some(fit) if self.index.proxies().contains(id) => *fit,
+            _ => Fit::Loose,
         }
     }
 
@@ -323,12 +342,22 @@ impl CollisionIndex {
         candidates.0.extend_from_slice(pairs.moving());
         self.listed = candidates.last_changed();
         self.search += 1;
+        self.searched_at = self.index.updates();
         self.moved_at_search.clear();
     }
 
     /// Are the candidates just those that were found, each once?
     pub(crate) fn has_listed(&self, candidates: &Res<CandidatePairs>) -> bool {
         candidates.last_changed() == self.listed
+    }
+
+    /// Which state of which index this is, if it is the one of the last search.
+    pub(crate) fn state_of_search(&self) -> Option<IndexState> {
+        let updates = self.index.updates();
+        (updates == self.searched_at).then_some(IndexState {
+            index: self.number,
+            updates,
+        })
     }
 
     /// The number of the last search whose pairs are for the exact tests.
@@ -360,7 +389,7 @@ impl CollisionIndex {
 
     /// Were the two at rest when pairs were last searched for, and are both still there? What was
     /// known of them then still holds.
-    pub(crate) fn rested(&self, pair: Pair, entities: [Entity; 2]) -> bool {
+    pub(crate) fn rested(&self, ids: [ProxyId; 2], entities: [Entity; 2]) -> bool {
         let proxies = self.index.proxies();
         let rested = |id: ProxyId| {
             let moved = self
@@ -373,7 +402,7 @@ impl CollisionIndex {
                 proxies.contains(id) && !moved
             }
         };
-        rested(pair.a) && rested(pair.b) && self.entities(pair) == entities
+        ids.iter().all(|id| rested(*id)) && ids.map(|id| self.entities[id.index()]) == entities
     }
 
     /// Brings the shape of an entity up to date, if it is in by this handle: it became what it is at

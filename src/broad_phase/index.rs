@@ -23,6 +23,8 @@ pub struct SpatialIndex {
     engine: Box<dyn BroadPhase>,
     pairs: PairSet,
     pairs_tested: u64,
+    /// How many updates there were.
+    updates: u64,
     /// Have the pairs been searched for since the last update?
     searched: bool,
     /// Has an update been passed over without a search, so that the kept pairs are out of date?
@@ -44,6 +46,7 @@ impl SpatialIndex {
             engine,
             pairs: PairSet::default(),
             pairs_tested: 0,
+            updates: 0,
             searched: true,
             stale: false,
         }
@@ -175,11 +178,17 @@ impl SpatialIndex {
         self.proxies.remove(id)
     }
 
+    /// How many updates there were.
+    pub(crate) const fn updates(&self) -> u64 {
+        self.updates
+    }
+
     /// One maintenance step: brings the broad phase up to date with every change since the last.
     /// Costs nothing for objects that did not change.
     pub fn update(&mut self) {
         self.stale |= !self.searched;
         self.searched = false;
+        self.updates += 1;
         self.proxies.begin_update();
         self.engine.maintain(&self.proxies);
     }

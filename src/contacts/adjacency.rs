@@ -1,10 +1,10 @@
 //! The contacts of each object.
 
-use super::pair::ContactPair;
+use super::{ledger::Ledger, pair::ContactPair};
 use crate::broad_phase::ProxyId;
 
-/// For each object, the indices of its contacts in a list of all: one array, cut into a range for
-/// each object.
+/// For each object, the numbers of its contacts among all: one array, cut into a range for each
+/// object.
 #[derive(Clone, Debug)]
 pub(super) struct Adjacency {
     /// By handle, where its range begins; and at the end, where the last one ends.
@@ -13,9 +13,9 @@ pub(super) struct Adjacency {
 }
 
 impl Adjacency {
-    /// By counting: O(contacts + objects). The contacts of an object come in the order of the list.
-    pub(super) fn new(contacts: &[ContactPair]) -> Self {
-        let both = |contact: &ContactPair| [contact.pair.a.index(), contact.pair.b.index()];
+    /// By counting: O(contacts + objects). The contacts of an object come in the order of all.
+    pub(super) fn new(contacts: &Ledger) -> Self {
+        let both = |contact: &ContactPair| contact.key.ids.map(ProxyId::index);
         let handles = contacts
             .iter()
             .flat_map(both)
@@ -31,10 +31,10 @@ impl Adjacency {
             starts[handle] += starts[handle - 1];
         }
         let mut slots = vec![0; 2 * contacts.len()];
-        for (slot, contact) in contacts.iter().enumerate() {
+        for (number, contact) in contacts.numbered() {
             for handle in both(contact) {
                 let next = &mut starts[handle + 1];
-                slots[*next as usize] = slot as u32;
+                slots[*next as usize] = number;
                 *next += 1;
             }
         }
@@ -45,7 +45,7 @@ impl Adjacency {
         Self { starts, slots }
     }
 
-    /// The indices of an object's contacts, in the list that this was made from.
+    /// The numbers of an object's contacts.
     pub(super) fn of(&self, id: ProxyId) -> &[u32] {
         match self.starts.get(id.index()..) {
             Some([start, end, ..]) => &self.slots[*start as usize..*end as usize],
@@ -56,38 +56,52 @@ impl Adjacency {
 
 #[cfg(test)]
 mod tests {
+    use bevy::prelude::*;
+
     use super::*;
-    use crate::broad_phase::Pair;
-    use bevy::prelude::Entity;
+    use crate::contacts::{ledger::Changes, pair::ContactKey};
 
     #[test]
     fn every_object_has_its_contacts_in_order() {
         let mut random = fastrand::Rng::with_seed(1);
+        let mut world = World::new();
         for objects in [1, 2, 5, 40] {
-            let mut pairs: Vec<_> = (0..objects * 3)
-                .map(|_| [random.u32(0..objects), random.u32(0..objects)].map(ProxyId::new))
-                .filter(|[a, b]| a != b)
-                .map(|[a, b]| Pair::new(a, b))
+            let entities: Vec<_> = (0..objects).map(|_| world.spawn_empty().id()).collect();
+            let mut keys: Vec<_> = (0..objects * 3)
+                .map(|_| [random.usize(0..objects), random.usize(0..objects)])
+                .filter(|[a, b]| a < b)
+                .map(|ids| ContactKey {
+                    a: entities[ids[0]],
+                    b: entities[ids[1]],
+                    ids: ids.map(|id| ProxyId::new(id as u32)),
+                })
                 .collect();
-            pairs.sort_unstable();
-            pairs.dedup();
-            let none = Entity::PLACEHOLDER;
-            let contact = |pair: &Pair| ContactPair {
-                pair: *pair,
-                a: none,
-                b: none,
+            keys.sort_unstable();
+            keys.dedup();
+            let contact = |key: &ContactKey| ContactPair {
+                key: *key,
                 layers: Default::default(),
                 time: 1.0,
             };
-            let contacts: Vec<_> = pairs.iter().map(contact).collect();
+            let mut contacts = Ledger::default();
+            // Some rest, and are in a list of their own.
+            contacts.enter(&keys, contact, |_| false, Changes::ANY);
+            let rests = |contact: &ContactPair| contact.key.ids[0].index().is_multiple_of(2);
+            let moving: Vec<_> = keys
+                .iter()
+                .copied()
+                .filter(|key| !rests(&contact(key)))
+                .collect();
+            contacts.enter(&moving, contact, rests, Changes::ANY);
             let adjacency = Adjacency::new(&contacts);
-            for id in (0..objects + 3).map(ProxyId::new) {
-                let expected: Vec<_> = (0..pairs.len() as u32)
-                    .filter(|index| {
-                        [pairs[*index as usize].a, pairs[*index as usize].b].contains(&id)
-                    })
+            for id in (0..objects as u32 + 3).map(ProxyId::new) {
+                let found: Vec<_> = adjacency
+                    .of(id)
+                    .iter()
+                    .map(|number| contacts.at(*number).key)
                     .collect();
-                assert_eq!(adjacency.of(id), expected);
+                let expected = keys.iter().copied().filter(|key| key.ids.contains(&id));
+                assert_eq!(found, expected.collect::<Vec<_>>());
             }
         }
     }

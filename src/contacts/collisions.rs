@@ -4,13 +4,9 @@ use bevy::{ecs::system::SystemParam, prelude::*};
 
 use super::{
     list::Contacts,
-    pair::{Collision, ContactPair},
+    pair::{Collision, ContactKey, ContactPair},
 };
-use crate::{
-    broad_phase::{Pair, ProxyId},
-    components::BroadPhaseProxy,
-    narrow_phase::Manifold,
-};
+use crate::{broad_phase::ProxyId, components::BroadPhaseProxy, narrow_phase::Manifold};
 
 /// Reads contacts by entity: after [`NarrowPhase`](crate::CollisionSystems::NarrowPhase) those of
 /// this tick, before it those of the last. Entities that are gone since then have none, though they
@@ -37,7 +33,7 @@ pub struct Collisions<'w, 's> {
 }
 
 impl Collisions<'_, '_> {
-    /// Returns all contacts, each as seen from the entity with the lower handle. O(1) for each.
+    /// Returns all contacts, each as seen from the entity with the lower index. O(1) for each.
     #[must_use]
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Collision> {
         self.contacts.iter()
@@ -96,9 +92,11 @@ impl Collisions<'_, '_> {
     }
 
     fn find(&self, a: Entity, b: Entity) -> Option<&ContactPair> {
-        let (id_a, id_b) = (self.id(a)?, self.id(b)?);
-        let pair = (id_a != id_b).then(|| Pair::new(id_a, id_b))?;
-        self.contacts.find(pair, [a, b])
+        let found = self.contacts.find([a, b])?;
+        // It may be out of the index by now.
+        let ContactKey { a, b, ids } = found.key;
+        let are_there = self.id(a) == Some(ids[0]) && self.id(b) == Some(ids[1]);
+        are_there.then_some(found)
     }
 
     fn pairs_of(&self, entity: Entity) -> impl Iterator<Item = &ContactPair> {

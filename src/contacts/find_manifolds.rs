@@ -5,12 +5,11 @@ use bevy::prelude::*;
 use super::{
     list::Contacts,
     manifolds::Manifolds,
-    pair::{SweptContact, seek},
+    pair::{ContactKey, KeyedImpact, seek},
     settings::{CollisionEventSettings, EventScope, ManifoldsEnabled},
     verdicts::Verdicts,
 };
 use crate::{
-    broad_phase::Pair,
     collision_index::{Candidate, CollisionIndex},
     components::BroadPhaseProxy,
     narrow_phase::{Manifold, NarrowPhase, Placed, Workspace},
@@ -55,8 +54,8 @@ pub(super) fn find_manifolds(
         }
         by_handle[id.index()] = true;
     }
-    let is_enabled = |pair: Pair| {
-        [pair.a, pair.b]
+    let is_enabled = |key: &ContactKey| {
+        key.ids
             .iter()
             .any(|id| by_handle.get(id.index()).is_some_and(|enabled| *enabled))
     };
@@ -66,24 +65,23 @@ pub(super) fn find_manifolds(
     let mut impacts = impacts.iter().peekable();
     let mut last = last.iter().peekable();
     for contact in pairs {
-        let pair = contact.pair;
-        if settings.manifolds != EventScope::All && !is_enabled(pair) {
+        let key = &contact.key;
+        if settings.manifolds != EventScope::All && !is_enabled(key) {
             continue;
         }
-        let is_new = seek(&mut found, pair, |pair| *pair).is_some() && !is_old;
-        let kept = seek(&mut last, pair, |(last, _)| last.pair)
-            .filter(|(last, _)| !is_new && last.key() == contact.key());
-        let impact = seek(&mut impacts, pair, |impact| impact.pair);
+        let is_new = seek(&mut found, key, |key| *key).is_some() && !is_old;
+        let kept = seek(&mut last, key, |(last, _)| last.key).filter(|_| !is_new);
+        let impact = seek(&mut impacts, key, |impact| impact.key);
         let manifold = match (kept, impact) {
             (Some((_, kept)), _) => Some(*kept),
             (None, Some(impact)) => Some(on_the_way(impact, &index, &tests, &mut workspace)),
-            (None, None) if verdicts.is_displaced(pair) => verdicts
+            (None, None) if verdicts.is_displaced(key) => verdicts
                 .geometry()
                 .iter()
-                .find(|(found, _)| *found == pair)
+                .find(|(found, _)| found == key)
                 .map(|(_, contact)| Manifold::from(*contact)),
             (None, None) => index
-                .placed(pair)
+                .placed(key.ids)
                 .and_then(|[a, b]| tests.manifold(a, b, &mut workspace)),
         };
         known.extend(manifold.map(|manifold| (*contact, manifold)));
@@ -93,14 +91,14 @@ pub(super) fn find_manifolds(
 /// Where two met on the way: at that moment, unless one of them was elsewhere by then, since it
 /// changed course.
 fn on_the_way(
-    impact: &SweptContact,
+    impact: &KeyedImpact,
     index: &CollisionIndex,
     tests: &NarrowPhase,
     workspace: &mut Workspace,
 ) -> Manifold {
     let met = impact.met;
     let single = Manifold::from(met.contact);
-    let Some(Candidate::OnTheWay([a, b])) = index.candidate(impact.pair) else {
+    let Some(Candidate::OnTheWay([a, b])) = index.candidate(impact.key.ids) else {
         return single;
     };
     let (at_a, at_b) = (a.at(met.time), b.at(met.time));

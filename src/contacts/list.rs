@@ -6,18 +6,21 @@ use bevy::{ecs::entity::EntityHashMap, prelude::*};
 
 use super::{
     adjacency::Adjacency,
+    ledger::{Changes, Ledger},
     manifolds::Manifolds,
-    pair::{Collision, ContactPair, SweptContact, seek},
+    pair::{Collision, ContactKey, ContactPair, KeyedImpact, seek},
     verdicts::Verdicts,
     watched::{self, WatchedContact},
 };
 use crate::{
-    broad_phase::{Pair, Proxies, ProxyId},
-    collision_index::CollisionIndex,
+    broad_phase::ProxyId,
+    collision_index::{CollisionIndex, IndexState},
     narrow_phase::{Contact, Manifold},
 };
 
-/// All pairs of entities in contact, in the order of their handles in the [`CollisionIndex`].
+/// All pairs of entities in contact, in the order of the entities: by the index of the one that has
+/// the lower, then by that of the other. That order does not depend on the broad phase, on the
+/// number of threads, or on who else came and went.
 ///
 /// After [`NarrowPhase`](crate::CollisionSystems::NarrowPhase), those of this tick; before it,
 /// those of the last. A contact is a [`Collision`], as seen from one of the two.
@@ -43,16 +46,13 @@ use crate::{
 #[reflect(Resource, Debug, Default)]
 #[type_path = "bevy_octree"]
 pub struct Contacts {
-    pairs: Vec<ContactPair>,
-    /// Those of the last report, for comparison; and those of the last tick, if they were not
-    /// reported.
-    before: Vec<ContactPair>,
-    unreported: Vec<ContactPair>,
-    /// Is there anything to report that was not?
-    has_news: bool,
-    /// The search for pairs that `pairs` are the verdicts on, by its number in the index.
+    all: Ledger,
+    /// The search for pairs that they are the verdicts on, by its number in the index.
     search: u64,
-    /// Those of which more is known, in the order of `pairs`; of the last report; and of the last
+    /// The state of the index then, if it was that of the search.
+    #[reflect(ignore)]
+    state: Option<IndexState>,
+    /// Those of which more is known, in the order of keys; of the last report; and of the last
     /// tick, unreported.
     #[reflect(ignore)]
     watched: Vec<WatchedContact>,
@@ -60,12 +60,12 @@ pub struct Contacts {
     watched_before: Vec<WatchedContact>,
     #[reflect(ignore)]
     watched_unreported: Vec<WatchedContact>,
-    /// Where those lie on each other of which somebody asked, in the order of pairs.
+    /// Where those lie on each other of which somebody asked, in the order of keys.
     #[reflect(ignore)]
     manifolds: Manifolds,
-    /// When and how those met of which one is swept, in the order of pairs.
+    /// When and how those met of which one is swept, in the order of keys.
     #[reflect(ignore)]
-    impacts: Vec<SweptContact>,
+    impacts: Vec<KeyedImpact>,
     /// Made when they are first asked for in a tick.
     #[reflect(ignore)]
     by_object: OnceLock<Adjacency>,
@@ -77,11 +77,11 @@ pub struct Contacts {
 ///
 /// Whatever is asked about an entity takes O(contacts) for the first question in a tick.
 impl Contacts {
-    /// Returns all contacts, each as seen from the entity with the lower handle. O(1) for each.
+    /// Returns all contacts, each as seen from the entity with the lower index. O(1) for each.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Collision> {
         let mut watched = self.watched.iter().peekable();
-        self.pairs.iter().map(move |contact| {
-            let watched = seek(&mut watched, contact.pair, WatchedContact::pair);
+        self.all.iter().map(move |contact| {
+            let watched = seek(&mut watched, &contact.key, WatchedContact::key);
             contact.collision(watched.map(|watched| watched.geometry))
         })
     }
@@ -90,8 +90,7 @@ impl Contacts {
     /// n).
     #[must_use]
     pub fn between(&self, a: Entity, b: Entity) -> Option<Collision> {
-        let contact = self.find(self.pair(a, b)?, [a, b])?;
-        Some(self.collision(contact).seen_from(a))
+        Some(self.collision(self.find([a, b])?).seen_from(a))
     }
 
     /// Returns the contacts of an entity, as seen from it, in the order of all; not those with a
@@ -108,8 +107,7 @@ impl Contacts {
     /// Returns `true` if two entities are in contact. O(log n).
     #[must_use]
     pub fn contains(&self, a: Entity, b: Entity) -> bool {
-        self.pair(a, b)
-            .is_some_and(|pair| self.find(pair, [a, b]).is_some())
+        self.find([a, b]).is_some()
     }
 
     /// Returns the share of the tick after which two entities came into contact of which one is
@@ -117,7 +115,7 @@ impl Contacts {
     /// for others: they are looked at where they are at the end of a tick. O(log n).
     #[must_use]
     pub fn time_of_impact(&self, a: Entity, b: Entity) -> Option<f32> {
-        time_of_impact(&self.impacts, self.pair(a, b)?)
+        time_of_impact(&self.impacts, &self.find([a, b])?.key)
     }
 
     /// Returns the points at which two entities lie on each other, with the normal from the first to
@@ -145,73 +143,59 @@ impl Contacts {
     /// ```
     #[must_use]
     pub fn manifold(&self, a: Entity, b: Entity) -> Option<Manifold> {
-        let contact = self.find(self.pair(a, b)?, [a, b])?;
-        self.manifold_of(contact, a)
+        self.manifold_of(self.find([a, b])?, a)
     }
 
     /// Returns the number of contacts.
     #[must_use]
     pub const fn len(&self) -> usize {
-        self.pairs.len()
+        self.all.len()
     }
 
     /// Returns `true` if nothing is in contact.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
-        self.pairs.is_empty()
-    }
-
-    /// The two, as a pair of handles, if both have contacts.
-    fn pair(&self, a: Entity, b: Entity) -> Option<Pair> {
-        let handles = self.handles();
-        let (a, b) = (*handles.get(&a)?, *handles.get(&b)?);
-        (a != b).then(|| Pair::new(a, b))
+        self.all.is_empty()
     }
 
     /// The handles of all that have contacts.
     fn handles(&self) -> &EntityHashMap<ProxyId> {
         self.handles.get_or_init(|| {
-            let both =
-                |contact: &ContactPair| [(contact.a, contact.pair.a), (contact.b, contact.pair.b)];
-            self.pairs.iter().flat_map(both).collect()
+            let both = |contact: &ContactPair| {
+                let ContactKey { a, b, ids } = contact.key;
+                [(a, ids[0]), (b, ids[1])]
+            };
+            self.all.iter().flat_map(both).collect()
         })
     }
 }
 
 /// # By handle
 impl Contacts {
-    pub(crate) fn pairs(&self) -> &[ContactPair] {
-        &self.pairs
+    /// All of them, in order.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = &ContactPair> {
+        self.all.iter()
     }
 
     /// Did the two meet on the way, in this tick?
-    pub(crate) fn met_on_the_way(&self, pair: Pair) -> bool {
-        time_of_impact(&self.impacts, pair).is_some()
+    pub(crate) fn met_on_the_way(&self, key: &ContactKey) -> bool {
+        time_of_impact(&self.impacts, key).is_some()
     }
 
-    /// The contact of a pair, if it is that of these entities: their handles may have been those of
-    /// others.
-    pub(super) fn find(&self, pair: Pair, entities: [Entity; 2]) -> Option<&ContactPair> {
-        let index = self
-            .pairs
-            .binary_search_by_key(&pair, |contact| contact.pair)
-            .ok()?;
-        Some(&self.pairs[index])
-            .filter(|contact| entities.iter().all(|entity| contact.is_of(*entity)))
+    /// The contact of two entities. O(log n).
+    pub(super) fn find(&self, entities: [Entity; 2]) -> Option<&ContactPair> {
+        self.all.find(entities)
     }
 
-    /// The contacts that an entity hears of, in the order of their pairs. O(1) for each, and O(contacts +
-    /// objects) for the first call in a tick.
+    /// The contacts that an entity hears of, in order. O(1) for each, and O(contacts + objects) for
+    /// the first call in a tick.
     pub(super) fn of_handle(
         &self,
         entity: Entity,
         id: ProxyId,
     ) -> impl Iterator<Item = &ContactPair> {
-        let adjacency = self.by_object.get_or_init(|| Adjacency::new(&self.pairs));
-        let all = adjacency
-            .of(id)
-            .iter()
-            .map(|index| &self.pairs[*index as usize]);
+        let adjacency = self.by_object.get_or_init(|| Adjacency::new(&self.all));
+        let all = adjacency.of(id).iter().map(|number| self.all.at(*number));
         // The handle may have been another's.
         all.filter(move |contact| contact.is_heard_by(entity))
     }
@@ -219,7 +203,7 @@ impl Contacts {
     /// Where the two lie on each other, as seen from one of them, if somebody asked. O(log n).
     pub(super) fn manifold_of(&self, contact: &ContactPair, entity: Entity) -> Option<Manifold> {
         let found = self.manifolds.find(contact)?;
-        Some(if contact.a == entity {
+        Some(if contact.key.a == entity {
             found
         } else {
             found.reversed()
@@ -227,13 +211,19 @@ impl Contacts {
     }
 
     /// The pairs in contact of which one is swept, when and how they met; the manifolds.
-    pub(super) fn split_manifolds(&mut self) -> (&[ContactPair], &[SweptContact], &mut Manifolds) {
-        (&self.pairs, &self.impacts, &mut self.manifolds)
+    pub(super) fn split_manifolds(
+        &mut self,
+    ) -> (
+        impl Iterator<Item = &ContactPair>,
+        &[KeyedImpact],
+        &mut Manifolds,
+    ) {
+        (self.all.iter(), &self.impacts, &mut self.manifolds)
     }
 
     /// With what is known of it. O(log n).
     pub(super) fn collision(&self, contact: &ContactPair) -> Collision {
-        let watched = watched::find(&self.watched, contact.pair);
+        let watched = watched::find(&self.watched, &contact.key);
         contact.collision(watched.map(|watched| watched.geometry))
     }
 }
@@ -254,48 +244,49 @@ impl Contacts {
         search: u64,
         verdicts: &mut Verdicts,
         index: &CollisionIndex,
-        geometry: impl FnMut(Pair) -> Option<Contact>,
+        geometry: impl FnMut(&ContactKey) -> Option<Contact>,
     ) {
         self.search = search;
         self.by_object.take();
         self.handles.take();
-        verdicts.sort(index.index().proxies().capacity());
-        verdicts.swap_impacts(&mut self.impacts);
+        verdicts.sort(index, &mut self.impacts);
+        let had_news = self.all.has_news();
         self.merge_pairs(verdicts, index);
-        self.merge_watched(verdicts, geometry);
-        self.has_news = true;
+        self.merge_watched(verdicts, had_news, geometry);
     }
 
     fn merge_pairs(&mut self, verdicts: &Verdicts, index: &CollisionIndex) {
         let proxies = index.index().proxies();
         let impacts = &self.impacts;
-        let found = |pair: Pair| {
-            let [a, b] = index.entities(pair);
-            let layers = [pair.a, pair.b].map(|id| proxies.filter(id).into());
-            ContactPair {
-                pair,
-                a,
-                b,
-                layers,
-                time: time_of_impact(impacts, pair).unwrap_or(1.0),
-            }
+        let contact = |key: &ContactKey| ContactPair {
+            key: *key,
+            layers: key.ids.map(|id| proxies.filter(id).into()),
+            time: time_of_impact(impacts, key).unwrap_or(1.0),
         };
-        let last = turn(
-            &mut self.pairs,
-            &mut self.before,
-            &mut self.unreported,
-            self.has_news,
-        );
-        let contacts = &mut self.pairs;
+        let found = verdicts.found();
+        let state = index.state_of_search();
+        let last = std::mem::replace(&mut self.state, state);
         // Nearly always, what was at rest still is.
         if index.is_as_searched() && !verdicts.displaces() {
-            let kept = last.iter().filter(|contact| rest(contact.pair, proxies));
-            merge(contacts, kept, verdicts.found(), found);
+            let follows = state
+                .zip(last)
+                .is_some_and(|(state, last)| state.follows(last));
+            let known = Changes {
+                // What went since the last update, is gone now.
+                some_woke: proxies.some_woke() || proxies.has_pending(),
+                some_slept: proxies.some_slept(),
+                some_found_at_rest: verdicts.may_repeat(),
+            };
+            let changes = if follows { known } else { Changes::ANY };
+            let rests =
+                |contact: &ContactPair| contact.key.ids.iter().all(|id| proxies.is_resting(*id));
+            self.all.enter(found, contact, rests, changes);
         } else {
-            let rested = |contact: &ContactPair| index.rested(contact.pair, [contact.a, contact.b]);
-            let stays =
-                |contact: &&ContactPair| rested(contact) && !verdicts.is_displaced(contact.pair);
-            merge(contacts, last.iter().filter(stays), verdicts.found(), found);
+            let rests = |contact: &ContactPair| {
+                let ContactKey { a, b, ids } = contact.key;
+                index.rested(ids, [a, b]) && !verdicts.is_displaced(&contact.key)
+            };
+            self.all.enter(found, contact, rests, Changes::ANY);
         }
     }
 
@@ -307,10 +298,11 @@ impl Contacts {
     fn merge_watched(
         &mut self,
         verdicts: &Verdicts,
-        mut geometry: impl FnMut(Pair) -> Option<Contact>,
+        had_news: bool,
+        mut geometry: impl FnMut(&ContactKey) -> Option<Contact>,
     ) {
         let (watched, before) = (&mut self.watched, &mut self.watched_before);
-        let last = turn(watched, before, &mut self.watched_unreported, self.has_news);
+        let last = turn(watched, before, &mut self.watched_unreported, had_news);
         let watch = &verdicts.watch;
         if watch.is_idle() {
             return;
@@ -318,21 +310,15 @@ impl Contacts {
         let mut found = verdicts.geometry().iter().peekable();
         let mut impacts = self.impacts.iter().peekable();
         let mut last = last.iter().peekable();
-        for contact in self
-            .pairs
-            .iter()
-            .filter(|contact| watch.wants(contact.pair))
-        {
-            let pair = contact.pair;
+        for contact in self.all.iter().filter(|contact| watch.wants(&contact.key)) {
+            let key = &contact.key;
             let on_the_way =
-                seek(&mut impacts, pair, |impact| impact.pair).map(|impact| impact.met.contact);
+                seek(&mut impacts, key, |impact| impact.key).map(|impact| impact.met.contact);
             let at_the_end =
-                seek(&mut found, pair, |(found, _)| *found).map(|(_, geometry)| *geometry);
-            let kept = seek(&mut last, pair, WatchedContact::pair)
-                .filter(|kept| kept.contact.key() == contact.key())
-                .map(|kept| kept.geometry);
+                seek(&mut found, key, |(found, _)| *found).map(|(_, geometry)| *geometry);
+            let kept = seek(&mut last, key, WatchedContact::key).map(|kept| kept.geometry);
             let known = on_the_way.or(at_the_end).or(kept);
-            if let Some(geometry) = known.or_else(|| geometry(pair)) {
+            if let Some(geometry) = known.or_else(|| geometry(key)) {
                 watched.push(watch.watched(*contact, geometry));
             }
         }
@@ -342,47 +328,28 @@ impl Contacts {
 /// # The report
 impl Contacts {
     pub(super) const fn has_news(&self) -> bool {
-        self.has_news
+        self.all.has_news()
     }
 
     /// All that happened until now was told.
     pub(super) const fn note_reported(&mut self) {
-        self.has_news = false;
+        self.all.note_reported();
     }
 
-    /// The contacts of the last report, and those of which more is known.
-    pub(super) fn before(&self) -> (&[ContactPair], &[WatchedContact]) {
-        (&self.before, &self.watched_before)
+    /// The contacts, with what became of them since the last report.
+    pub(super) const fn ledger(&self) -> &Ledger {
+        &self.all
     }
 
-    /// The contacts of now, and those of which more is known.
-    pub(super) fn now(&self) -> (&[ContactPair], &[WatchedContact]) {
-        (&self.pairs, &self.watched)
+    /// Of the last report, those of which more is known.
+    pub(super) fn watched_before(&self) -> &[WatchedContact] {
+        &self.watched_before
     }
-}
 
-/// All contacts of a tick: those that are kept, and those that were found; all in the order of
-/// pairs.
-fn merge<'a>(
-    contacts: &mut Vec<ContactPair>,
-    kept: impl Iterator<Item = &'a ContactPair>,
-    found: &[Pair],
-    contact: impl Fn(Pair) -> ContactPair,
-) {
-    let mut found = found.iter().copied().peekable();
-    for kept in kept {
-        while let Some(pair) = found.next_if(|pair| *pair < kept.pair) {
-            contacts.push(contact(pair));
-        }
-        contacts.push(*kept);
-        // One of them rested until it was hit.
-        found.next_if_eq(&kept.pair);
+    /// Of now, those of which more is known.
+    pub(super) fn watched(&self) -> &[WatchedContact] {
+        &self.watched
     }
-    contacts.extend(found.map(contact));
-    debug_assert!(
-        contacts.is_sorted_by(|a, b| a.pair < b.pair),
-        "each pair is one contact"
-    );
 }
 
 /// Makes room in `now` for what is known in a new tick, and returns what was known in the last one:
@@ -399,13 +366,9 @@ fn turn<'a, T>(
     last
 }
 
-fn rest(pair: Pair, proxies: &Proxies) -> bool {
-    proxies.is_resting(pair.a) && proxies.is_resting(pair.b)
-}
-
-fn time_of_impact(impacts: &[SweptContact], pair: Pair) -> Option<f32> {
+fn time_of_impact(impacts: &[KeyedImpact], key: &ContactKey) -> Option<f32> {
     let index = impacts
-        .binary_search_by_key(&pair, |impact| impact.pair)
+        .binary_search_by_key(key, |impact| impact.key)
         .ok()?;
     Some(impacts[index].met.time)
 }

@@ -3,7 +3,7 @@
 use super::pair::ContactPair;
 use crate::narrow_phase::Manifold;
 
-/// Those of a tick, in the order of pairs.
+/// Those of a tick, in the order of keys.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Manifolds {
     pub(super) known: Vec<(ContactPair, Manifold)>,
@@ -20,9 +20,8 @@ impl Manifolds {
     pub(super) fn find(&self, contact: &ContactPair) -> Option<Manifold> {
         let index = self
             .known
-            .binary_search_by_key(&contact.pair, |(known, _)| known.pair)
+            .binary_search_by_key(&contact.key, |(known, _)| known.key)
             .ok()?;
-        let (known, manifold) = self.known[index];
-        (known.key() == contact.key()).then_some(manifold)
+        Some(self.known[index].1)
     }
 }

@@ -12,6 +12,7 @@ mod colliding_entities;
 mod collisions;
 mod events;
 mod find_manifolds;
+mod ledger;
 mod list;
 mod manifolds;
 mod narrow;

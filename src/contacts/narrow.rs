@@ -5,17 +5,17 @@ use bevy::prelude::*;
 use super::{
     find_manifolds::{find_manifolds, wants_manifolds},
     list::Contacts,
-    pair::SweptContact,
+    pair::{ContactKey, SweptContact, reversed},
     settings::{CollisionEventSettings, CollisionEventsEnabled},
     verdicts::Verdicts,
 };
 use crate::{
-    broad_phase::Pair,
+    broad_phase::{EVERYWHERE, Pair},
     collision_index::{Candidate, CandidatePairs, CollisionIndex},
     components::BroadPhaseProxy,
     counters::CollisionCounters,
     maintenance::find_candidates,
-    narrow_phase::{NarrowPhase, StageCounters, Workspace},
+    narrow_phase::{Fit, NarrowPhase, StageCounters, Workspace},
     parallel,
     schedule::{CollisionSystems, ImpactSystems, add_to_tick},
 };
@@ -68,12 +68,14 @@ fn in_order(pair: Pair) -> Option<Pair> {
 
 /// So many candidates make a job of their own.
 const CANDIDATES: usize = 2048;
+/// The boxes of so many are gathered from memory before they are worked on.
+const GATHERED: usize = 64;
 
 /// What is found by a job, and what it needs: memory that outlives the tick.
 #[derive(Default)]
 struct Job {
     workspace: Workspace,
-    touching: Vec<Pair>,
+    touching: Vec<ContactKey>,
 }
 
 /// The memory of the exact tests.
@@ -113,38 +115,45 @@ fn test_candidates(
     if verdicts.watch.is_idle() && !index.has_swept() {
         let jobs = candidates.chunks(CANDIDATES).zip(&mut memory.jobs);
         parallel::for_each(jobs, |(candidates, job)| {
-            job.touching.clear();
-            let touch = |pair: &&Pair| touch(&index, &tests, **pair, &mut job.workspace);
-            job.touching.extend(candidates.iter().filter(touch));
+            for candidates in candidates.chunks(GATHERED) {
+                test_some(&index, &tests, candidates, job);
+            }
         });
         for job in &mut memory.jobs[..needed] {
-            let touching = job.touching.drain(..);
-            if may_repeat {
-                verdicts.extend(touching.filter_map(in_order));
-            } else {
-                verdicts.extend(touching);
-            }
+            verdicts.extend(&job.touching);
+            job.touching.clear();
         }
     } else {
         let workspace = &mut memory.jobs[0].workspace;
         for pair in candidates.iter().copied().filter_map(in_order) {
-            let contact = match index.candidate(pair) {
+            // One may be gone.
+            if ![pair.a, pair.b].iter().all(|id| index.body(*id).is_some()) {
+                continue;
+            }
+            // Which of the two comes first, is not up to their handles.
+            let key = ContactKey::of(pair, &index);
+            let contact = match index.candidate(key.ids) {
                 None => continue,
                 Some(Candidate::OnTheWay([a, b])) => {
                     if let Some(met) = tests.time_of_impact(&a, &b, workspace) {
+                        let met = if key.is_reversed() {
+                            reversed(met)
+                        } else {
+                            met
+                        };
                         verdicts.meet(SweptContact { pair, met });
                     }
                     continue;
                 }
-                Some(Candidate::AtTheEnd([a, b])) if verdicts.watch.wants(pair) => {
+                Some(Candidate::AtTheEnd([a, b])) if verdicts.watch.wants(&key) => {
                     tests.contact(a, b, workspace).map(Some)
                 }
-                Some(Candidate::AtTheEnd(_)) => {
-                    touch(&index, &tests, pair, workspace).then_some(None)
+                Some(Candidate::AtTheEnd([a, b])) => {
+                    tests.intersects(a, b, workspace).then_some(None)
                 }
             };
             if let Some(geometry) = contact {
-                verdicts.touch(pair, geometry);
+                verdicts.touch(key, geometry);
             }
         }
         verdicts.sort_impacts();
@@ -164,18 +173,37 @@ fn test_candidates(
     }
 }
 
-/// Are the two of a pair in contact at the end of the tick? Not if one is gone.
-#[inline]
-fn touch(
-    index: &CollisionIndex,
-    tests: &NarrowPhase,
-    pair: Pair,
-    workspace: &mut Workspace,
-) -> bool {
-    index.certainly_intersect(pair, tests, &mut workspace.counters)
-        || index
-            .placed(pair)
-            .is_some_and(|[a, b]| tests.intersects(a, b, workspace))
+/// Lists those of some candidates that are in contact at the end of the tick, of which nobody is
+/// swept and nobody asked where.
+fn test_some(index: &CollisionIndex, tests: &NarrowPhase, candidates: &[Pair], job: &mut Job) {
+    let mut boxes = [[EVERYWHERE; GATHERED]; 2];
+    let mut fits = [[Fit::Loose; GATHERED]; 2];
+    // In loops that do nothing else, so that the processor runs ahead and waits for many boxes at
+    // once.
+    for (side, (boxes, fits)) in boxes.iter_mut().zip(&mut fits).enumerate() {
+        for ((pair, aabb), fit) in candidates.iter().zip(boxes).zip(fits) {
+            let id = if side == 0 { pair.a } else { pair.b };
+            *aabb = index.box_of(id);
+            *fit = index.fit(id);
+        }
+    }
+    let workspace = &mut job.workspace;
+    let mut touching = [0; GATHERED];
+    let mut count = 0;
+    for (number, pair) in candidates.iter().enumerate() {
+        let [a, b] = [0, 1].map(|side| (fits[side][number], &boxes[side][number]));
+        let touch = tests.certainly_intersect(a, b, &mut workspace.counters)
+            || index
+                .placed([pair.a, pair.b])
+                .is_some_and(|[a, b]| tests.intersects(a, b, workspace));
+        touching[count] = number;
+        count += usize::from(touch);
+    }
+    let touching = touching[..count].iter().map(|number| candidates[*number]);
+    let keys = touching
+        .filter_map(in_order)
+        .map(|pair| ContactKey::of(pair, index));
+    job.touching.extend(keys);
 }
 
 /// Tells of the first pair of shapes about which nothing can be said.
@@ -183,7 +211,7 @@ fn touch(
 fn warn_of_unknown(index: &CollisionIndex, candidates: &CandidatePairs) {
     let is_unknown = |pair: &&Pair| {
         index
-            .placed(**pair)
+            .placed([pair.a, pair.b])
             .is_some_and(|[a, b]| !crate::narrow_phase::is_known(a, b))
     };
     let Some(pair) = candidates.iter().find(is_unknown) else {
@@ -207,9 +235,9 @@ fn merge_verdicts(
     mut counters: ResMut<CollisionCounters>,
     mut workspace: Local<Workspace>,
 ) {
-    let geometry = |pair| {
+    let geometry = |key: &ContactKey| {
         index
-            .placed(pair)
+            .placed(key.ids)
             .and_then(|[a, b]| tests.contact(a, b, &mut workspace))
     };
     if let Some(search) = verdicts.take_search() {

@@ -1,67 +1,80 @@
-//! The order of pairs.
+//! The order of contacts.
 
-use crate::broad_phase::Pair;
+use super::pair::ContactKey;
 
-/// Puts pairs in their order, with memory that outlives it.
+/// Puts keys in their order, with memory that outlives it.
 ///
-/// By a counting sort on the first of the two, if there are enough pairs for the number of handles,
-/// and by comparisons within what that leaves together: O(n), but for those that many others touch.
+/// By a counting sort on the first of the two entities, if there are enough keys for the number of
+/// entities, and by comparisons within what that leaves together: O(n), but for those that many
+/// others touch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sorter {
-    /// By the first handle: where its pairs begin, and end once they are put there.
+    /// By the index of the first entity: where its keys begin, and end once they are put there.
     ends: Vec<u32>,
-    sorted: Vec<Pair>,
+    sorted: Vec<ContactKey>,
 }
 
-/// So many handles for each pair make a counting sort slower than comparisons.
-const HANDLES_PER_PAIR: usize = 8;
+/// So many entities for each key make a counting sort slower than comparisons.
+const ENTITIES_PER_KEY: usize = 8;
+
+/// Where the first entity is counted.
+#[inline]
+const fn place(key: &ContactKey) -> usize {
+    key.a.index_u32() as usize
+}
 
 impl Sorter {
-    /// Sorts pairs whose handles are below a number.
-    pub(super) fn sort(&mut self, pairs: &mut Vec<Pair>, handles: usize) {
-        let is_countable =
-            u32::try_from(pairs.len()).is_ok() && pairs.iter().all(|pair| pair.a.index() < handles);
-        if !is_countable || handles > pairs.len().saturating_mul(HANDLES_PER_PAIR) {
-            pairs.sort_unstable_by_key(|pair| pair.key());
+    /// Sorts keys.
+    pub(super) fn sort(&mut self, keys: &mut Vec<ContactKey>) {
+        let entities = keys.iter().map(place).max().map_or(0, |last| last + 1);
+        let is_countable = u32::try_from(keys.len()).is_ok();
+        if !is_countable || entities > keys.len().saturating_mul(ENTITIES_PER_KEY) {
+            keys.sort_unstable();
             return;
         }
         self.ends.clear();
-        self.ends.resize(handles, 0);
-        for pair in &*pairs {
-            self.ends[pair.a.index()] += 1;
+        self.ends.resize(entities, 0);
+        for key in &*keys {
+            self.ends[place(key)] += 1;
         }
         let mut start = 0;
         for end in &mut self.ends {
             start += std::mem::replace(end, start);
         }
         self.sorted.clear();
-        self.sorted.extend_from_slice(pairs);
-        for pair in &*pairs {
-            let end = &mut self.ends[pair.a.index()];
-            self.sorted[*end as usize] = *pair;
+        self.sorted.extend_from_slice(keys);
+        for key in &*keys {
+            let end = &mut self.ends[place(key)];
+            self.sorted[*end as usize] = *key;
             *end += 1;
         }
-        for of_one in self.sorted.chunk_by_mut(|one, other| one.a == other.a) {
+        for of_one in self
+            .sorted
+            .chunk_by_mut(|one, other| place(one) == place(other))
+        {
             if of_one.len() > 1 {
-                of_one.sort_unstable_by_key(|pair| pair.b);
+                of_one.sort_unstable();
             }
         }
-        std::mem::swap(pairs, &mut self.sorted);
+        std::mem::swap(keys, &mut self.sorted);
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use bevy::prelude::*;
     use fastrand::Rng;
 
     use super::*;
     use crate::broad_phase::ProxyId;
 
     #[test]
-    fn pairs_are_sorted_whatever_their_number() {
+    fn keys_are_sorted_whatever_their_number() {
+        let mut world = World::new();
+        let entities: Vec<_> = (0..1000).map(|_| world.spawn_empty().id()).collect();
         let mut sorter = Sorter::default();
         let mut rng = Rng::with_seed(4);
-        for (handles, count) in [
+        for (known, count) in [
             (2, 0),
             (2, 3),
             (1000, 10),
@@ -69,26 +82,20 @@ mod tests {
             (1000, 5000),
             (3, 9000),
         ] {
-            let mut pairs: Vec<Pair> = (0..count)
+            let mut keys: Vec<ContactKey> = (0..count)
                 .map(|_| {
-                    let a = rng.u32(0..handles - 1);
-                    Pair::new(ProxyId::new(a), ProxyId::new(rng.u32(a + 1..handles)))
+                    let a = rng.usize(0..known - 1);
+                    ContactKey {
+                        a: entities[a],
+                        b: entities[rng.usize(a + 1..known)],
+                        ids: [rng.u32(0..2), rng.u32(2..4)].map(ProxyId::new),
+                    }
                 })
                 .collect();
-            let mut expected = pairs.clone();
+            let mut expected = keys.clone();
             expected.sort();
-            sorter.sort(&mut pairs, handles as usize);
-            assert_eq!(pairs, expected);
+            sorter.sort(&mut keys);
+            assert_eq!(keys, expected);
         }
-    }
-
-    #[test]
-    fn handles_beyond_their_number_are_sorted_too() {
-        let mut pairs = vec![
-            Pair::new(ProxyId::new(7), ProxyId::new(9)),
-            Pair::new(ProxyId::new(0), ProxyId::new(9)),
-        ];
-        Sorter::default().sort(&mut pairs, 2);
-        assert!(pairs.is_sorted());
     }
 }

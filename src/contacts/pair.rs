@@ -8,22 +8,110 @@ use std::{
 use bevy::prelude::*;
 
 use crate::{
-    broad_phase::Pair,
+    broad_phase::{Pair, ProxyId},
+    collision_index::CollisionIndex,
     filters::{self, CollisionLayers},
     narrow_phase::{Contact, TimedContact},
 };
+
+/// What tells a contact from others, and orders all of them: the two entities, and their handles in
+/// the index.
+///
+/// Contacts are ordered by their entities, the lower index first, and not by handles: these depend
+/// on who else came and went. That the handles are part of it makes a contact a new one when one of
+/// the two was out of the index in between.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[type_path = "bevy_octree"]
+pub(crate) struct ContactKey {
+    /// The entity that comes first.
+    pub(crate) a: Entity,
+    /// The other one.
+    pub(crate) b: Entity,
+    /// The handle of `a`, and that of `b`.
+    pub(crate) ids: [ProxyId; 2],
+}
+
+/// The place of an entity in the order of all: by its index, and then by its generation.
+#[inline]
+const fn rank(entity: Entity) -> u64 {
+    (entity.index_u32() as u64) << 32 | entity.generation().to_bits() as u64
+}
+
+impl ContactKey {
+    /// That of the two of a pair, in the order of their entities.
+    ///
+    /// # Panics
+    /// If the pair is not of this index.
+    #[inline]
+    pub(super) fn of(pair: Pair, index: &CollisionIndex) -> Self {
+        let [a, b] = index.entities(pair);
+        let ids = [pair.a, pair.b];
+        if rank(a) <= rank(b) {
+            Self { a, b, ids }
+        } else {
+            Self {
+                a: b,
+                b: a,
+                ids: [ids[1], ids[0]],
+            }
+        }
+    }
+
+    /// Are the two handles the other way round in the pairs of the broad phase?
+    #[inline]
+    pub(super) fn is_reversed(&self) -> bool {
+        self.ids[0] > self.ids[1]
+    }
+
+    /// Where it stands to the contact of two entities, in any order.
+    pub(super) fn cmp_entities(&self, [a, b]: [Entity; 2]) -> Ordering {
+        let (a, b) = (rank(a), rank(b));
+        (rank(self.a), rank(self.b)).cmp(&(a.min(b), a.max(b)))
+    }
+}
+
+impl SweptContact {
+    /// In the order of their entities.
+    pub(super) fn keyed(&self, index: &CollisionIndex) -> KeyedImpact {
+        let key = ContactKey::of(self.pair, index);
+        let met = if key.is_reversed() {
+            reversed(self.met)
+        } else {
+            self.met
+        };
+        KeyedImpact { key, met }
+    }
+}
+
+/// As seen from the other of the two.
+pub(super) fn reversed(met: TimedContact) -> TimedContact {
+    TimedContact {
+        contact: met.contact.reversed(),
+        ..met
+    }
+}
+
+impl PartialOrd for ContactKey {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for ContactKey {
+    #[inline]
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_entities = (rank(self.a), rank(self.b)).cmp(&(rank(other.a), rank(other.b)));
+        by_entities.then_with(|| self.ids.cmp(&other.ids))
+    }
+}
 
 /// Two entities in contact, as the list of all has them.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
 pub(crate) struct ContactPair {
-    /// Their handles in the [`CollisionIndex`](crate::collision_index::CollisionIndex).
-    pub(crate) pair: Pair,
-    /// The entity of `pair.a`.
-    pub(crate) a: Entity,
-    /// The entity of `pair.b`.
-    pub(crate) b: Entity,
-    /// The layers of `a`, and those of `b`.
+    /// Who they are.
+    pub(crate) key: ContactKey,
+    /// The layers of the first, and those of the second.
     pub(crate) layers: [CollisionLayers; 2],
     /// The share of the tick after which they met: 1, its end, unless one of them is
     /// [swept](crate::swept::Swept).
@@ -31,26 +119,20 @@ pub(crate) struct ContactPair {
 }
 
 impl ContactPair {
-    /// What tells a contact from others, and orders them. A handle alone does not: it may be
-    /// another entity's by the next tick, if the index was brought up to date between the two.
-    pub(super) const fn key(&self) -> (Pair, Entity, Entity) {
-        (self.pair, self.a, self.b)
+    /// The two entities.
+    pub(crate) const fn entities(&self) -> [Entity; 2] {
+        [self.key.a, self.key.b]
     }
 
     /// The two, as seen from `a`.
     pub(super) fn collision(&self, contact: Option<Contact>) -> Collision {
         Collision {
-            a: self.a,
-            b: self.b,
+            a: self.key.a,
+            b: self.key.b,
             contact,
             layers: self.layers,
             time: self.time,
         }
-    }
-
-    /// Is this entity one of the two?
-    pub(super) fn is_of(&self, entity: Entity) -> bool {
-        self.a == entity || self.b == entity
     }
 
     /// Which of the two hear of it.
@@ -61,20 +143,28 @@ impl ContactPair {
     /// Is this entity one of the two, and hears of it?
     pub(super) fn is_heard_by(&self, entity: Entity) -> bool {
         let [a_hears, b_hears] = self.hears();
-        (self.a == entity && a_hears) || (self.b == entity && b_hears)
+        (self.key.a == entity && a_hears) || (self.key.b == entity && b_hears)
     }
 
     /// The other of the two.
     pub(super) fn other(&self, entity: Entity) -> Entity {
-        if self.a == entity { self.b } else { self.a }
+        let ContactKey { a, b, .. } = self.key;
+        if a == entity { b } else { a }
     }
 }
 
-/// Two that met on the way.
+/// Two that met on the way, the lower handle first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SweptContact {
     pub(crate) pair: Pair,
     pub(crate) met: TimedContact,
+}
+
+/// Two that met on the way, in the order of their entities.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct KeyedImpact {
+    pub(super) key: ContactKey,
+    pub(super) met: TimedContact,
 }
 
 /// Two entities in contact, as seen from the first.
@@ -82,8 +172,7 @@ pub(crate) struct SweptContact {
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
 pub struct Collision {
-    /// The entity that was asked about; of all contacts, the one with the lower handle in the
-    /// [`CollisionIndex`](crate::collision_index::CollisionIndex).
+    /// The entity that was asked about; of all contacts, the one with the lower index.
     pub a: Entity,
     /// The other one.
     pub b: Entity,
@@ -156,15 +245,15 @@ pub(super) fn other([a, b]: [Entity; 2], entity: Entity) -> Option<Entity> {
     }
 }
 
-/// Of a list in the order of pairs, what is about this one, if anything is. For pairs asked about
-/// in the same order, not all of those in the list.
+/// Of a list in the order of keys, what is about this one, if anything is. For keys asked about in
+/// the same order, not all of those in the list.
 pub(super) fn seek<'a, T: 'a>(
     list: &mut Peekable<impl Iterator<Item = &'a T>>,
-    pair: Pair,
-    key: impl Fn(&T) -> Pair,
+    key: &ContactKey,
+    key_of: impl Fn(&T) -> ContactKey,
 ) -> Option<&'a T> {
-    while list.next_if(|other| key(other) < pair).is_some() {}
-    list.next_if(|other| key(other) == pair)
+    while list.next_if(|other| key_of(other) < *key).is_some() {}
+    list.next_if(|other| key_of(other) == *key)
 }
 
 /// Two lists in the order of a key, side by side: what each has of a key, for all keys that one of

@@ -52,22 +52,37 @@ fn write_messages(
     mut ended: MessageWriter<CollisionEnded>,
 ) {
     contacts.bypass_change_detection().note_reported();
-    let ((before, watched_before), (now, watched)) = (contacts.before(), contacts.now());
+    let ledger = contacts.ledger();
+    let (watched_before, watched) = (contacts.watched_before(), contacts.watched());
+    // Counters are about contacts, whoever is told.
+    counters.tick.ended += ledger.ended().len() as u64;
+    counters.tick.started += ledger.started().len() as u64;
     let scope = settings.messages;
-    let mut told_before = Told::of(scope_before.replace(scope).unwrap_or(scope), watched_before);
-    let mut told = Told::of(scope, watched);
-    let counters = &mut counters.tick;
-    for (old, new) in compare(before, now, ContactPair::key) {
-        // Counters are about contacts, whoever is told.
-        counters.ended += u64::from(new.is_none());
-        counters.started += u64::from(old.is_none());
-        match (
-            old.filter(|old| told_before.includes(old)),
-            new.filter(|new| told.includes(new)),
-        ) {
-            (Some(old), None) => _ = ended.write(seen_with(old, watched_before).heard().into()),
-            (None, Some(new)) => in_time.push(seen_with(new, watched).heard().into()),
-            _ => {}
+    let before = scope_before.replace(scope).unwrap_or(scope);
+    if (before, scope) == (EventScope::All, EventScope::All) {
+        let ends = ledger.ended().iter();
+        ended.write_batch(ends.map(|old| seen_with(old, watched_before).heard().into()));
+        let starts = ledger.started();
+        let messages = starts
+            .iter()
+            .map(|new| CollisionStarted::from(seen_with(new, watched).heard()));
+        if starts.is_sorted_by(|a, b| a.time <= b.time) {
+            started.write_batch(messages);
+        } else {
+            in_time.extend(messages);
+        }
+    } else {
+        let mut told_before = Told::of(before, watched_before);
+        let mut told = Told::of(scope, watched);
+        for (old, new) in ledger.compare() {
+            match (
+                old.filter(|old| told_before.includes(old)),
+                new.filter(|new| told.includes(new)),
+            ) {
+                (Some(old), None) => _ = ended.write(seen_with(old, watched_before).heard().into()),
+                (None, Some(new)) => in_time.push(seen_with(new, watched).heard().into()),
+                _ => {}
+            }
         }
     }
     in_time.sort_by(earlier);
@@ -79,7 +94,7 @@ fn earlier(a: &CollisionStarted, b: &CollisionStarted) -> Ordering {
     a.time.total_cmp(&b.time)
 }
 
-/// The contacts that messages are about, for one question after the other, in the order of pairs.
+/// The contacts that messages are about, for one question after the other, in the order of keys.
 enum Told<'a> {
     All,
     /// Those that somebody enabled.
@@ -97,7 +112,7 @@ impl<'a> Told<'a> {
     fn includes(&mut self, contact: &ContactPair) -> bool {
         match self {
             Self::All => true,
-            Self::Some(watched) => seek(watched, contact.pair, WatchedContact::pair)
+            Self::Some(watched) => seek(watched, &contact.key, WatchedContact::key)
                 .is_some_and(|watched| watched.enabled),
         }
     }
@@ -105,11 +120,11 @@ impl<'a> Told<'a> {
 
 /// With what is known of it. O(log n).
 fn seen_with(contact: &ContactPair, watched: &[WatchedContact]) -> Collision {
-    contact.collision(watched::find(watched, contact.pair).map(|watched| watched.geometry))
+    contact.collision(watched::find(watched, &contact.key).map(|watched| watched.geometry))
 }
 
 fn anything_watched(contacts: Res<Contacts>) -> bool {
-    !(contacts.before().1.is_empty() && contacts.now().1.is_empty())
+    !(contacts.watched_before().is_empty() && contacts.watched().is_empty())
 }
 
 /// Triggers events: first those of all contacts that ended, in the order of the contacts, then
@@ -123,9 +138,8 @@ fn trigger_events(
     mut started: Local<Vec<CollisionStarted>>,
 ) {
     let contacts = world.resource::<Contacts>();
-    for (old, new) in compare(contacts.before().1, contacts.now().1, |watched| {
-        watched.contact.key()
-    }) {
+    let (before, now) = (contacts.watched_before(), contacts.watched());
+    for (old, new) in compare(before, now, WatchedContact::key) {
         for side in [0, 1] {
             let observed = |watched: &&WatchedContact| watched.observed[side];
             match (old.filter(observed), new.filter(observed)) {

@@ -2,9 +2,14 @@
 
 use bevy::prelude::*;
 
-use super::{order::Sorter, pair::SweptContact, watched::Watch};
+use super::{
+    order::Sorter,
+    pair::{ContactKey, KeyedImpact, SweptContact},
+    watched::Watch,
+};
 use crate::{
     broad_phase::{Pair, ProxyId},
+    collision_index::CollisionIndex,
     narrow_phase::Contact,
 };
 
@@ -17,11 +22,14 @@ pub(crate) struct Verdicts {
     /// merged.
     search: Option<u64>,
     /// Those in contact at the end of the tick, in any order.
-    found: Vec<Pair>,
+    found: Vec<ContactKey>,
     /// May one of them have been found twice?
     may_repeat: bool,
     /// Where they meet, of those that somebody asked about.
-    geometry: Vec<(Pair, Contact)>,
+    geometry: Vec<(ContactKey, Contact)>,
+    /// What is found to be in contact at the end of the tick after all, and where, the lower handle
+    /// first.
+    found_later: Vec<(Pair, Contact)>,
     /// When and how the pairs met of which one is swept: the first time of each, in the order of
     /// pairs.
     impacts: Vec<SweptContact>,
@@ -41,20 +49,21 @@ impl Verdicts {
         (self.search, self.may_repeat) = (Some(search), may_repeat);
         self.found.clear();
         self.geometry.clear();
+        self.found_later.clear();
         self.impacts.clear();
         self.displaced.clear();
     }
 
     /// These are in contact, and nobody asked where.
-    pub(super) fn extend(&mut self, pairs: impl Iterator<Item = Pair>) {
-        self.found.extend(pairs);
+    pub(super) fn extend(&mut self, keys: &[ContactKey]) {
+        self.found.extend_from_slice(keys);
     }
 
     /// These two are in contact.
-    pub(super) fn touch(&mut self, pair: Pair, geometry: Option<Contact>) {
-        self.found.push(pair);
+    pub(super) fn touch(&mut self, key: ContactKey, geometry: Option<Contact>) {
+        self.found.push(key);
         self.geometry
-            .extend(geometry.map(|geometry| (pair, geometry)));
+            .extend(geometry.map(|geometry| (key, geometry)));
     }
 
     /// These two met on the way.
@@ -99,13 +108,10 @@ impl Verdicts {
             return;
         }
         let displaced = &self.displaced;
-        self.found.retain(|pair| !is_one_of(displaced, *pair));
+        self.found.retain(|key| !is_one_of(displaced, key.ids));
         self.geometry
-            .retain(|(pair, _)| !is_one_of(displaced, *pair));
-        for (pair, geometry) in found {
-            self.found.push(pair);
-            self.geometry.push((pair, geometry));
-        }
+            .retain(|(key, _)| !is_one_of(displaced, key.ids));
+        self.found_later.extend(found);
     }
 }
 
@@ -116,29 +122,48 @@ impl Verdicts {
         self.search.take()
     }
 
-    /// Puts all in the order of pairs, of handles below a number: those in contact once each, those
-    /// that met on the way among them.
-    pub(super) fn sort(&mut self, handles: usize) {
-        self.found
-            .extend(self.impacts.iter().map(|impact| impact.pair));
-        self.sorter.sort(&mut self.found, handles);
-        if self.may_repeat || !self.impacts.is_empty() {
+    /// Puts all in the order of keys: those in contact once each, those that met on the way among
+    /// them. Returns these, the first time of each, which replace those of the last tick.
+    pub(super) fn sort(&mut self, index: &CollisionIndex, impacts: &mut Vec<KeyedImpact>) {
+        for (pair, contact) in self.found_later.drain(..) {
+            let key = ContactKey::of(pair, index);
+            let contact = if key.is_reversed() {
+                contact.reversed()
+            } else {
+                contact
+            };
+            self.found.push(key);
+            self.geometry.push((key, contact));
+            self.may_repeat = true;
+        }
+        impacts.clear();
+        impacts.extend(self.impacts.drain(..).map(|impact| impact.keyed(index)));
+        impacts.sort_unstable_by_key(|impact| impact.key);
+        self.found.extend(impacts.iter().map(|impact| impact.key));
+        self.sorter.sort(&mut self.found);
+        self.may_repeat |= !impacts.is_empty();
+        if self.may_repeat {
             self.found.dedup();
         }
         debug_assert!(
             self.found.is_sorted_by(|a, b| a < b),
             "each pair is found once"
         );
-        self.geometry.sort_unstable_by_key(|(pair, _)| *pair);
+        self.geometry.sort_by_key(|(key, _)| *key);
+    }
+
+    /// May two at rest be among those in contact? Only if others put them there.
+    pub(super) const fn may_repeat(&self) -> bool {
+        self.may_repeat
     }
 
     /// All pairs in contact.
-    pub(super) fn found(&self) -> &[Pair] {
+    pub(super) fn found(&self) -> &[ContactKey] {
         &self.found
     }
 
     /// Where they meet at the end of the tick, a pair maybe several times.
-    pub(super) fn geometry(&self) -> &[(Pair, Contact)] {
+    pub(super) fn geometry(&self) -> &[(ContactKey, Contact)] {
         &self.geometry
     }
 
@@ -148,20 +173,13 @@ impl Verdicts {
     }
 
     /// Is one of the two elsewhere than where it was looked at?
-    pub(super) fn is_displaced(&self, pair: Pair) -> bool {
-        is_one_of(&self.displaced, pair)
-    }
-
-    /// Hands over those that met on the way, in the order of pairs.
-    pub(super) const fn swap_impacts(&mut self, impacts: &mut Vec<SweptContact>) {
-        std::mem::swap(&mut self.impacts, impacts);
+    pub(super) fn is_displaced(&self, key: &ContactKey) -> bool {
+        is_one_of(&self.displaced, key.ids)
     }
 }
 
-fn is_one_of(displaced: &[ProxyId], pair: Pair) -> bool {
-    [pair.a, pair.b]
-        .iter()
-        .any(|id| displaced.binary_search(id).is_ok())
+fn is_one_of(displaced: &[ProxyId], ids: [ProxyId; 2]) -> bool {
+    ids.iter().any(|id| displaced.binary_search(id).is_ok())
 }
 
 pub(super) fn register(app: &mut App) {

@@ -1,13 +1,10 @@
 //! Contacts of which more is known than that they are: where, and who is told.
 
 use super::{
-    pair::{Collision, ContactPair},
+    pair::{Collision, ContactKey, ContactPair},
     settings::{CollisionEventSettings, EventScope},
 };
-use crate::{
-    broad_phase::{Pair, ProxyId},
-    narrow_phase::Contact,
-};
+use crate::{broad_phase::ProxyId, narrow_phase::Contact};
 
 /// A contact that somebody asked about.
 #[derive(Clone, Copy, Debug)]
@@ -21,8 +18,8 @@ pub(super) struct WatchedContact {
 }
 
 impl WatchedContact {
-    pub(super) const fn pair(&self) -> Pair {
-        self.contact.pair
+    pub(super) const fn key(&self) -> ContactKey {
+        self.contact.key
     }
 
     /// From one of its two sides.
@@ -36,10 +33,13 @@ impl WatchedContact {
     }
 }
 
-/// What is known of a pair. O(log n).
-pub(super) fn find(watched: &[WatchedContact], pair: Pair) -> Option<&WatchedContact> {
+/// What is known of two. O(log n).
+pub(super) fn find<'a>(
+    watched: &'a [WatchedContact],
+    key: &ContactKey,
+) -> Option<&'a WatchedContact> {
     watched
-        .binary_search_by_key(&pair, WatchedContact::pair)
+        .binary_search_by_key(key, WatchedContact::key)
         .ok()
         .map(|index| &watched[index])
 }
@@ -76,16 +76,16 @@ impl Watch {
         !self.all && self.enabled.is_empty()
     }
 
-    /// Has somebody asked about the contact of this pair?
+    /// Has somebody asked about the contact of these two?
     #[inline]
-    pub(super) fn wants(&self, pair: Pair) -> bool {
-        self.all || self.enabled(pair).contains(&true)
+    pub(super) fn wants(&self, key: &ContactKey) -> bool {
+        self.all || self.enabled(key).contains(&true)
     }
 
     /// The contact, with all that is to be known of it.
     pub(super) fn watched(&self, contact: ContactPair, geometry: Contact) -> WatchedContact {
         let hears = contact.hears();
-        let asks = self.enabled(contact.pair);
+        let asks = self.enabled(&contact.key);
         let enabled = [asks[0] && hears[0], asks[1] && hears[1]];
         let observed = if self.all_observed { hears } else { enabled };
         WatchedContact {
@@ -97,7 +97,8 @@ impl Watch {
     }
 
     #[inline]
-    fn enabled(&self, pair: Pair) -> [bool; 2] {
-        [pair.a, pair.b].map(|id| self.enabled.get(id.index()).is_some_and(|enabled| *enabled))
+    fn enabled(&self, key: &ContactKey) -> [bool; 2] {
+        key.ids
+            .map(|id| self.enabled.get(id.index()).is_some_and(|enabled| *enabled))
     }
 }

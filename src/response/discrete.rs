@@ -28,9 +28,10 @@ fn solid(
     let some_sensors = !sensors.is_empty();
     let is_sensor = move |entity| some_sensors && sensors.contains(entity);
     let is_solid = move |contact: &&ContactPair| {
-        !contacts.met_on_the_way(contact.pair) && !is_sensor(contact.a) && !is_sensor(contact.b)
+        let is_some_sensor = contact.entities().into_iter().any(is_sensor);
+        !is_some_sensor && !contacts.met_on_the_way(&contact.key)
     };
-    contacts.pairs().iter().filter(is_solid).copied()
+    contacts.pairs().filter(is_solid).copied()
 }
 
 pub(super) fn reverse(
@@ -43,7 +44,7 @@ pub(super) fn reverse(
 ) {
     colliding.clear();
     let hearing = |contact: ContactPair| {
-        let both = [contact.a, contact.b].into_iter().zip(contact.hears());
+        let both = contact.entities().into_iter().zip(contact.hears());
         both.filter(|(_, hears)| *hears).map(|(entity, _)| entity)
     };
     colliding.extend(solid(&contacts, &sensors).flat_map(hearing));
@@ -134,7 +135,7 @@ pub(super) fn reflect(
     mut workspace: Local<Workspace>,
 ) {
     for contact in solid(&contacts, &sensors) {
-        let entities = [contact.a, contact.b];
+        let entities = contact.entities();
         let hears = contact.hears();
         let bounces = [0, 1].map(|which| {
             let entity = Some(entities[which]).filter(|_| hears[which])?;
@@ -146,7 +147,7 @@ pub(super) fn reflect(
         {
             continue;
         }
-        let [Some(a), Some(b)] = [contact.pair.a, contact.pair.b].map(|id| index.body(id)) else {
+        let [Some(a), Some(b)] = contact.key.ids.map(|id| index.body(id)) else {
             continue;
         };
         let frames = entities.map(|entity| movers.frame(entity));

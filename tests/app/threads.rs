@@ -1,4 +1,5 @@
-//! The pairs and their order are the same at any number of threads.
+//! Everything is the same at any number of threads, its order included: pairs, contacts, messages,
+//! where bodies are and how they move.
 //!
 //! A process has one pool of threads. So the test runs itself, in a process of its own for each
 //! number.
@@ -8,11 +9,19 @@ use std::{
     process::Command,
 };
 
-use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
+use bevy::{
+    ecs::message::MessageCursor,
+    prelude::*,
+    tasks::{ComputeTaskPool, TaskPoolBuilder},
+};
 use bevy_octree::{
-    broad_phase::{BroadPhaseMethod, SpatialIndex},
+    broad_phase::SpatialIndex,
+    prelude::*,
     scene::stress::{StressScene, StressSimulation},
 };
+use fastrand::Rng;
+
+use crate::common::{TICKS_PER_SECOND, app, tick};
 
 /// Tells the process of its own how many threads besides the main one it is to use.
 const HELPERS: &str = "BEVY_OCTREE_TEST_HELPERS";
@@ -42,6 +51,137 @@ fn run(scene: StressScene) -> u64 {
     hasher.finish()
 }
 
+/// An app in which much happens: bodies of all kinds that move, turn, bounce and rest, some of them
+/// swept, some children, some that come and go. Enough of them for several jobs in each stage.
+struct Crowd {
+    app: App,
+    rng: Rng,
+    /// The oldest first.
+    guests: Vec<Entity>,
+    started: MessageCursor<CollisionStarted>,
+    ended: MessageCursor<CollisionEnded>,
+    hasher: DefaultHasher,
+}
+
+/// Half the side of the space that they begin in.
+const HALF: f32 = 14.0;
+
+impl Crowd {
+    fn new() -> Self {
+        let mut crowd = Self {
+            app: app(BroadPhaseMethod::default()),
+            rng: Rng::with_seed(9),
+            guests: Vec::new(),
+            started: MessageCursor::default(),
+            ended: MessageCursor::default(),
+            hasher: DefaultHasher::new(),
+        };
+        crowd.app.add_systems(FixedPreUpdate, (stay_near, spin));
+        for number in 0..9000 {
+            crowd.spawn(number);
+        }
+        crowd
+    }
+
+    fn vector(&mut self, size: f32) -> Vec3 {
+        Vec3::from_array([0; 3].map(|_| (self.rng.f32() * 2.0 - 1.0) * size))
+    }
+
+    fn spawn(&mut self, number: usize) -> Entity {
+        let half_size = Vec3::splat(0.3) + self.vector(0.1);
+        let shape = match number % 3 {
+            0 => CollisionShape::sphere(half_size.x),
+            _ => CollisionShape::from_half_size(half_size),
+        };
+        let at = Transform::from_translation(self.vector(HALF));
+        let velocity = Velocity(self.vector(0.05) * TICKS_PER_SECOND);
+        let turned = at.with_rotation(Quat::from_scaled_axis(self.vector(1.0)));
+        let world = self.app.world_mut();
+        let reflect = Bounce::Reflect { restitution: 0.9 };
+        match number % 10 {
+            0 => world.spawn((shape, turned, StaticShape)).id(),
+            1 => world.spawn((shape, turned, Spinning)).id(),
+            2 => world.spawn((shape, at, velocity, Bounce::Reverse)).id(),
+            3 => world.spawn((shape, at, velocity, reflect)).id(),
+            4 if number % 70 == 4 => world.spawn((shape, at, velocity, reflect, Swept)).id(),
+            5 if number % 20 == 5 => {
+                let parent = world.spawn((shape.clone(), at, velocity)).id();
+                let arm = Transform::from_xyz(0.0, 0.8, 0.0);
+                world.spawn((shape, arm, ChildOf(parent)));
+                parent
+            }
+            _ => world.spawn((shape, at, velocity)).id(),
+        }
+    }
+
+    fn tick(&mut self, number: usize) {
+        // Some come and some go, so that handles are used again.
+        for _ in 0..self.rng.usize(0..4) {
+            let guest = self.spawn(number);
+            self.guests.push(guest);
+        }
+        if self.guests.len() > 40 {
+            let oldest = self.guests.remove(self.rng.usize(0..10));
+            self.app.world_mut().despawn(oldest);
+        }
+        tick(&mut self.app);
+        let world = self.app.world();
+        let hasher = &mut self.hasher;
+        for event in self.started.read(world.resource()) {
+            (event.a, event.b, event.time.to_bits()).hash(hasher);
+        }
+        for event in self.ended.read(world.resource()) {
+            (event.a, event.b).hash(hasher);
+        }
+        for contact in world.resource::<Contacts>().iter() {
+            (contact.a, contact.b).hash(hasher);
+        }
+    }
+
+    /// A hash of all that happened, and of how it ended.
+    fn finish(mut self) -> u64 {
+        let world = self.app.world_mut();
+        let mut bodies = world.query::<(Entity, &Transform, Option<&Velocity>)>();
+        for (entity, transform, velocity) in bodies.iter(world) {
+            entity.hash(&mut self.hasher);
+            let bits = |vector: Vec3| vector.to_array().map(f32::to_bits);
+            bits(transform.translation).hash(&mut self.hasher);
+            velocity
+                .map(|velocity| bits(velocity.0))
+                .hash(&mut self.hasher);
+        }
+        self.hasher.finish()
+    }
+}
+
+/// Turns in its place.
+#[derive(Component)]
+struct Spinning;
+
+fn spin(mut spinning: Query<&mut Transform, With<Spinning>>) {
+    for mut transform in &mut spinning {
+        transform.rotate_local_y(0.05);
+    }
+}
+
+/// Who gets far away turns around.
+fn stay_near(mut moving: Query<(&Transform, &mut Velocity), Without<ChildOf>>) {
+    for (transform, mut velocity) in &mut moving {
+        let outwards = transform.translation * velocity.0;
+        let is_leaving =
+            transform.translation.abs().cmpgt(Vec3::splat(HALF)) & outwards.cmpgt(Vec3::ZERO);
+        if is_leaving.any() {
+            velocity.0 = Vec3::select(is_leaving, -velocity.0, velocity.0);
+        }
+    }
+}
+
+fn run_app() -> u64 {
+    let mut crowd = Crowd::new();
+    (0..1000).for_each(|number| crowd.tick(number));
+    crowd.finish()
+}
+
 /// Is run in a process of its own, by the test below; prints the hash of each scene.
 #[test]
 #[ignore = "a part of the other test"]
@@ -56,10 +196,11 @@ fn in_a_process_of_its_own() {
     ] {
         println!("hash {scene} {}", run(scene));
     }
+    println!("hash app {}", run_app());
 }
 
 #[test]
-fn the_pairs_and_their_order_are_the_same_at_any_number_of_threads() {
+fn all_is_the_same_at_any_number_of_threads() {
     let hashes = |threads: usize| {
         let output = Command::new(std::env::current_exe().unwrap())
             .args([
@@ -76,11 +217,11 @@ fn the_pairs_and_their_order_are_the_same_at_any_number_of_threads() {
             .lines()
             .filter_map(|line| Some(line.split_once("hash ")?.1.to_owned()))
             .collect();
-        assert_eq!(found.len(), 3, "{threads} threads: {text}");
+        assert_eq!(found.len(), 4, "{threads} threads: {text}");
         found
     };
     let alone = hashes(1);
-    for threads in [2, 4, 8] {
+    for threads in [2, 3, 4, 8] {
         assert_eq!(hashes(threads), alone, "{threads} threads");
     }
 }

@@ -109,10 +109,10 @@ fn step(mut simulation: ResMut<Simulation>) {
 
 /// Entities go where their boxes are. What does not move must not count as changed.
 fn follow(simulation: Res<Simulation>, mut entities: Query<(&Object, &mut Transform)>) {
-    for (object, mut transform) in &mut entities {
+    entities.par_iter_mut().for_each(|(object, mut transform)| {
         let center = simulation.boxes()[object.0].center().into();
         if transform.translation != center {
             transform.translation = center;
         }
-    }
+    });
 }

@@ -1,0 +1,320 @@
+//! The list of all contacts, and what became of it since the last report.
+//!
+//! Contacts of two at rest are kept by themselves, and not looked at while these rest: a tick costs
+//! what moves. What started and what ended follows from the contacts of what moved, in the last tick
+//! and in this one.
+
+use std::cmp::Ordering;
+
+use bevy::prelude::*;
+
+use super::pair::{ContactKey, ContactPair, compare};
+
+/// All contacts, each once, in two lists, both in the order of keys.
+#[derive(Clone, Debug, Default, Reflect)]
+#[type_path = "bevy_octree"]
+pub(super) struct Ledger {
+    /// Of which one moved in the last tick that was entered, or was found to be in contact anew.
+    moving: Vec<ContactPair>,
+    /// Of two at rest.
+    resting: Vec<ContactPair>,
+    /// What began and what ended since the last report, in the order of keys. Of what did both,
+    /// nothing.
+    started: Vec<ContactPair>,
+    ended: Vec<ContactPair>,
+    /// May some of `moving` be of two that rested all the time?
+    is_unsettled: bool,
+    /// Is there anything to report that was not? An empty tick is news too.
+    has_news: bool,
+    #[reflect(ignore)]
+    work: Work,
+}
+
+/// Lists that are worked with, kept for the next time.
+#[derive(Clone, Debug, Default)]
+struct Work {
+    last: Vec<ContactPair>,
+    split_off: Vec<ContactPair>,
+    merged: Vec<ContactPair>,
+    started: Vec<ContactPair>,
+    ended: Vec<ContactPair>,
+}
+
+/// What may have become of those at rest since the last tick that was entered. Where it is certain
+/// that nothing did, they are not looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Changes {
+    /// May one of two at rest have moved, or gone?
+    pub(super) some_woke: bool,
+    /// May two of which one moved rest by now?
+    pub(super) some_slept: bool,
+    /// May two at rest be found to be in contact anew?
+    pub(super) some_found_at_rest: bool,
+}
+
+impl Changes {
+    /// Nothing is certain.
+    pub(super) const ANY: Self = Self {
+        some_woke: true,
+        some_slept: true,
+        some_found_at_rest: true,
+    };
+}
+
+impl Ledger {
+    pub(super) const fn len(&self) -> usize {
+        self.moving.len() + self.resting.len()
+    }
+
+    pub(super) const fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// All contacts, in the order of keys.
+    pub(super) fn iter(&self) -> Merged<'_> {
+        Merged {
+            moving: &self.moving,
+            resting: &self.resting,
+        }
+    }
+
+    /// The contact of two. O(log n).
+    pub(super) fn find(&self, entities: [Entity; 2]) -> Option<&ContactPair> {
+        [&self.moving, &self.resting].into_iter().find_map(|list| {
+            let index = list.binary_search_by(|contact| contact.key.cmp_entities(entities));
+            Some(&list[index.ok()?])
+        })
+    }
+
+    /// All contacts with their numbers, by which they are [looked up](Self::at), in the order of
+    /// keys.
+    pub(super) fn numbered(&self) -> impl Iterator<Item = (u32, &ContactPair)> {
+        let mut numbers = [0, self.moving.len() as u32];
+        let mut merged = self.iter();
+        std::iter::from_fn(move || {
+            let of_resting = usize::from(merged.next_is_resting()?);
+            let number = numbers[of_resting];
+            numbers[of_resting] += 1;
+            Some((number, merged.next()?))
+        })
+    }
+
+    /// The contact of a number.
+    pub(super) fn at(&self, number: u32) -> &ContactPair {
+        let index = number as usize;
+        self.moving
+            .get(index)
+            .unwrap_or_else(|| &self.resting[index - self.moving.len()])
+    }
+
+    /// Enters the contacts of a tick: those that were `found`, in the order of keys, and of those of
+    /// the last tick all that rest.
+    pub(super) fn enter(
+        &mut self,
+        found: &[ContactKey],
+        contact: impl Fn(&ContactKey) -> ContactPair,
+        rests: impl Fn(&ContactPair) -> bool,
+        changes: Changes,
+    ) {
+        let Self {
+            moving,
+            resting,
+            is_unsettled,
+            work,
+            ..
+        } = self;
+        std::mem::swap(moving, &mut work.last);
+        moving.clear();
+        if changes.some_woke {
+            split_off(resting, &rests, &mut work.split_off);
+            merge_into(&mut work.last, &mut work.split_off, &mut work.merged);
+        }
+        if changes.some_slept || *is_unsettled {
+            split_off(
+                &mut work.last,
+                |contact| !rests(contact),
+                &mut work.split_off,
+            );
+            merge_into(resting, &mut work.split_off, &mut work.merged);
+        }
+        work.started.clear();
+        work.ended.clear();
+        let mut last = work.last.iter().peekable();
+        for key in found {
+            while let Some(old) = last.next_if(|old| old.key < *key) {
+                work.ended.push(*old);
+            }
+            let is_old = last.next_if(|old| old.key == *key).is_some();
+            let is_kept = changes.some_found_at_rest
+                && resting
+                    .binary_search_by_key(key, |resting| resting.key)
+                    .is_ok();
+            if is_kept {
+                // One of them rested until it was hit.
+                debug_assert!(!is_old, "it is in one list");
+                continue;
+            }
+            let now = contact(key);
+            moving.push(now);
+            if !is_old {
+                work.started.push(now);
+            }
+        }
+        work.ended.extend(last.copied());
+        self.is_unsettled = changes.some_found_at_rest;
+        self.note_news();
+        debug_assert!(
+            self.iter().is_sorted_by(|a, b| a.key < b.key),
+            "each pair is one contact"
+        );
+    }
+
+    /// Adds what began and ended in this tick to what is not reported yet.
+    fn note_news(&mut self) {
+        let Self {
+            started,
+            ended,
+            work,
+            ..
+        } = self;
+        if std::mem::replace(&mut self.has_news, true) {
+            // Of what ended and began again nothing is told, nor of what began and ended.
+            cancel(&mut work.started, ended);
+            cancel(&mut work.ended, started);
+            merge_into(started, &mut work.started, &mut work.merged);
+            merge_into(ended, &mut work.ended, &mut work.merged);
+        } else {
+            std::mem::swap(started, &mut work.started);
+            std::mem::swap(ended, &mut work.ended);
+        }
+    }
+
+    pub(super) const fn has_news(&self) -> bool {
+        self.has_news
+    }
+
+    /// All that happened until now was told.
+    pub(super) const fn note_reported(&mut self) {
+        self.has_news = false;
+    }
+
+    /// What began since the last report, in the order of keys.
+    pub(super) fn started(&self) -> &[ContactPair] {
+        &self.started
+    }
+
+    /// What ended since the last report, in the order of keys.
+    pub(super) fn ended(&self) -> &[ContactPair] {
+        &self.ended
+    }
+
+    /// What was in contact at the last report, and what is now, side by side, in the order of keys.
+    /// Of what was and is, as it is now.
+    pub(super) fn compare(
+        &self,
+    ) -> impl Iterator<Item = (Option<&ContactPair>, Option<&ContactPair>)> {
+        let mut started = self.started.iter().peekable();
+        let mut ended = self.ended.iter().peekable();
+        let mut now = self.iter().peekable();
+        std::iter::from_fn(move || {
+            let order = match (ended.peek(), now.peek()) {
+                (Some(ended), Some(now)) => ended.key.cmp(&now.key),
+                (Some(_), None) => Ordering::Less,
+                (None, Some(_)) => Ordering::Greater,
+                (None, None) => return None,
+            };
+            if order.is_lt() {
+                return Some((ended.next(), None));
+            }
+            let now = now.next()?;
+            let is_new = started.next_if(|started| started.key == now.key).is_some();
+            Some(((!is_new).then_some(now), Some(now)))
+        })
+    }
+}
+
+/// Contacts in the order of keys, out of two lists.
+#[derive(Clone, Debug)]
+pub(super) struct Merged<'a> {
+    moving: &'a [ContactPair],
+    resting: &'a [ContactPair],
+}
+
+impl Merged<'_> {
+    /// Is the next one of two at rest?
+    #[inline]
+    fn next_is_resting(&self) -> Option<bool> {
+        match (self.moving.first(), self.resting.first()) {
+            (Some(moving), Some(resting)) => Some(resting.key < moving.key),
+            (Some(_), None) => Some(false),
+            (None, Some(_)) => Some(true),
+            (None, None) => None,
+        }
+    }
+}
+
+impl<'a> Iterator for Merged<'a> {
+    type Item = &'a ContactPair;
+
+    #[inline]
+    fn next(&mut self) -> Option<&'a ContactPair> {
+        if self.next_is_resting()? {
+            self.resting.split_off_first()
+        } else {
+            self.moving.split_off_first()
+        }
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let len = self.moving.len() + self.resting.len();
+        (len, Some(len))
+    }
+}
+
+impl ExactSizeIterator for Merged<'_> {}
+
+/// Moves those that do not stay to another list, which was empty, and keeps the order of both.
+fn split_off(
+    list: &mut Vec<ContactPair>,
+    stays: impl Fn(&ContactPair) -> bool,
+    others: &mut Vec<ContactPair>,
+) {
+    debug_assert!(others.is_empty());
+    list.retain(|contact| {
+        let stays = stays(contact);
+        if !stays {
+            others.push(*contact);
+        }
+        stays
+    });
+}
+
+/// Moves all of one list into another; both are in the order of keys, and have no key in common.
+fn merge_into(
+    list: &mut Vec<ContactPair>,
+    others: &mut Vec<ContactPair>,
+    merged: &mut Vec<ContactPair>,
+) {
+    if others.is_empty() {
+        return;
+    }
+    merged.clear();
+    let both = compare(list, others, |contact| contact.key);
+    merged.extend(both.filter_map(|(one, other)| one.or(other)));
+    std::mem::swap(list, merged);
+    others.clear();
+}
+
+/// Takes what two lists have in common out of both.
+fn cancel(list: &mut Vec<ContactPair>, others: &mut Vec<ContactPair>) {
+    let has = |list: &[ContactPair], key: &ContactKey| {
+        list.binary_search_by_key(key, |contact| contact.key)
+            .is_ok()
+    };
+    let before = list.clone();
+    list.retain(|contact| !has(others, &contact.key));
+    others.retain(|contact| !has(&before, &contact.key));
+}
+
+#[cfg(test)]
+mod tests;
