@@ -41,8 +41,7 @@ use crate::{
 #[reflect(Event, Message, Clone, Debug, PartialEq)]
 #[type_path = "bevy_octree"]
 pub struct CollisionStarted {
-    /// Of an event, the target. Of a message, the entity with the lower handle in the
-    /// [`CollisionIndex`](crate::collision_index::CollisionIndex), unless it does not
+    /// Of an event, the target. Of a message, the entity with the lower index, unless it does not
     /// [hear](Self::hears) of the other.
     #[event_target]
     pub a: Entity,
@@ -72,8 +71,7 @@ pub struct CollisionStarted {
 #[reflect(Event, Message, Clone, Debug, PartialEq)]
 #[type_path = "bevy_octree"]
 pub struct CollisionEnded {
-    /// Of an event, the target. Of a message, the entity with the lower handle in the
-    /// [`CollisionIndex`](crate::collision_index::CollisionIndex), unless it does not
+    /// Of an event, the target. Of a message, the entity with the lower index, unless it does not
     /// [hear](Self::hears) of the other.
     #[event_target]
     pub a: Entity,
