@@ -43,6 +43,9 @@ pub struct CollisionIndex {
     /// By proxy index, as far as there are any: where the ways of swept bodies begin.
     #[reflect(ignore)]
     starts: Vec<Option<Transform>>,
+    /// The highest index of an entity that was ever in.
+    #[reflect(ignore)]
+    highest_entity: u32,
     /// How many searches there were whose pairs are for the exact tests.
     #[reflect(ignore)]
     search: u64,
@@ -71,6 +74,7 @@ impl Default for CollisionIndex {
             entities: Vec::new(),
             fits: Vec::new(),
             starts: Vec::new(),
+            highest_entity: 0,
             search: 0,
             searched_at: 0,
             moved_at_search: Vec::new(),
@@ -233,6 +237,11 @@ impl CollisionIndex {
     #[must_use]
     pub fn entities(&self, pair: Pair) -> [Entity; 2] {
         [pair.a, pair.b].map(|id| self.entities[id.index()])
+    }
+
+    /// The highest index of an entity that was ever in.
+    pub(crate) const fn highest_entity(&self) -> u32 {
+        self.highest_entity
     }
 
     /// What is behind a handle, unless it was removed.
@@ -501,6 +510,7 @@ impl CollisionIndex {
             Extent::Unbounded(side) => self.index.insert_unbounded(side),
         };
         let id = entered.ok()?;
+        self.highest_entity = self.highest_entity.max(body.entity.index_u32());
         self.change_filter(id, |old| *old = filter);
         debug_assert!(id.index() <= self.bodies.len(), "handles are dense");
         if id.index() < self.bodies.len() {

@@ -61,15 +61,14 @@ pub(super) fn find_manifolds(
     };
     // What was found anew, was so in the last search; no search, nothing new.
     let is_old = std::mem::replace(search, index.search()) == index.search();
-    let mut found = verdicts.found().iter().peekable();
     let mut impacts = impacts.iter().peekable();
     let mut last = last.iter().peekable();
-    for contact in pairs {
+    for (contact, is_of_this_tick) in pairs {
         let key = &contact.key;
         if settings.manifolds != EventScope::All && !is_enabled(key) {
             continue;
         }
-        let is_new = seek(&mut found, key, |key| *key).is_some() && !is_old;
+        let is_new = is_of_this_tick && !is_old;
         let kept = seek(&mut last, key, |(last, _)| last.key).filter(|_| !is_new);
         let impact = seek(&mut impacts, key, |impact| impact.key);
         let manifold = match (kept, impact) {

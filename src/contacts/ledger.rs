@@ -8,7 +8,12 @@ use std::cmp::Ordering;
 
 use bevy::prelude::*;
 
-use super::pair::{ContactKey, ContactPair, compare};
+use super::{
+    buckets::{Buckets, Found},
+    order::Sorter,
+    pair::{ContactKey, ContactPair, compare},
+};
+use crate::{broad_phase::ProxyId, filters::CollisionLayers, parallel};
 
 /// All contacts, each once, in two lists, both in the order of keys.
 #[derive(Clone, Debug, Default, Reflect)]
@@ -38,7 +43,29 @@ struct Work {
     merged: Vec<ContactPair>,
     started: Vec<ContactPair>,
     ended: Vec<ContactPair>,
+    /// By bucket.
+    jobs: Vec<Job>,
 }
+
+/// The lists of a job.
+#[derive(Clone, Debug, Default)]
+struct Job {
+    keys: Vec<ContactKey>,
+    sorter: Sorter,
+    started: Vec<ContactPair>,
+    ended: Vec<ContactPair>,
+}
+
+/// Two that stand where no contact is written yet.
+const NOBODY: ContactPair = ContactPair {
+    key: ContactKey {
+        a: Entity::PLACEHOLDER,
+        b: Entity::PLACEHOLDER,
+        ids: [ProxyId::new(0); 2],
+    },
+    layers: [CollisionLayers::ALL; 2],
+    time: 1.0,
+};
 
 /// What may have become of those at rest since the last tick that was entered. Where it is certain
 /// that nothing did, they are not looked at.
@@ -107,6 +134,15 @@ impl Ledger {
             .unwrap_or_else(|| &self.resting[index - self.moving.len()])
     }
 
+    /// All contacts, each with whether it was found in this tick, in the order of keys.
+    pub(super) fn with_found(&self) -> impl Iterator<Item = (&ContactPair, bool)> {
+        let mut merged = self.iter();
+        std::iter::from_fn(move || {
+            let is_resting = merged.next_is_resting()?;
+            Some((merged.next()?, !is_resting))
+        })
+    }
+
     /// Enters the contacts of a tick: those that were `found`, in the order of keys, and of those of
     /// the last tick all that rest.
     pub(super) fn enter(
@@ -116,6 +152,82 @@ impl Ledger {
         rests: impl Fn(&ContactPair) -> bool,
         changes: Changes,
     ) {
+        self.set_resting_apart(rests, changes);
+        let Self {
+            moving,
+            resting,
+            work,
+            ..
+        } = self;
+        let is_kept = |key: &ContactKey| {
+            // One of them rested until it was hit.
+            let place = resting.binary_search_by_key(key, |resting| resting.key);
+            changes.some_found_at_rest && place.is_ok()
+        };
+        moving.clear();
+        moving.extend(found.iter().filter(|key| !is_kept(key)).map(contact));
+        tell_apart(moving, &work.last, &mut work.started, &mut work.ended);
+        self.is_unsettled = changes.some_found_at_rest;
+        self.note_news();
+    }
+
+    /// Enters the contacts of a tick as [`enter`](Self::enter) does, bucket by bucket, side by side.
+    /// None of them is found at rest, or twice.
+    pub(super) fn enter_by_job(
+        &mut self,
+        (found, buckets): (&[Found], Buckets),
+        contact: impl Fn(&ContactKey) -> ContactPair + Sync,
+        rests: impl Fn(&ContactPair) -> bool,
+        changes: Changes,
+    ) {
+        debug_assert!(!changes.some_found_at_rest);
+        self.set_resting_apart(rests, changes);
+        let Self { moving, work, .. } = self;
+        let Work {
+            last,
+            jobs,
+            started,
+            ended,
+            ..
+        } = work;
+        jobs.resize_with(buckets.count().max(jobs.len()), Job::default);
+        let lengths = |bucket| found.iter().map(move |found| found.of(bucket).len());
+        let total = (0..buckets.count()).flat_map(lengths).sum();
+        moving.resize(total, NOBODY);
+        let (mut last, mut free) = (&last[..], &mut moving[..]);
+        let parts: Vec<_> = (0..buckets.count())
+            .zip(&mut *jobs)
+            .map(|(bucket, job)| {
+                let end = last.partition_point(|contact| buckets.of(&contact.key) <= bucket);
+                let last = last.split_off(..end).unwrap_or_default();
+                let count = lengths(bucket).sum();
+                let moving = free.split_off_mut(..count).unwrap_or_default();
+                (bucket, job, last, moving)
+            })
+            .collect();
+        parallel::for_each(parts.into_iter(), |(bucket, job, last, moving)| {
+            job.keys.clear();
+            let keys = found.iter().flat_map(|found| found.of(bucket));
+            job.keys.extend(keys);
+            job.sorter.sort(&mut job.keys, buckets.first_entity(bucket));
+            for (key, moving) in job.keys.iter().zip(&mut *moving) {
+                *moving = contact(key);
+            }
+            tell_apart(moving, last, &mut job.started, &mut job.ended);
+        });
+        started.clear();
+        ended.clear();
+        for job in &mut jobs[..buckets.count()] {
+            started.append(&mut job.started);
+            ended.append(&mut job.ended);
+        }
+        self.is_unsettled = false;
+        self.note_news();
+    }
+
+    /// Brings those at rest up to date, and puts those of the last tick that do not rest into
+    /// `work.last`.
+    fn set_resting_apart(&mut self, rests: impl Fn(&ContactPair) -> bool, changes: Changes) {
         let Self {
             moving,
             resting,
@@ -124,53 +236,23 @@ impl Ledger {
             ..
         } = self;
         std::mem::swap(moving, &mut work.last);
-        moving.clear();
         if changes.some_woke {
             split_off(resting, &rests, &mut work.split_off);
             merge_into(&mut work.last, &mut work.split_off, &mut work.merged);
         }
         if changes.some_slept || *is_unsettled {
-            split_off(
-                &mut work.last,
-                |contact| !rests(contact),
-                &mut work.split_off,
-            );
+            let moves = |contact: &ContactPair| !rests(contact);
+            split_off(&mut work.last, moves, &mut work.split_off);
             merge_into(resting, &mut work.split_off, &mut work.merged);
         }
-        work.started.clear();
-        work.ended.clear();
-        let mut last = work.last.iter().peekable();
-        for key in found {
-            while let Some(old) = last.next_if(|old| old.key < *key) {
-                work.ended.push(*old);
-            }
-            let is_old = last.next_if(|old| old.key == *key).is_some();
-            let is_kept = changes.some_found_at_rest
-                && resting
-                    .binary_search_by_key(key, |resting| resting.key)
-                    .is_ok();
-            if is_kept {
-                // One of them rested until it was hit.
-                debug_assert!(!is_old, "it is in one list");
-                continue;
-            }
-            let now = contact(key);
-            moving.push(now);
-            if !is_old {
-                work.started.push(now);
-            }
-        }
-        work.ended.extend(last.copied());
-        self.is_unsettled = changes.some_found_at_rest;
-        self.note_news();
-        debug_assert!(
-            self.iter().is_sorted_by(|a, b| a.key < b.key),
-            "each pair is one contact"
-        );
     }
 
     /// Adds what began and ended in this tick to what is not reported yet.
     fn note_news(&mut self) {
+        debug_assert!(
+            self.iter().is_sorted_by(|a, b| a.key < b.key),
+            "each pair is one contact"
+        );
         let Self {
             started,
             ended,
@@ -272,6 +354,27 @@ impl<'a> Iterator for Merged<'a> {
 }
 
 impl ExactSizeIterator for Merged<'_> {}
+
+/// Lists what is in one list of contacts and was not in the last, and the other way round.
+fn tell_apart(
+    now: &[ContactPair],
+    last: &[ContactPair],
+    started: &mut Vec<ContactPair>,
+    ended: &mut Vec<ContactPair>,
+) {
+    started.clear();
+    ended.clear();
+    let mut last = last.iter().peekable();
+    for contact in now {
+        while let Some(old) = last.next_if(|old| old.key < contact.key) {
+            ended.push(*old);
+        }
+        if last.next_if(|old| old.key == contact.key).is_none() {
+            started.push(*contact);
+        }
+    }
+    ended.extend(last.copied());
+}
 
 /// Moves those that do not stay to another list, which was empty, and keeps the order of both.
 fn split_off(

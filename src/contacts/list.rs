@@ -210,15 +210,16 @@ impl Contacts {
         })
     }
 
-    /// The pairs in contact of which one is swept, when and how they met; the manifolds.
+    /// All contacts, each with whether it was found in this tick; when and how those met of which
+    /// one is swept; the manifolds.
     pub(super) fn split_manifolds(
         &mut self,
     ) -> (
-        impl Iterator<Item = &ContactPair>,
+        impl Iterator<Item = (&ContactPair, bool)>,
         &[KeyedImpact],
         &mut Manifolds,
     ) {
-        (self.all.iter(), &self.impacts, &mut self.manifolds)
+        (self.all.with_found(), &self.impacts, &mut self.manifolds)
     }
 
     /// With what is known of it. O(log n).
@@ -249,44 +250,59 @@ impl Contacts {
         self.search = search;
         self.by_object.take();
         self.handles.take();
-        verdicts.sort(index, &mut self.impacts);
         let had_news = self.all.has_news();
         self.merge_pairs(verdicts, index);
         self.merge_watched(verdicts, had_news, geometry);
     }
 
-    fn merge_pairs(&mut self, verdicts: &Verdicts, index: &CollisionIndex) {
+    fn merge_pairs(&mut self, verdicts: &mut Verdicts, index: &CollisionIndex) {
         let proxies = index.index().proxies();
-        let impacts = &self.impacts;
-        let contact = |key: &ContactKey| ContactPair {
-            key: *key,
-            layers: key.ids.map(|id| proxies.filter(id).into()),
-            time: time_of_impact(impacts, key).unwrap_or(1.0),
-        };
-        let found = verdicts.found();
         let state = index.state_of_search();
         let last = std::mem::replace(&mut self.state, state);
+        let at_the_end = |key: &ContactKey| ContactPair {
+            key: *key,
+            layers: key.ids.map(|id| proxies.filter(id).into()),
+            time: 1.0,
+        };
+        let rests =
+            |contact: &ContactPair| contact.key.ids.iter().all(|id| proxies.is_resting(*id));
         // Nearly always, what was at rest still is.
-        if index.is_as_searched() && !verdicts.displaces() {
-            let follows = state
+        let is_known = index.is_as_searched() && !verdicts.displaces();
+        let changes = if is_known
+            && state
                 .zip(last)
-                .is_some_and(|(state, last)| state.follows(last));
-            let known = Changes {
+                .is_some_and(|(state, last)| state.follows(last))
+        {
+            Changes {
                 // What went since the last update, is gone now.
                 some_woke: proxies.some_woke() || proxies.has_pending(),
                 some_slept: proxies.some_slept(),
                 some_found_at_rest: verdicts.may_repeat(),
-            };
-            let changes = if follows { known } else { Changes::ANY };
-            let rests =
-                |contact: &ContactPair| contact.key.ids.iter().all(|id| proxies.is_resting(*id));
+            }
+        } else {
+            Changes::ANY
+        };
+        if !changes.some_found_at_rest
+            && let Some(found) = verdicts.by_job()
+        {
+            self.impacts.clear();
+            return self.all.enter_by_job(found, at_the_end, rests, changes);
+        }
+        verdicts.sort(index, &mut self.impacts);
+        let impacts = &self.impacts;
+        let contact = |key: &ContactKey| ContactPair {
+            time: time_of_impact(impacts, key).unwrap_or(1.0),
+            ..at_the_end(key)
+        };
+        let found = verdicts.found();
+        if is_known {
             self.all.enter(found, contact, rests, changes);
         } else {
             let rests = |contact: &ContactPair| {
                 let ContactKey { a, b, ids } = contact.key;
                 index.rested(ids, [a, b]) && !verdicts.is_displaced(&contact.key)
             };
-            self.all.enter(found, contact, rests, Changes::ANY);
+            self.all.enter(found, contact, rests, changes);
         }
     }
 

@@ -8,6 +8,7 @@
 //! ```
 
 mod adjacency;
+mod buckets;
 mod colliding_entities;
 mod collisions;
 mod events;

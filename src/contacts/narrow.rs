@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use super::{
+    buckets::{Buckets, Found},
     find_manifolds::{find_manifolds, wants_manifolds},
     list::Contacts,
     pair::{ContactKey, SweptContact, reversed},
@@ -71,11 +72,10 @@ const CANDIDATES: usize = 2048;
 /// The boxes of so many are gathered from memory before they are worked on.
 const GATHERED: usize = 64;
 
-/// What is found by a job, and what it needs: memory that outlives the tick.
+/// What a job needs: memory that outlives the tick.
 #[derive(Default)]
 struct Job {
     workspace: Workspace,
-    touching: Vec<ContactKey>,
 }
 
 /// The memory of the exact tests.
@@ -113,16 +113,16 @@ fn test_candidates(
         memory.jobs.resize_with(needed, Job::default);
     }
     if verdicts.watch.is_idle() && !index.has_swept() {
-        let jobs = candidates.chunks(CANDIDATES).zip(&mut memory.jobs);
-        parallel::for_each(jobs, |(candidates, job)| {
+        let buckets = Buckets::up_to(index.highest_entity());
+        let found = verdicts.begin_jobs(candidates.len().div_ceil(CANDIDATES), buckets);
+        let jobs = memory.jobs.iter_mut().zip(found);
+        let jobs = candidates.chunks(CANDIDATES).zip(jobs);
+        parallel::for_each(jobs, |(candidates, (job, found))| {
             for candidates in candidates.chunks(GATHERED) {
-                test_some(&index, &tests, candidates, job);
+                test_some(&index, &tests, candidates, &mut job.workspace, found);
             }
+            found.divide(buckets);
         });
-        for job in &mut memory.jobs[..needed] {
-            verdicts.extend(&job.touching);
-            job.touching.clear();
-        }
     } else {
         let workspace = &mut memory.jobs[0].workspace;
         for pair in candidates.iter().copied().filter_map(in_order) {
@@ -175,7 +175,13 @@ fn test_candidates(
 
 /// Lists those of some candidates that are in contact at the end of the tick, of which nobody is
 /// swept and nobody asked where.
-fn test_some(index: &CollisionIndex, tests: &NarrowPhase, candidates: &[Pair], job: &mut Job) {
+fn test_some(
+    index: &CollisionIndex,
+    tests: &NarrowPhase,
+    candidates: &[Pair],
+    workspace: &mut Workspace,
+    found: &mut Found,
+) {
     let mut boxes = [[EVERYWHERE; GATHERED]; 2];
     let mut fits = [[Fit::Loose; GATHERED]; 2];
     // In loops that do nothing else, so that the processor runs ahead and waits for many boxes at
@@ -187,7 +193,6 @@ fn test_some(index: &CollisionIndex, tests: &NarrowPhase, candidates: &[Pair], j
             *fit = index.fit(id);
         }
     }
-    let workspace = &mut job.workspace;
     let mut touching = [0; GATHERED];
     let mut count = 0;
     for (number, pair) in candidates.iter().enumerate() {
@@ -203,7 +208,7 @@ fn test_some(index: &CollisionIndex, tests: &NarrowPhase, candidates: &[Pair], j
     let keys = touching
         .filter_map(in_order)
         .map(|pair| ContactKey::of(pair, index));
-    job.touching.extend(keys);
+    found.extend(keys);
 }
 
 /// Tells of the first pair of shapes about which nothing can be said.

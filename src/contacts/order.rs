@@ -17,15 +17,14 @@ pub(super) struct Sorter {
 /// So many entities for each key make a counting sort slower than comparisons.
 const ENTITIES_PER_KEY: usize = 8;
 
-/// Where the first entity is counted.
-#[inline]
-const fn place(key: &ContactKey) -> usize {
-    key.a.index_u32() as usize
-}
-
 impl Sorter {
-    /// Sorts keys.
-    pub(super) fn sort(&mut self, keys: &mut Vec<ContactKey>) {
+    /// Sorts keys, of entities of which none has an index below a number.
+    pub(super) fn sort(&mut self, keys: &mut Vec<ContactKey>, lowest: usize) {
+        // Where the first entity is counted.
+        let place = |key: &ContactKey| {
+            debug_assert!(key.a.index_u32() as usize >= lowest);
+            key.a.index_u32() as usize - lowest
+        };
         let entities = keys.iter().map(place).max().map_or(0, |last| last + 1);
         let is_countable = u32::try_from(keys.len()).is_ok();
         if !is_countable || entities > keys.len().saturating_mul(ENTITIES_PER_KEY) {
@@ -94,7 +93,7 @@ mod tests {
                 .collect();
             let mut expected = keys.clone();
             expected.sort();
-            sorter.sort(&mut keys);
+            sorter.sort(&mut keys, 0);
             assert_eq!(keys, expected);
         }
     }

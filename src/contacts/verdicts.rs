@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use super::{
+    buckets::{Buckets, Found},
     order::Sorter,
     pair::{ContactKey, KeyedImpact, SweptContact},
     watched::Watch,
@@ -23,6 +24,10 @@ pub(crate) struct Verdicts {
     search: Option<u64>,
     /// Those in contact at the end of the tick, in any order.
     found: Vec<ContactKey>,
+    /// Those that jobs have found, which are all where there are any jobs.
+    found_by_job: Vec<Found>,
+    jobs: usize,
+    buckets: Buckets,
     /// May one of them have been found twice?
     may_repeat: bool,
     /// Where they meet, of those that somebody asked about.
@@ -48,15 +53,23 @@ impl Verdicts {
     pub(super) fn begin(&mut self, search: u64, may_repeat: bool) {
         (self.search, self.may_repeat) = (Some(search), may_repeat);
         self.found.clear();
+        self.jobs = 0;
         self.geometry.clear();
         self.found_later.clear();
         self.impacts.clear();
         self.displaced.clear();
     }
 
-    /// These are in contact, and nobody asked where.
-    pub(super) fn extend(&mut self, keys: &[ContactKey]) {
-        self.found.extend_from_slice(keys);
+    /// Where so many jobs are to put those that are in contact, of which nobody asked where, each
+    /// divided into these buckets.
+    pub(super) fn begin_jobs(&mut self, jobs: usize, buckets: Buckets) -> &mut [Found] {
+        (self.jobs, self.buckets) = (jobs, buckets);
+        if self.found_by_job.len() < jobs {
+            self.found_by_job.resize_with(jobs, Found::default);
+        }
+        let found = &mut self.found_by_job[..jobs];
+        found.iter_mut().for_each(Found::clear);
+        found
     }
 
     /// These two are in contact.
@@ -122,9 +135,20 @@ impl Verdicts {
         self.search.take()
     }
 
+    /// What jobs have found, in these buckets, if that is all there is.
+    pub(super) fn by_job(&self) -> Option<(&[Found], Buckets)> {
+        debug_assert!(self.jobs == 0 || (self.found.is_empty() && self.impacts.is_empty()));
+        let is_all = self.jobs > 0 && !self.may_repeat && self.found_later.is_empty();
+        is_all.then(|| (&self.found_by_job[..self.jobs], self.buckets))
+    }
+
     /// Puts all in the order of keys: those in contact once each, those that met on the way among
     /// them. Returns these, the first time of each, which replace those of the last tick.
     pub(super) fn sort(&mut self, index: &CollisionIndex, impacts: &mut Vec<KeyedImpact>) {
+        for found in &self.found_by_job[..self.jobs] {
+            self.found.extend_from_slice(found.all());
+        }
+        self.jobs = 0;
         for (pair, contact) in self.found_later.drain(..) {
             let key = ContactKey::of(pair, index);
             let contact = if key.is_reversed() {
@@ -140,7 +164,7 @@ impl Verdicts {
         impacts.extend(self.impacts.drain(..).map(|impact| impact.keyed(index)));
         impacts.sort_unstable_by_key(|impact| impact.key);
         self.found.extend(impacts.iter().map(|impact| impact.key));
-        self.sorter.sort(&mut self.found);
+        self.sorter.sort(&mut self.found, 0);
         self.may_repeat |= !impacts.is_empty();
         if self.may_repeat {
             self.found.dedup();

@@ -27,7 +27,10 @@ impl History {
         let mut world = World::new();
         Self {
             rng: Rng::with_seed(seed),
-            entities: (0..count).map(|_| world.spawn_empty().id()).collect(),
+            // In several buckets.
+            entities: (0..count)
+                .flat_map(|_| (0..600).map(|_| world.spawn_empty().id()).last())
+                .collect(),
             moved: vec![false; count],
             touching: BTreeSet::new(),
             reported: BTreeSet::new(),
@@ -75,7 +78,21 @@ impl History {
                 some_found_at_rest: false,
             }
         };
-        ledger.enter(&found, contact, |contact| !moves(&contact.key), changes);
+        let rests = |contact: &ContactPair| !moves(&contact.key);
+        if changes.some_found_at_rest || self.rng.bool() {
+            ledger.enter(&found, contact, rests, changes);
+        } else {
+            // In no order, and by several jobs.
+            let buckets = Buckets::up_to(self.rng.u32(0..5000));
+            let mut jobs = vec![Found::default(); 3];
+            let mut found = found;
+            self.rng.shuffle(&mut found);
+            for key in found {
+                jobs[self.rng.usize(0..3)].extend(std::iter::once(key));
+            }
+            jobs.iter_mut().for_each(|found| found.divide(buckets));
+            ledger.enter_by_job((&jobs, buckets), contact, rests, changes);
+        }
         self.moved = moved;
     }
 

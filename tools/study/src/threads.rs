@@ -6,8 +6,9 @@ use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 
 use crate::outcome::Outcome;
 
-/// Lets so many threads compute: the one that calls, which does its share while it waits, and those
-/// of Bevy's pool. To be called before anything uses the pool.
+/// Lets so many threads compute. One is the thread that calls. Several are those of Bevy's pool: its
+/// executor has systems run there, and the thread that calls does nothing but wait. To be called
+/// before anything uses the pool.
 pub fn use_threads(threads: NonZero<usize>) -> Outcome {
     if threads.get() > 1 && !cfg!(feature = "multi_threaded") {
         return Err(
@@ -15,9 +16,8 @@ pub fn use_threads(threads: NonZero<usize>) -> Outcome {
         );
     }
     ComputeTaskPool::get_or_init(|| {
-        TaskPoolBuilder::new()
-            .num_threads(threads.get() - 1)
-            .build()
+        let helpers = if threads.get() == 1 { 0 } else { threads.get() };
+        TaskPoolBuilder::new().num_threads(helpers).build()
     });
     Ok(())
 }
