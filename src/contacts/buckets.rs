@@ -8,7 +8,7 @@ const MOST: u32 = 64;
 const FEWEST_ENTITIES: u32 = 1024;
 
 /// Which bucket the contacts of an entity are in: those of entities whose indices are near each
-/// other are together. Does not depend on how many threads there are.
+/// other are together. What comes out is the same in one bucket as in many.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Buckets {
     /// By so many bits is the index of an entity larger than the number of its bucket.
@@ -17,6 +17,12 @@ pub(super) struct Buckets {
 }
 
 impl Buckets {
+    /// One for all.
+    pub(super) const ONE: Self = Self {
+        shift: 31,
+        count: 1,
+    };
+
     /// Those for entities up to this index.
     pub(super) fn up_to(highest: u32) -> Self {
         let entities = (highest / MOST + 1).max(FEWEST_ENTITIES);
@@ -66,6 +72,9 @@ impl Found {
     /// Brings together what is in one bucket.
     pub(super) fn divide(&mut self, buckets: Buckets) {
         self.ends.clear();
+        if buckets.count() == 1 {
+            return;
+        }
         self.ends.resize(buckets.count(), 0);
         for key in &self.keys {
             self.ends[buckets.of(key)] += 1;
@@ -90,6 +99,10 @@ impl Found {
 
     /// Those of one bucket, once they are divided.
     pub(super) fn of(&self, bucket: usize) -> &[ContactKey] {
+        if self.ends.is_empty() {
+            // There is but one.
+            return &self.keys;
+        }
         let start = bucket.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.divided[start as usize..self.ends[bucket] as usize]
     }
@@ -105,8 +118,12 @@ mod tests {
     #[test]
     fn each_key_is_in_one_bucket_and_buckets_ascend() {
         let mut rng = fastrand::Rng::with_seed(3);
-        for highest in [0, 1, 1023, 1024, 70_000, 1 << 20, u32::MAX - 1] {
-            let buckets = Buckets::up_to(highest);
+        for highest in [1, 1023, 1024, 70_000, 1 << 20, u32::MAX - 1] {
+            let buckets = if rng.bool() {
+                Buckets::up_to(highest)
+            } else {
+                Buckets::ONE
+            };
             let mut keys: Vec<_> = (0..500)
                 .map(|_| {
                     // Some are higher than was said.

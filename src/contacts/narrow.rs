@@ -113,7 +113,11 @@ fn test_candidates(
         memory.jobs.resize_with(needed, Job::default);
     }
     if verdicts.watch.is_idle() && !index.has_swept() {
-        let buckets = Buckets::up_to(index.highest_entity());
+        let buckets = if parallel::is_on() {
+            Buckets::up_to(index.highest_entity())
+        } else {
+            Buckets::ONE
+        };
         let found = verdicts.begin_jobs(candidates.len().div_ceil(CANDIDATES), buckets);
         let jobs = memory.jobs.iter_mut().zip(found);
         let jobs = candidates.chunks(CANDIDATES).zip(jobs);
