@@ -4,7 +4,10 @@
 use bevy::math::{Dir3, Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
-use super::first_impact::{FirstImpact, LocalImpact};
+use super::{
+    first_impact::{FirstImpact, LocalImpact},
+    parting_planes::{self, Answer},
+};
 use crate::narrow_phase::{
     answer::Impact,
     error::BoundsError,
@@ -170,7 +173,14 @@ fn first_impact(
             let met = FirstImpact::new(-direction, limit).of_sphere(&pair.swapped(), workspace)?;
             Some(met.reversed(direction))
         }
-        Case::Cuboids | Case::Convex | Case::Polygons => first.of_polygons(pair, workspace),
+        Case::Cuboids | Case::Convex => {
+            match parting_planes::first_impact(pair, direction, limit, workspace) {
+                Answer::Apart => None,
+                Answer::Met(met) => Some(met),
+                Answer::Unknown => first.of_polygons(pair, workspace),
+            }
+        }
+        Case::Polygons => first.of_polygons(pair, workspace),
         // Parry has been asked before.
         Case::Foreign => None,
     }

@@ -71,7 +71,11 @@ impl NarrowPhase {
         b: &Moving,
         workspace: &mut Workspace,
     ) -> Option<TimedContact> {
-        Moments { tests: self, a, b }.meeting(MOST_GRAZES, workspace)
+        let moments = Moments { tests: self, a, b };
+        if moments.pass_by() {
+            return None;
+        }
+        moments.meeting(MOST_GRAZES, workspace)
     }
 }
 

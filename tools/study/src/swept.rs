@@ -81,8 +81,19 @@ impl Body {
             }
             Self::Icosahedron => {
                 let golden = f32::midpoint(1.0, 5f32.sqrt());
-                let corners = [(1.0, golden), (1.0, -golden), (-1.0, golden), (-1.0, -golden)];
-                let corners = corners.map(|(a, b)| [Vec3::new(0.0, a, b), Vec3::new(a, b, 0.0), Vec3::new(b, 0.0, a)]);
+                let corners = [
+                    (1.0, golden),
+                    (1.0, -golden),
+                    (-1.0, golden),
+                    (-1.0, -golden),
+                ];
+                let corners = corners.map(|(a, b)| {
+                    [
+                        Vec3::new(0.0, a, b),
+                        Vec3::new(a, b, 0.0),
+                        Vec3::new(b, 0.0, a),
+                    ]
+                });
                 let corners = corners.concat().into_iter();
                 let corners: Vec<_> = corners.map(|corner| corner.normalize() * 0.5).collect();
                 hull(&corners)?
@@ -169,7 +180,10 @@ fn hull(points: &[Vec3]) -> Outcome<CollisionShape> {
                 let normal = (points[j] - points[i]).cross(points[k] - points[i]);
                 let is_first = i < j && i < k && j != k;
                 let height = |point: &Vec3| normal.dot(*point - points[i]);
-                if is_first && normal.length() > 1e-3 && points.iter().all(|point| height(point) < 1e-4) {
+                if is_first
+                    && normal.length() > 1e-3
+                    && points.iter().all(|point| height(point) < 1e-4)
+                {
                     triangles.push([i, j, k].map(|corner| corner as u32));
                 }
             }
@@ -204,7 +218,10 @@ fn crowd(body: Body, arguments: &Arguments) -> Outcome<App> {
     let spacing = (body.volume() / arguments.density).cbrt();
     let side = (count as f64).cbrt().ceil() as usize;
     let half = 0.5 * spacing * side as f32;
-    for (axis, sign) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
+    for (axis, sign) in [Vec3::X, Vec3::Y, Vec3::Z]
+        .into_iter()
+        .flat_map(|axis| [(axis, 1.0), (axis, -1.0)])
+    {
         let size = Vec3::splat(2.0 * half + 8.0) * (Vec3::ONE - axis) + axis * 4.0;
         let wall = CollisionShape::cuboid(size.x, size.y, size.z);
         let at = Transform::from_translation(axis * sign * (half + 2.0));
@@ -235,9 +252,7 @@ fn flight(arguments: &Arguments) -> App {
     let mut rng = Rng::with_seed(arguments.seed);
     let count = arguments.bodies.unwrap_or(10_000);
     let half = 5.0 * (count as f32).cbrt();
-    let place = |rng: &mut Rng| {
-        Vec3::from_array([(); 3].map(|()| (2.0 * rng.f32() - 1.0) * half))
-    };
+    let place = |rng: &mut Rng| Vec3::from_array([(); 3].map(|()| (2.0 * rng.f32() - 1.0) * half));
     for _ in 0..count / 5 {
         let at = Transform::from_translation(place(&mut rng));
         let wall = CollisionShape::cuboid(0.1, 2.0, 2.0);
