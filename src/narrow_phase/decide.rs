@@ -9,6 +9,7 @@ use super::frame::edge_polygon;
 use super::frame::placed::{Placed, PlacedPair, ROUNDING, in_order};
 use super::frame::separation::Separation;
 use super::frame::smaller::Smaller;
+use super::frame::solid::{self, Solid};
 use super::frame::workspace::Workspace;
 use super::parry;
 use super::settings::{Exactness, NarrowPhase};
@@ -159,7 +160,14 @@ fn complete(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
         Case::Spheres => spheres(pair) == Some(true),
         Case::SphereFirst => edge_polygon::sphere_intersects(pair, workspace),
         Case::SphereSecond => edge_polygon::sphere_intersects(&pair.swapped(), workspace),
-        Case::Cuboids | Case::Convex | Case::Polygons => edge_polygon::intersects(pair, workspace),
+        Case::Convex => {
+            // Looked for by its normal, a plane that parts the two costs less than that none does by
+            // all edges and polygons.
+            let are_parted = |[a, b]: [&Solid; 2]| solid::widest_gap(a, b).1 > slack(pair);
+            !solid::place_both(pair, workspace).is_some_and(are_parted)
+                && edge_polygon::intersects(pair, workspace)
+        }
+        Case::Cuboids | Case::Polygons => edge_polygon::intersects(pair, workspace),
         Case::Foreign => foreign(pair, workspace),
     }
 }

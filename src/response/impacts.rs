@@ -82,6 +82,8 @@ pub(super) struct Resolver {
     /// By handle in `diverted`, that in the main index.
     diverted_ids: Vec<ProxyId>,
     candidates: Vec<ProxyId>,
+    /// The two that met last, if they do not meet again on their new ways.
+    parted: Option<Pair>,
     workspace: Workspace,
 }
 
@@ -98,6 +100,7 @@ impl Default for Resolver {
             )),
             diverted_ids: Vec::new(),
             candidates: Vec::new(),
+            parted: None,
             workspace: Workspace::default(),
         }
     }
@@ -145,6 +148,7 @@ pub(super) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) 
                 resolver.carry(world, entity, change, (met.time, seconds));
             }
         }
+        resolver.note_parted(world.resource(), &meeting);
         resolver.look_ahead(world, met.time);
     }
     world.resource_scope(|world, mut outcomes: Mut<Outcomes>| {
@@ -267,6 +271,13 @@ impl Resolver {
         }
     }
 
+    /// Takes note of two that have met, if they part.
+    fn note_parted(&mut self, index: &CollisionIndex, &Meeting { pair, met, .. }: &Meeting) {
+        let [a, b] = [pair.a, pair.b].map(|id| self.moving(index, id, met.time));
+        let parts = |(a, b): (Moving, Moving)| a.parts_from(&b, met.contact.normal);
+        self.parted = a.zip(b).is_some_and(parts).then_some(pair);
+    }
+
     /// Looks for what those meet on their new course that have just changed it.
     fn look_ahead(&mut self, world: &mut World, time: f32) {
         let mut turned = std::mem::take(&mut self.turned);
@@ -369,7 +380,8 @@ impl Resolver {
     ) {
         for other in candidates.drain(..) {
             let pair = Pair::new(id, other);
-            if filters::may_meet(world, pair)
+            if self.parted != Some(pair)
+                && filters::may_meet(world, pair)
                 && let Some(meeting) = self.meeting(world.resource(), pair, time, tests)
             {
                 self.to_come.push(Reverse(meeting));

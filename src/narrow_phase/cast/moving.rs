@@ -6,7 +6,7 @@ use bevy::transform::components::Transform;
 
 use crate::narrow_phase::{
     error::BoundsError,
-    frame::{oriented_box::OrientedBox, placed::Placed},
+    frame::{approach::approach, oriented_box::OrientedBox, placed::Placed},
     settings::NarrowPhase,
     shape::Shape,
 };
@@ -120,6 +120,13 @@ impl<'a> Moving<'a> {
     /// How fast, per whole way, a point moves that is part of the shape after a share of it.
     pub(crate) fn velocity_at(&self, time: f32, point: Vec3) -> Vec3 {
         self.way() + self.turn().cross(point - self.at(time).translation)
+    }
+
+    /// Returns `true` if two that meet with a normal, from this one to the other, do not meet again on
+    /// their ways: two convex shapes that do not turn, and do not come nearer to each other.
+    pub(crate) fn parts_from(&self, other: &Moving, normal: Vec3) -> bool {
+        let is_straight = |moving: &Moving| moving.shape.kind().is_convex() && !moving.turns();
+        is_straight(self) && is_straight(other) && !approach([self.way(), other.way()], normal)
     }
 
     /// How far the shape reaches from the point about which it turns.

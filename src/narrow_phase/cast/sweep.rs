@@ -59,15 +59,28 @@ impl NarrowPhase {
         target: Placed,
         workspace: &mut Workspace,
     ) -> Option<Impact> {
+        self.sweep_from(false, moving, direction, max_distance, target, workspace)
+    }
+
+    /// The same, of two of which it may be known that they are not in contact at the start.
+    pub(super) fn sweep_from(
+        &self,
+        are_apart: bool,
+        moving: Placed,
+        direction: Dir3,
+        max_distance: f32,
+        target: Placed,
+        workspace: &mut Workspace,
+    ) -> Option<Impact> {
         if !(max_distance >= 0.0 && direction.is_finite()) {
             return None;
         }
         if let Some(impact) = parry::with_own(moving, target, |a, b| {
-            self.sweep(a, direction, max_distance, b, workspace)
+            self.sweep_from(are_apart, a, direction, max_distance, b, workspace)
         }) {
             return impact;
         }
-        if self.intersects(moving, target, workspace) {
+        if !are_apart && self.intersects(moving, target, workspace) {
             return Some(self.at_the_start(moving, direction, target, workspace));
         }
         match PlacedPair::new(moving, target, self.tolerance()) {

@@ -224,7 +224,7 @@ impl Moments<'_> {
         None
     }
 
-    /// The first meeting of two that do not turn: as one of them sees it, the other comes along a
+    /// The first meeting of two that do not turn, and are apart at the start: as one of them sees it, the other comes along a
     /// line.
     fn straight(&self, workspace: &mut Workspace) -> Option<TimedContact> {
         let Self { tests, a, b } = self;
@@ -233,7 +233,7 @@ impl Moments<'_> {
             Placed::new(a.shape(), &a.start),
             Placed::new(b.shape(), &b.start),
         );
-        let impact = tests.sweep(moving, direction, distance, target, workspace)?;
+        let impact = tests.sweep_from(true, moving, direction, distance, target, workspace)?;
         let time = (impact.distance / distance).min(1.0);
         let point = impact.point + b.way() * time;
         let normal = self.normal_in_passing(time, -impact.normal, workspace);

@@ -114,6 +114,17 @@ pub fn place_both<'a>(pair: &PlacedPair, workspace: &'a mut Workspace) -> Option
     is_placed.then_some([&*a, &*b])
 }
 
+/// The normal of a face of one of two solids along which they are furthest apart, from the first to
+/// the second, and how far: no further than they are, and less where edges are closest.
+pub fn widest_gap(a: &Solid, b: &Solid) -> (Vec3A, f32) {
+    let normals = a.normals.iter().copied();
+    let normals = normals.chain(b.normals.iter().map(|normal| -*normal));
+    let gaps = normals.map(|normal| (normal, a.gap(b, normal)));
+    gaps.fold((Vec3A::ZERO, f32::NEG_INFINITY), |widest, gap| {
+        if gap.1 > widest.1 { gap } else { widest }
+    })
+}
+
 /// Whether a plane along two edges, the second one of another solid, may have both solids on its two
 /// sides: whether the arcs of normals that the edges have, the one seen from within, cross each other
 /// (Gregorius, *The Separating Axis Test between Convex Polyhedra*, 2013). In doubt, it may.
