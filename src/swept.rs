@@ -166,6 +166,30 @@ pub struct Swept {
     /// is until the next tick, as a wall at rest to all that it meets, and keeps its velocity. This
     /// bounds the search for impacts, too.
     pub sub_steps: u32,
+    /// What it does where it meets something solid.
+    pub at_solid: AtSolid,
+}
+
+/// What an entity that is [`Swept`] does where it meets something solid: something that it
+/// [hears](crate::filters::Detector) of and comes nearer to, where neither is a
+/// [`Sensor`](crate::filters::Sensor).
+///
+/// To go on is the default, as a detector changes nothing by itself: what has no [`Bounce`] is moved
+/// by its mover alone, unless somebody asks for more; a laser, a blade or a shock wave goes through
+/// what it hits.
+///
+/// [`Bounce`]: crate::response::Bounce
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Clone, Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
+pub enum AtSolid {
+    /// It bounces if it has a [`Bounce`](crate::response::Bounce), and passes through if it has none.
+    #[default]
+    GoOn,
+    /// It stops there, whatever its [`Bounce`](crate::response::Bounce), until the next tick, and
+    /// meets nothing of what is behind. See [what ends at its first
+    /// hit](self#what-ends-at-its-first-hit).
+    Stop,
 }
 
 impl Swept {
@@ -175,7 +199,20 @@ impl Swept {
     /// Makes a component with a bound of its own to the number of bounces within a tick.
     #[must_use]
     pub const fn new(sub_steps: u32) -> Self {
-        Self { sub_steps }
+        Self {
+            sub_steps,
+            at_solid: AtSolid::GoOn,
+        }
+    }
+
+    /// Makes a component for a bullet: what has it [stops](AtSolid::Stop) at the first thing that it
+    /// meets and that is solid.
+    #[must_use]
+    pub const fn stopping() -> Self {
+        Self {
+            at_solid: AtSolid::Stop,
+            ..Self::new(Self::DEFAULT_SUB_STEPS)
+        }
     }
 }
 
@@ -309,5 +346,7 @@ pub(crate) fn side(tests: &NarrowPhase, moving: &Moving) -> Option<HalfSpace> {
 
 /// What others read though no way begins.
 pub(crate) fn register(app: &mut App) {
-    app.register_type::<Swept>().register_type::<SweptWay>();
+    app.register_type::<Swept>()
+        .register_type::<AtSolid>()
+        .register_type::<SweptWay>();
 }
