@@ -88,7 +88,7 @@ type Boxed<'a> = (
     Ref<'a, WorldAabb>,
     Ref<'a, CollisionShape>,
     &'a mut BroadPhaseProxy,
-    Has<Swept>,
+    (Has<Swept>, Option<&'a SweptWay>),
 );
 
 fn maintain(
@@ -96,7 +96,7 @@ fn maintain(
     (settings, tests, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhase>, Res<Upkeep>),
     mut boxes: Query<Boxed, Changed<WorldAabb>>,
     newcomers: Query<(&Archetype, FilterParts)>,
-    (ways, sheared): (Query<&SweptWay>, Query<&Sheared>),
+    sheared: Query<&Sheared>,
     mut counters: ResMut<CollisionCounters>,
 ) {
     let index = &mut *index;
@@ -105,15 +105,9 @@ fn maintain(
         index.search_all();
     }
     let some_sheared = !sheared.is_empty();
-    for (entity, aabb, own, mut proxy, is_swept) in &mut boxes {
+    for (entity, aabb, own, mut proxy, (is_swept, way)) in &mut boxes {
         let shape = || shear::shape(&own, sheared.get(entity).ok());
-        let way = if is_swept {
-            ways.get(entity)
-                .ok()
-                .filter(|way| way.belongs_to(entity, proxy.id()))
-        } else {
-            None
-        };
+        let way = way.filter(|way| is_swept && way.belongs_to(entity, proxy.id()));
         let start = way.and_then(|way| way.to(proxy.pose())).copied();
         let fit = proxy.fit(aabb.last_changed(), own.last_changed());
         let reshape = |body: &mut Body| {

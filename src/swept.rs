@@ -320,16 +320,25 @@ fn stretch_boxes(mut swept: Query<Stretched, With<Swept>>, tests: Res<NarrowPhas
         let start = way
             .to(proxy.pose())
             .filter(|_| way.belongs_to(entity, proxy.id()));
-        let moving = start.map(|start| Moving::new(shape, start, proxy.pose()));
-        if let Some(moving) = &moving {
+        if let Some(start) = start {
+            // Nearly always, the box is that of the end, as it was computed in this tick.
+            let quick = if proxy.has_box_of(aabb.last_changed()) {
+                tests.stretched((shape, &aabb.0), start, proxy.pose())
+            } else {
+                None
+            };
             // What has no box has had its warning.
-            if let Ok(stretched) = tests.swept_aabb(moving) {
-                aabb.0 = stretched;
+            let whole = quick.or_else(|| {
+                let moving = Moving::new(shape, start, proxy.pose());
+                tests.swept_aabb(&moving).ok()
+            });
+            if let Some(whole) = whole {
+                aabb.0 = whole;
             }
         } else if way.is_stretched() {
             *aabb = bounds::world_aabb(&tests, entity, shape, proxy.pose());
         }
-        let is_stretched = moving.is_some();
+        let is_stretched = start.is_some();
         way.bypass_change_detection().note_stretched(is_stretched);
     }
 }
