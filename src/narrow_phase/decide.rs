@@ -9,7 +9,8 @@ use super::frame::edge_polygon;
 use super::frame::placed::{Placed, PlacedPair, ROUNDING, in_order};
 use super::frame::separation::Separation;
 use super::frame::smaller::Smaller;
-use super::frame::solid::{self, Solid};
+use super::frame::solid::Solid;
+use super::frame::two_solids;
 use super::frame::workspace::Workspace;
 use super::parry;
 use super::settings::{Exactness, NarrowPhase};
@@ -163,8 +164,8 @@ fn complete(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
         Case::Convex => {
             // Looked for by its normal, a plane that parts the two costs less than that none does by
             // all edges and polygons.
-            let are_parted = |[a, b]: [&Solid; 2]| solid::widest_gap(a, b).1 > slack(pair);
-            !solid::place_both(pair, workspace).is_some_and(are_parted)
+            let are_parted = |[a, b]: [&Solid; 2]| two_solids::widest_gap(a, b).1 > slack(pair);
+            !two_solids::place_both(pair, workspace).is_some_and(are_parted)
                 && edge_polygon::intersects(pair, workspace)
         }
         Case::Cuboids | Case::Polygons => edge_polygon::intersects(pair, workspace),

@@ -10,7 +10,7 @@ use crate::narrow_phase::{
         case::Case,
         placed::{Placed, PlacedPair},
         separation::Separation,
-        solid,
+        two_solids,
         workspace::Workspace,
     },
     settings::NarrowPhase,
@@ -114,8 +114,8 @@ impl Moments<'_> {
                 let found = Separation::of(&pair.box_a, &pair.box_b, f32::INFINITY)?;
                 return Some((found.axis, found.along));
             }
-            let [a, b] = solid::place_both(&pair, workspace)?;
-            Some(solid::widest_gap(a, b))
+            let [a, b] = two_solids::place_both(&pair, workspace)?;
+            Some(two_solids::widest_gap(a, b))
         })?;
         Some((normal.into(), gap))
     }

@@ -16,7 +16,7 @@ use crate::narrow_phase::frame::{
     case::Case,
     oriented_box::OrientedBox,
     placed::PlacedPair,
-    solid::{self, may_part},
+    two_solids::{self, may_part},
     workspace::Workspace,
 };
 
@@ -31,7 +31,8 @@ pub enum Answer {
     /// The two do not meet.
     Apart,
     Met(LocalImpact),
-    /// They are not asked for such shapes, or where they say that the two meet, these do not touch.
+    /// They are not asked for such shapes, or none is between the two at the start, or where they say
+    /// that the two meet, these do not touch.
     Unknown,
 }
 
@@ -126,7 +127,7 @@ fn of_solids(
     mut window: Window<DVec3>,
     workspace: &mut Workspace,
 ) -> Answer {
-    let Some([a, b]) = solid::place_both(pair, workspace) else {
+    let Some([a, b]) = two_solids::place_both(pair, workspace) else {
         return Answer::Unknown;
     };
     let way = direction.as_dvec3();
@@ -185,6 +186,9 @@ fn answer(
     window: &Window<DVec3>,
     foremost: impl FnOnce(Vec3A, f32, Vec3A) -> [Foremost; 2],
 ) -> Answer {
+    if window.begins_open() {
+        return Answer::Unknown;
+    }
     let Some((distance, normal)) = window.first() else {
         return Answer::Apart;
     };

@@ -64,6 +64,11 @@ impl<A: Copy> Window<A> {
         self.enter <= self.leave && self.leave >= 0.0
     }
 
+    /// Is no plane between the two from the start?
+    pub fn begins_open(&self) -> bool {
+        self.enter <= 0.0 && self.is_open()
+    }
+
     /// When the two meet, and along which normal. Those that only graze do so at any moment at which
     /// they are within the slack.
     pub fn first(&self) -> Option<(f64, A)> {

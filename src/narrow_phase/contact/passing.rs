@@ -17,7 +17,8 @@ use crate::narrow_phase::{
         edge_polygon::{self, Touch},
         placed::{Placed, PlacedPair, in_order},
         separation::sign,
-        solid::{self, Solid},
+        solid::Solid,
+        two_solids,
         workspace::Workspace,
     },
     parry,
@@ -87,7 +88,7 @@ impl NarrowPhase {
             Case::SphereFirst => planes.of_sphere(&pair, workspace),
             Case::SphereSecond => -planes.reversed().of_sphere(&pair.swapped(), workspace),
             Case::Cuboids => planes.of_boxes(&pair),
-            Case::Convex => match solid::place_both(&pair, workspace) {
+            Case::Convex => match two_solids::place_both(&pair, workspace) {
                 Some(solids) => planes.of_solids(solids),
                 None => planes.of_polygons(&pair, workspace),
             },

@@ -21,4 +21,5 @@ pub(super) mod separation;
 pub(super) mod smaller;
 pub(super) mod solid;
 pub(super) mod surface;
+pub(super) mod two_solids;
 pub(super) mod workspace;
