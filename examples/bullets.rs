@@ -1,10 +1,11 @@
 //! A shooting range: what is fast passes through what is thin, unless it is `Swept`.
 //!
 //! Five walls as thin as paper; bullets that cover from half their own length to a thousand times
-//! that in a tick. At last, bullets that end at the first thing that they hit, and tell which of its
-//! triangles that was. `cargo run --example bullets`
+//! that in a tick. At last, bullets that stop at the first thing that they hit, which ends them, and
+//! tell which of its triangles that was; a sensor before it counts them. `cargo run --example
+//! bullets`
 
-use bevy::{platform::collections::HashSet, prelude::*};
+use bevy::prelude::*;
 use bevy_octree::prelude::*;
 
 /// The diameter of a bullet.
@@ -136,6 +137,10 @@ fn hit_the_target() {
     let triangles = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
     let target = CollisionShape::mesh(corners, triangles).expect("its triangles have an area");
     app.world_mut().spawn((Name::new("target"), target));
+    let gate = CollisionShape::cuboid(0.002, 10.0, 10.0);
+    let at_gate = Transform::from_xyz(-0.75, 0.0, 0.0);
+    app.world_mut()
+        .spawn((Name::new("gate"), gate, Sensor, at_gate));
     let aims = [(0.5, 0.1), (-0.5, 0.1), (0.1, -0.5), (0.1, 0.5), (2.0, 0.0)];
     for (number, (y, z)) in (1..).zip(aims) {
         app.world_mut().spawn((
@@ -144,7 +149,7 @@ fn hit_the_target() {
             CollisionShape::sphere(CALIBER / 2.0),
             // They do not meet each other.
             CollisionLayers::new(LayerMask::layer(1), LayerMask::layer(0)),
-            Swept::default(),
+            Swept::stopping(),
             Velocity(Vec3::X * 100.0 * CALIBER),
             Transform::from_xyz(-1.0, y, z),
         ));
@@ -154,31 +159,37 @@ fn hit_the_target() {
     assert_eq!(left.iter(app.world()).count(), 0, "each has hit something");
 }
 
-/// All that a bullet meets in a tick is told, in the order of time: the first is what it hits.
+/// Of what a bullet meets in a tick, it is told in the order of time, up to the first solid: that is
+/// what it hits.
 fn end_at_first_hit(
     mut started: MessageReader<CollisionStarted>,
     bullets: Query<&Name, With<Bullet>>,
-    names: Query<&Name>,
+    names: Query<(&Name, Has<Sensor>)>,
     spatial: SpatialQuery,
     mut commands: Commands,
 ) {
-    let mut spent = HashSet::new();
+    let mut through_gate = 0;
     for message in started.read() {
         let hit = if bullets.contains(message.a) {
             *message
         } else {
             message.reversed()
         };
-        if let Ok(bullet) = bullets.get(hit.a)
-            && let Ok(target) = names.get(hit.b)
-            && spent.insert(hit.a)
-        {
-            match polygon_hit(&hit, &spatial) {
-                Some(triangle) => println!("  {bullet} hits triangle {triangle} of the {target}"),
-                None => println!("  {bullet} hits {target}"),
-            }
-            commands.entity(hit.a).despawn();
+        let (Ok(bullet), Ok((target, is_sensor))) = (bullets.get(hit.a), names.get(hit.b)) else {
+            continue;
+        };
+        if is_sensor {
+            through_gate += 1;
+            continue;
         }
+        match polygon_hit(&hit, &spatial) {
+            Some(triangle) => println!("  {bullet} hits triangle {triangle} of the {target}"),
+            None => println!("  {bullet} hits {target}"),
+        }
+        commands.entity(hit.a).despawn();
+    }
+    if through_gate > 0 {
+        println!("  {through_gate} of them came through the gate");
     }
 }
 

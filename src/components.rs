@@ -211,6 +211,13 @@ impl BroadPhaseProxy {
         &self.pose
     }
 
+    /// Is the box of the entity, which was last changed then, the one that was computed around its
+    /// pose?
+    #[inline]
+    pub(crate) fn has_box_of(&self, box_changed: Tick) -> bool {
+        box_changed == self.boxed
+    }
+
     /// What the box of the entity says of its shape, by when the two were last changed. Nothing, if
     /// that was after the box was computed.
     #[inline]

@@ -186,7 +186,7 @@ pub mod prelude {
             PairHit, PointHit, RayCastOptions, RayHit, RayPassage, ShapeCastOptions, ShapeHit,
             SpatialQuery, SpatialQueryFilter, update_spatial_index,
         },
-        swept::{Swept, SweptWay},
+        swept::{AtSolid, Swept, SweptWay},
         worlds::{CollisionWorld, InCollisionWorld},
     };
 }

@@ -16,9 +16,9 @@ use crate::{
 /// and before all that is met at the end of the tick. At the same time, the order is that of the
 /// [`Contacts`](super::Contacts).
 ///
-/// So the first message about a swept entity tells what it meets first. What it meets after that, if
-/// it is not to end there, follows in the same tick: see [what ends at its first
-/// hit](crate::swept#what-ends-at-its-first-hit).
+/// So the first message about a swept entity tells what it meets first. What it meets after that
+/// follows in the same tick, unless it [stops](crate::swept::AtSolid::Stop): see [what ends at its
+/// first hit](crate::swept#what-ends-at-its-first-hit).
 ///
 /// As an **event** it is triggered right after, in the same order, for each of the two entities
 /// that has opted in by [`CollisionEventsEnabled`](super::CollisionEventsEnabled), with that entity

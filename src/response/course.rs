@@ -10,7 +10,7 @@ use crate::{
     frame::{Ancestor, Frame},
     motion::{Velocity, is_moved_by_velocity},
     narrow_phase::{Contact, Moving, approach},
-    swept::Swept,
+    swept::{AtSolid, Swept},
 };
 
 /// Who says where a body goes.
@@ -43,8 +43,12 @@ pub(super) struct Course {
     is_sensor: bool,
     is_swept: bool,
     steering: Steering,
+    /// Does it stop at the first solid?
+    stops: bool,
     /// Has it come to stay where it is for what is left of the tick?
     stays: bool,
+    /// Has it stopped, though its mover has moved it on? Then it meets nothing any more.
+    pub(super) has_ended: bool,
     /// The share of the tick after which it last changed course.
     since: f32,
     /// Where it was then.
@@ -97,7 +101,9 @@ impl Course {
             is_sensor: of_world.contains::<Sensor>(),
             is_swept: swept.is_some(),
             steering,
+            stops: swept.is_some_and(|swept| swept.at_solid == AtSolid::Stop),
             stays: false,
+            has_ended: false,
             since: 0.0,
             from: moving.at(0.0).translation,
             way: moving.at(1.0).translation - moving.at(0.0).translation,
@@ -138,7 +144,12 @@ impl Course {
 
     /// Is it on another way than at the start of the tick?
     pub(super) const fn is_diverted(&self) -> bool {
-        self.is_swept && self.version > 0
+        self.is_swept && self.is_moved()
+    }
+
+    /// Is it elsewhere at the end of the tick than it would have been?
+    pub(super) const fn is_moved(&self) -> bool {
+        self.version > 0 && !self.has_ended
     }
 
     /// Is it on no way, and elsewhere than it would have been?
@@ -176,8 +187,14 @@ impl Course {
                 velocity: self.velocity(),
                 ..Party::default()
             }
-        } else if self.is_spent() {
+        } else if self.stays || self.is_spent() {
             Party::default()
+        } else if self.stops {
+            // A wall that comes.
+            Party {
+                bounce: None,
+                ..self.party
+            }
         } else {
             self.party
         }
@@ -187,6 +204,7 @@ impl Course {
     fn answer(&mut self, hears: bool, velocity: Option<Vec3>, time: f32, seconds: f32) -> Turn {
         match velocity {
             _ if !hears => Turn::Keeps,
+            _ if self.stops => Turn::Keeps,
             _ if self.is_spent() => self.stop(time),
             Some(velocity) => self.bounce(velocity, time, seconds),
             None => Turn::Keeps,
@@ -197,6 +215,10 @@ impl Course {
     fn stop(&mut self, time: f32) -> Turn {
         let stayed = std::mem::replace(&mut self.stays, true);
         if stayed || self.way == Vec3::ZERO {
+            Turn::Keeps
+        } else if self.steering == Steering::Foreign {
+            self.has_ended = true;
+            self.version += 1;
             Turn::Keeps
         } else {
             self.divert(time, Vec3::ZERO)
@@ -232,20 +254,32 @@ impl Course {
 }
 
 /// Two meet, with the normal from the first to the second: their velocities answer at once, of those
-/// that hear of it.
+/// that hear of it. Those that are to, stop, if the two come nearer to each other by their ways: of
+/// what its mover moves, the velocity says nothing.
 pub(super) fn meet(
     [a, b]: [&mut Course; 2],
     hears: [bool; 2],
     contact: &Contact,
-    time: f32,
-    seconds: f32,
+    come_nearer: bool,
+    (time, seconds): (f32, f32),
 ) -> [Turn; 2] {
-    if a.is_sensor || b.is_sensor || !approach([a.velocity(), b.velocity()], contact.normal) {
+    if a.is_sensor || b.is_sensor {
         return [Turn::Keeps; 2];
     }
-    let answers = respond([a.party(hears[0]), b.party(hears[1])], contact.normal);
-    [
-        a.answer(hears[0], answers[0], time, seconds),
-        b.answer(hears[1], answers[1], time, seconds),
-    ]
+    let mut turns = [Turn::Keeps; 2];
+    if approach([a.velocity(), b.velocity()], contact.normal) {
+        let answers = respond([a.party(hears[0]), b.party(hears[1])], contact.normal);
+        turns = [
+            a.answer(hears[0], answers[0], time, seconds),
+            b.answer(hears[1], answers[1], time, seconds),
+        ];
+    }
+    if come_nearer {
+        for ((course, turn), hears) in [a, b].into_iter().zip(&mut turns).zip(hears) {
+            if course.stops && hears {
+                *turn = course.stop(time);
+            }
+        }
+    }
+    turns
 }

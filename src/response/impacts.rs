@@ -18,7 +18,7 @@ use crate::{
     contacts::{SweptContact, Verdicts},
     filters,
     motion::MotionSettings,
-    narrow_phase::{Contact, Moving, NarrowPhase, Placed, TimedContact, Workspace},
+    narrow_phase::{Contact, Moving, NarrowPhase, Placed, TimedContact, Workspace, approach},
 };
 
 /// Two bodies meet, if neither changes course before.
@@ -82,6 +82,8 @@ pub(super) struct Resolver {
     /// By handle in `diverted`, that in the main index.
     diverted_ids: Vec<ProxyId>,
     candidates: Vec<ProxyId>,
+    /// The two that met last, if they do not meet again on their new ways.
+    parted: Option<Pair>,
     workspace: Workspace,
 }
 
@@ -98,6 +100,7 @@ impl Default for Resolver {
             )),
             diverted_ids: Vec::new(),
             candidates: Vec::new(),
+            parted: None,
             workspace: Workspace::default(),
         }
     }
@@ -145,6 +148,7 @@ pub(super) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) 
                 resolver.carry(world, entity, change, (met.time, seconds));
             }
         }
+        resolver.note_parted(world.resource(), &meeting);
         resolver.look_ahead(world, met.time);
     }
     world.resource_scope(|world, mut outcomes: Mut<Outcomes>| {
@@ -202,11 +206,17 @@ impl Resolver {
         let index = world.resource::<CollisionIndex>();
         let proxies = index.index().proxies();
         let hears = filters::hear([pair.a, pair.b].map(|id| proxies.filter(id).into()));
-        let normal = self.normal(index, meeting, world.resource::<NarrowPhase>());
+        let ways = [pair.a, pair.b].map(|id| self.moving(index, id, time));
+        let [Some(way_a), Some(way_b)] = ways else {
+            return [Turn::Keeps; 2];
+        };
+        let normal = self.normal([&way_a, &way_b], meeting, world.resource::<NarrowPhase>());
+        let at_point = [&way_a, &way_b].map(|way| way.velocity_at(0.0, contact.point));
+        let come_nearer = approach(at_point, normal);
         match self.courses.get_disjoint_mut([&pair.a, &pair.b]) {
             [Some(a), Some(b)] => {
                 let contact = Contact { normal, ..contact };
-                meet([a, b], hears, &contact, time, seconds)
+                meet([a, b], hears, &contact, come_nearer, (time, seconds))
             }
             _ => [Turn::Keeps; 2],
         }
@@ -214,25 +224,17 @@ impl Resolver {
 
     /// The normal that counts for the velocities of the two: what is left of their ways may be too
     /// short to tell.
-    fn normal(&mut self, index: &CollisionIndex, meeting: &Meeting, tests: &NarrowPhase) -> Vec3 {
-        let Meeting {
-            pair,
-            met: TimedContact { time, contact },
-            ..
-        } = *meeting;
-        let moving = [pair.a, pair.b].map(|id| self.moving(index, id, time));
+    fn normal(&mut self, [a, b]: [&Moving; 2], meeting: &Meeting, tests: &NarrowPhase) -> Vec3 {
+        let Meeting { pair, met, .. } = *meeting;
         let velocities =
             [pair.a, pair.b].map(|id| self.courses.get(&id).map_or(Vec3::ZERO, Course::velocity));
-        let [Some(a), Some(b)] = moving else {
-            return contact.normal;
-        };
         let (at_a, at_b) = (a.at(0.0), b.at(0.0));
         let placed = [Placed::new(a.shape(), &at_a), Placed::new(b.shape(), &at_b)];
         let velocity = velocities[0] - velocities[1];
         tests.normal_in_passing(
             placed[0],
             placed[1],
-            contact.normal,
+            met.contact.normal,
             velocity,
             &mut self.workspace,
         )
@@ -265,6 +267,13 @@ impl Resolver {
             }
             open.extend(children(child));
         }
+    }
+
+    /// Takes note of two that have met, if they part.
+    fn note_parted(&mut self, index: &CollisionIndex, &Meeting { pair, met, .. }: &Meeting) {
+        let [a, b] = [pair.a, pair.b].map(|id| self.moving(index, id, met.time));
+        let parts = |(a, b): (Moving, Moving)| a.parts_from(&b, met.contact.normal);
+        self.parted = a.zip(b).is_some_and(parts).then_some(pair);
     }
 
     /// Looks for what those meet on their new course that have just changed it.
@@ -369,7 +378,8 @@ impl Resolver {
     ) {
         for other in candidates.drain(..) {
             let pair = Pair::new(id, other);
-            if filters::may_meet(world, pair)
+            if self.parted != Some(pair)
+                && filters::may_meet(world, pair)
                 && let Some(meeting) = self.meeting(world.resource(), pair, time, tests)
             {
                 self.to_come.push(Reverse(meeting));
@@ -400,6 +410,10 @@ impl Resolver {
         from: f32,
         tests: &NarrowPhase,
     ) -> Option<Meeting> {
+        let has_ended = |id| self.courses.get(&id).is_some_and(|course| course.has_ended);
+        if has_ended(pair.a) || has_ended(pair.b) {
+            return None;
+        }
         let (a, b) = (
             self.moving(index, pair.a, from)?,
             self.moving(index, pair.b, from)?,

@@ -9,8 +9,10 @@ mod outcomes;
 use bevy::prelude::*;
 
 use crate::{
+    collision_index::CollisionIndex,
     contacts::Verdicts,
     schedule::{CollisionSystems, ImpactSystems, add_to_tick},
+    swept::{AtSolid, Swept},
 };
 
 pub use bounce::Bounce;
@@ -21,6 +23,23 @@ use outcomes::{Outcomes, apply_outcomes, clear_outcomes};
 /// The plugin for the response: from contacts to velocities.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BouncePlugin;
+
+/// Has something met another that is to stop there?
+fn something_stops(
+    verdicts: Res<Verdicts>,
+    index: Res<CollisionIndex>,
+    swept: Query<&Swept>,
+) -> bool {
+    let stops = |entity| {
+        swept
+            .get(entity)
+            .is_ok_and(|swept| swept.at_solid == AtSolid::Stop)
+    };
+    let impacts = verdicts.impacts().iter();
+    impacts
+        .flat_map(|impact| index.entities(impact.pair))
+        .any(stops)
+}
 
 impl Plugin for BouncePlugin {
     fn build(&self, app: &mut App) {
@@ -37,7 +56,7 @@ impl Plugin for BouncePlugin {
             let resolve = resolve_impacts
                 .in_set(ImpactSystems)
                 .run_if(some_impacts)
-                .run_if(something_bounces);
+                .run_if(something_bounces.or_else(something_stops));
             let at_rest = (reverse, reflect).chain().run_if(something_bounces);
             let answer = (
                 apply_outcomes.run_if(some_outcomes),

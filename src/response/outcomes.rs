@@ -39,7 +39,7 @@ struct Position {
 impl Outcome {
     /// What has become of a body whose space is reached from the world by `to_own`.
     fn of(course: &Course, to_own: impl FnOnce(Vec3) -> Option<Vec3>) -> Self {
-        let in_world = (course.version > 0).then(|| course.position(1.0));
+        let in_world = course.is_moved().then(|| course.position(1.0));
         let position = in_world.and_then(|in_world| {
             let own = if course.has_turned {
                 Some(to_own(in_world)?)
@@ -72,7 +72,7 @@ impl Outcomes {
     /// Takes note of what has become of all who met something.
     pub(super) fn note<'a>(&mut self, courses: impl Iterator<Item = &'a Course>, world: &World) {
         self.bodies.clear();
-        let changed = courses.filter(|course| course.bounces > 0 || course.version > 0);
+        let changed = courses.filter(|course| course.bounces > 0 || course.is_moved());
         let (mut children, mut positions) = (Vec::new(), HashMap::<Entity, Vec3>::default());
         for course in changed {
             match course.frame {

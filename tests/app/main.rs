@@ -42,6 +42,7 @@ mod shear;
 mod spaces;
 mod spatial_query;
 mod split_and_merge;
+mod stop_at_solids;
 mod stress;
 mod swept;
 #[cfg(feature = "rapier")]

@@ -24,6 +24,10 @@ const MOST_LOOKS: u32 = 4 * LOOKS;
 /// See [`LOOKS`]: it is two that pass each other within a hair's breadth that get there.
 const LEAST_STEP: f32 = 1.0 / 64.0;
 
+/// Two that are further apart than so many tolerances along the normal of a plane, are not in
+/// contact, whatever rounding makes of it.
+const WIDE: f32 = 4.0;
+
 /// The first meeting of two of which one turns, which are apart at `from`.
 pub fn first_meeting(
     moments: Moments,
@@ -96,6 +100,17 @@ impl<'a> Advance<'a> {
     /// Looks how far the two are from each other, and goes on to the moment up to which they cannot
     /// meet.
     fn step(&mut self, workspace: &mut Workspace) -> Look {
+        if let Some((normal, gap)) = self.moments.parting_plane(self.time, workspace)
+            && gap > WIDE * self.tolerance
+        {
+            return match self.free_time(normal, gap) {
+                Some(free) => {
+                    self.go_on(free, false);
+                    Look::Apart
+                }
+                None => Look::Parting,
+            };
+        }
         let near = self.moments.closest_points(self.time, workspace);
         let touching = match &near {
             Some(near) => near.distance <= self.tolerance,
@@ -106,14 +121,19 @@ impl<'a> Advance<'a> {
             return Look::Touching(near);
         }
         let free = match &near {
-            Some(near) => match self.free_time(near) {
+            Some(near) => match self.free_time(near.offset / near.distance, near.distance) {
                 Some(free) => free,
                 None => return Look::Parting,
             },
             None => 0.0,
         };
-        let hurries = self.looks >= LOOKS || near.is_none();
-        let least = if hurries {
+        self.go_on(free, near.is_none());
+        Look::Apart
+    }
+
+    /// Goes on for as long as the two are known to be apart, or for longer in a hurry.
+    fn go_on(&mut self, free: f32, hurries: bool) {
+        let least = if hurries || self.looks >= LOOKS {
             LEAST_STEP * (1.0 - self.from)
         } else {
             0.0
@@ -123,19 +143,18 @@ impl<'a> Advance<'a> {
         self.overshot = free < step;
         (self.last, self.time) = (self.time, self.time + step);
         self.looks += 1;
-        Look::Apart
     }
 
-    /// For how long two that are so near cannot meet; `None` if they never do.
-    fn free_time(&self, near: &Proximity) -> Option<f32> {
-        let towards = self.velocity.dot(near.offset / near.distance);
+    /// For how long two cannot meet that are so far apart along a normal, which of two that are not
+    /// convex is that of their closest points; `None` if they never do.
+    fn free_time(&self, normal: Vec3, gap: f32) -> Option<f32> {
         let closing = self.turning
             + if self.have_plane {
-                towards
+                self.velocity.dot(normal)
             } else {
                 self.velocity.length()
             };
-        let free = (near.distance - 0.5 * self.tolerance) / closing;
+        let free = (gap - 0.5 * self.tolerance) / closing;
         (closing > 0.0 && free.is_finite()).then_some(free)
     }
 

@@ -5,7 +5,14 @@ use bevy::math::Vec3;
 use super::moving::Moving;
 use crate::narrow_phase::{
     answer::{Contact, Proximity, TimedContact},
-    frame::{approach::approach, placed::Placed, workspace::Workspace},
+    frame::{
+        approach::approach,
+        case::Case,
+        placed::{Placed, PlacedPair},
+        separation::Separation,
+        two_solids,
+        workspace::Workspace,
+    },
     settings::NarrowPhase,
 };
 
@@ -89,6 +96,28 @@ impl Moments<'_> {
 
     pub fn touches(&self, time: f32, workspace: &mut Workspace) -> bool {
         self.at(time, |a, b| self.tests.intersects(a, b, workspace))
+    }
+
+    /// The normal of a plane that parts two convex solids, from the first to the second, and how far
+    /// they are apart along it, if that is quicker to tell than their closest points.
+    pub fn parting_plane(&self, time: f32, workspace: &mut Workspace) -> Option<(Vec3, f32)> {
+        let case = Case::of(self.a.shape(), self.b.shape());
+        let (normal, gap) = self.at(time, |a, b| {
+            if !matches!(case, Case::Cuboids | Case::Convex) {
+                return None;
+            }
+            let pair = PlacedPair::new(a, b, self.tests.tolerance()).ok()?;
+            if pair.is_large() {
+                return None;
+            }
+            if case == Case::Cuboids {
+                let found = Separation::of(&pair.box_a, &pair.box_b, f32::INFINITY)?;
+                return Some((found.axis, found.along));
+            }
+            let [a, b] = two_solids::place_both(&pair, workspace)?;
+            Some(two_solids::widest_gap(a, b))
+        })?;
+        Some((normal.into(), gap))
     }
 
     pub fn closest_points(&self, time: f32, workspace: &mut Workspace) -> Option<Proximity> {

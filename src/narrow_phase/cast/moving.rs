@@ -1,12 +1,12 @@
 //! Shapes on their way.
 
-use bevy::math::Vec3;
 use bevy::math::bounding::{Aabb3d, BoundingVolume};
+use bevy::math::{Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
 use crate::narrow_phase::{
     error::BoundsError,
-    frame::{oriented_box::OrientedBox, placed::Placed},
+    frame::{approach::approach, oriented_box::OrientedBox, placed::Placed},
     settings::NarrowPhase,
     shape::Shape,
 };
@@ -122,6 +122,13 @@ impl<'a> Moving<'a> {
         self.way() + self.turn().cross(point - self.at(time).translation)
     }
 
+    /// Returns `true` if two that meet with a normal, from this one to the other, do not meet again on
+    /// their ways: two convex shapes that do not turn, and do not come nearer to each other.
+    pub(crate) fn parts_from(&self, other: &Moving, normal: Vec3) -> bool {
+        let is_straight = |moving: &Moving| moving.shape.kind().is_convex() && !moving.turns();
+        is_straight(self) && is_straight(other) && !approach([self.way(), other.way()], normal)
+    }
+
     /// How far the shape reaches from the point about which it turns.
     fn reach(&self) -> Result<f32, BoundsError> {
         let around_origin = OrientedBox::of(self.shape, &self.end, self.end.translation)?;
@@ -130,6 +137,34 @@ impl<'a> Moving<'a> {
 }
 
 impl NarrowPhase {
+    /// Returns the box of a shape's way, given [that](Self::world_aabb) of its end and where it starts:
+    /// [`swept_aabb`](Self::swept_aabb), but for rounding, without another look at the shape. `None`
+    /// if it turns, or nothing finite comes of it.
+    #[inline]
+    pub(crate) fn stretched(
+        &self,
+        (shape, aabb): (&Shape, &Aabb3d),
+        start: &Transform,
+        end: &Transform,
+    ) -> Option<Aabb3d> {
+        let is_ball = matches!(shape, Shape::Sphere { .. });
+        if start.rotation != end.rotation && !is_ball {
+            return None;
+        }
+        let (start, end) = (Vec3A::from(start.translation), Vec3A::from(end.translation));
+        let far = start.abs().max(aabb.min.abs()).max(aabb.max.abs());
+        let rounding = 4.0 * f32::EPSILON * far.max_element();
+        // Where it started, it was as far from its position as where it ends.
+        let back = start - end;
+        let stretched = Aabb3d {
+            min: aabb.min + back.min(Vec3A::ZERO) - rounding,
+            max: aabb.max + back.max(Vec3A::ZERO) + rounding,
+        };
+        (stretched.max - stretched.min)
+            .is_finite()
+            .then_some(stretched)
+    }
+
     /// Returns the box to feed to a broad phase for all of a shape's way: see
     /// [`world_aabb`](Self::world_aabb). The smallest one if the shape does not turn.
     ///
@@ -153,5 +188,39 @@ impl NarrowPhase {
             None => self.world_aabb(Placed::new(moving.shape, at)),
         };
         Ok(aabb(&moving.start)?.merge(&aabb(&moving.end)?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::Quat;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::narrow_phase::cast::tests::{placed, vectors};
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, cases: 512, ..ProptestConfig::default() })]
+
+        /// The box of the end, stretched, is that of the whole way.
+        #[test]
+        fn stretched_boxes_are_those_of_ways((shape, end) in placed(), way in vectors(6.0), far in prop_oneof![Just(0f32), Just(1e4)]) {
+            let end = end.with_translation(end.translation + Vec3::new(far, far, -far));
+            let start = end.with_translation(end.translation - way);
+            let tests = NarrowPhase::default();
+            let aabb = tests.world_aabb(Placed::new(&shape, &end)).unwrap();
+            let expected = tests.swept_aabb(&Moving::new(&shape, &start, &end)).unwrap();
+            let found = tests.stretched((&shape, &aabb), &start, &end).unwrap();
+            let most = Vec3A::splat(16.0 * f32::EPSILON * (far + 16.0));
+            prop_assert!((found.min - expected.min).abs().cmple(most).all(), "{found:?} {expected:?}");
+            prop_assert!((found.max - expected.max).abs().cmple(most).all(), "{found:?} {expected:?}");
+            for at in [&start, &end] {
+                let exact = shape.world_aabb(at).unwrap();
+                prop_assert!(found.min.cmple(exact.min).all() && found.max.cmpge(exact.max).all());
+            }
+            let turned = start.with_rotation(Quat::from_rotation_y(1.0) * start.rotation);
+            let is_ball = matches!(shape, Shape::Sphere { .. });
+            prop_assert_eq!(tests.stretched((&shape, &aabb), &turned, &end).is_some(), is_ball);
+        }
     }
 }

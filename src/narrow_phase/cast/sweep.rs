@@ -4,7 +4,10 @@
 use bevy::math::{Dir3, Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
-use super::first_impact::{FirstImpact, LocalImpact};
+use super::{
+    first_impact::{FirstImpact, LocalImpact},
+    parting_planes::{self, Answer},
+};
 use crate::narrow_phase::{
     answer::Impact,
     error::BoundsError,
@@ -56,15 +59,28 @@ impl NarrowPhase {
         target: Placed,
         workspace: &mut Workspace,
     ) -> Option<Impact> {
+        self.sweep_from(false, moving, direction, max_distance, target, workspace)
+    }
+
+    /// The same, of two of which it may be known that they are not in contact at the start.
+    pub(super) fn sweep_from(
+        &self,
+        are_apart: bool,
+        moving: Placed,
+        direction: Dir3,
+        max_distance: f32,
+        target: Placed,
+        workspace: &mut Workspace,
+    ) -> Option<Impact> {
         if !(max_distance >= 0.0 && direction.is_finite()) {
             return None;
         }
         if let Some(impact) = parry::with_own(moving, target, |a, b| {
-            self.sweep(a, direction, max_distance, b, workspace)
+            self.sweep_from(are_apart, a, direction, max_distance, b, workspace)
         }) {
             return impact;
         }
-        if self.intersects(moving, target, workspace) {
+        if !are_apart && self.intersects(moving, target, workspace) {
             return Some(self.at_the_start(moving, direction, target, workspace));
         }
         match PlacedPair::new(moving, target, self.tolerance()) {
@@ -170,7 +186,14 @@ fn first_impact(
             let met = FirstImpact::new(-direction, limit).of_sphere(&pair.swapped(), workspace)?;
             Some(met.reversed(direction))
         }
-        Case::Cuboids | Case::Convex | Case::Polygons => first.of_polygons(pair, workspace),
+        Case::Cuboids | Case::Convex => {
+            match parting_planes::first_impact(pair, direction, limit, workspace) {
+                Answer::Apart => None,
+                Answer::Met(met) => Some(met),
+                Answer::Unknown => first.of_polygons(pair, workspace),
+            }
+        }
+        Case::Polygons => first.of_polygons(pair, workspace),
         // Parry has been asked before.
         Case::Foreign => None,
     }

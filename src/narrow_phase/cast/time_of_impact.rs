@@ -7,13 +7,20 @@
 //! 1996): the two go on for as long as they cannot possibly meet, given their distance and how fast
 //! they move and turn, and then look again.
 
+use bevy::math::Vec3;
+
 use super::advance;
 use super::lift;
 use super::moments::Moments;
 use super::moving::Moving;
+use super::parting_planes::{self, Answer};
 use crate::narrow_phase::{
     answer::{Contact, TimedContact},
-    frame::{case::Case, placed::Placed, workspace::Workspace},
+    frame::{
+        case::Case,
+        placed::{Placed, PlacedPair},
+        workspace::Workspace,
+    },
     length::direction_and_length,
     settings::NarrowPhase,
 };
@@ -25,6 +32,9 @@ const MOST_PARTING_STEPS: u32 = 192;
 /// No step that leads there is longer, as a share of the way, where two that have parted may come
 /// back.
 const LONGEST_STEP: f32 = 1.0 / 16.0;
+
+/// Up to so many times their size, a way and a distance are computed as exactly as the size is.
+const LONGEST_WAY: f32 = 16.0;
 
 /// So many times at most may two graze each other before they meet.
 const MOST_GRAZES: u32 = 8;
@@ -71,7 +81,11 @@ impl NarrowPhase {
         b: &Moving,
         workspace: &mut Workspace,
     ) -> Option<TimedContact> {
-        Moments { tests: self, a, b }.meeting(MOST_GRAZES, workspace)
+        let moments = Moments { tests: self, a, b };
+        if moments.pass_by() {
+            return None;
+        }
+        moments.meeting(MOST_GRAZES, workspace)
     }
 }
 
@@ -79,6 +93,12 @@ impl Moments<'_> {
     /// The first meeting that keeps the two from going on, or else the first one: at most so many
     /// grazes are passed over.
     fn meeting(self, grazes: u32, workspace: &mut Workspace) -> Option<TimedContact> {
+        match self.by_planes(workspace) {
+            // Within the tolerance, or as rounding has it.
+            Some(None) => return self.touch(1.0, workspace),
+            Some(met) => return met,
+            None => {}
+        }
         let mut free_from = 0.0;
         if let Some(met) = self.touch(0.0, workspace) {
             if self.come_nearer(&met) {
@@ -220,7 +240,44 @@ impl Moments<'_> {
         None
     }
 
-    /// The first meeting of two that do not turn: as one of them sees it, the other comes along a
+    /// The first meeting of two convex solids that do not turn, if there is one, by the planes that
+    /// may part them. `None` if these do not tell, or not all the way: of others, of those that are
+    /// in touch at the start, and over a way on which rounding counts.
+    fn by_planes(&self, workspace: &mut Workspace) -> Option<Option<TimedContact>> {
+        let Self { tests, a, b } = self;
+        if self.turn() || !matches!(Case::of(a.shape(), b.shape()), Case::Cuboids | Case::Convex) {
+            return None;
+        }
+        let (moving, target) = (
+            Placed::new(a.shape(), &a.start),
+            Placed::new(b.shape(), &b.start),
+        );
+        let pair = PlacedPair::new(moving, target, tests.tolerance()).ok()?;
+        let (direction, distance) = direction_and_length(self.velocity())?;
+        let longest = LONGEST_WAY * pair.size;
+        let offset = pair.box_b.center - pair.box_a.center;
+        if pair.is_large() || distance > longest || offset.length() > longest {
+            return None;
+        }
+        match parting_planes::first_impact(&pair, Vec3::from(direction).into(), distance, workspace)
+        {
+            Answer::Apart => Some(None),
+            Answer::Met(met) => {
+                let time = (met.distance / distance).min(1.0);
+                let point = a.start.translation + Vec3::from(met.point) + b.way() * time;
+                let normal = self.normal_in_passing(time, (-met.normal).into(), workspace);
+                let contact = Contact {
+                    normal,
+                    point,
+                    depth: 0.0,
+                };
+                Some(Some(TimedContact { time, contact }))
+            }
+            Answer::Unknown => None,
+        }
+    }
+
+    /// The first meeting of two that do not turn, and are apart at the start: as one of them sees it, the other comes along a
     /// line.
     fn straight(&self, workspace: &mut Workspace) -> Option<TimedContact> {
         let Self { tests, a, b } = self;
@@ -229,7 +286,7 @@ impl Moments<'_> {
             Placed::new(a.shape(), &a.start),
             Placed::new(b.shape(), &b.start),
         );
-        let impact = tests.sweep(moving, direction, distance, target, workspace)?;
+        let impact = tests.sweep_from(true, moving, direction, distance, target, workspace)?;
         let time = (impact.distance / distance).min(1.0);
         let point = impact.point + b.way() * time;
         let normal = self.normal_in_passing(time, -impact.normal, workspace);

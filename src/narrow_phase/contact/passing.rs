@@ -16,6 +16,9 @@ use crate::narrow_phase::{
         case::Case,
         edge_polygon::{self, Touch},
         placed::{Placed, PlacedPair, in_order},
+        separation::sign,
+        solid::Solid,
+        two_solids,
         workspace::Workspace,
     },
     parry,
@@ -84,7 +87,12 @@ impl NarrowPhase {
             Case::Spheres | Case::Foreign => return normal,
             Case::SphereFirst => planes.of_sphere(&pair, workspace),
             Case::SphereSecond => -planes.reversed().of_sphere(&pair.swapped(), workspace),
-            Case::Cuboids | Case::Convex | Case::Polygons => planes.of_polygons(&pair, workspace),
+            Case::Cuboids => planes.of_boxes(&pair),
+            Case::Convex => match two_solids::place_both(&pair, workspace) {
+                Some(solids) => planes.of_solids(solids),
+                None => planes.of_polygons(&pair, workspace),
+            },
+            Case::Polygons => planes.of_polygons(&pair, workspace),
         };
         Vec3::from(best) * turn
     }
@@ -189,6 +197,45 @@ impl Planes {
                 *reach = center.dot(*normal) + radius;
             }
             touched().for_each(|face| self.begins(surface.corners(face).iter().copied()));
+        }
+        self.best()
+    }
+
+    /// Takes up a plane of a convex solid, given how far the two are apart along its normal, which
+    /// is all that has to be known of it.
+    fn suggest_apart(&mut self, normal: Vec3A, gap: f32) {
+        if gap < -self.tolerance {
+            return;
+        }
+        let before = self.count;
+        self.suggest(normal);
+        if self.count > before {
+            (self.reach[before], self.begin[before]) = (0.0, gap);
+        }
+    }
+
+    /// Two cuboids: the planes of their faces.
+    fn of_boxes(mut self, pair: &PlacedPair) -> Vec3A {
+        let (a, b) = (&pair.box_a, &pair.box_b);
+        let offset = b.center - a.center;
+        let gap = |normal: Vec3A| normal.dot(offset) - a.extent(normal) - b.extent(normal);
+        (self.reach[0], self.begin[0]) = (0.0, gap(self.normals[0]));
+        for axis in [b, a]
+            .into_iter()
+            .flat_map(|bounds| [0, 1, 2].map(|axis| bounds.axes.col(axis)))
+        {
+            let normal = axis * sign(axis.dot(offset));
+            self.suggest_apart(normal, gap(normal));
+        }
+        self.best()
+    }
+
+    /// Two convex meshes: the planes of their faces.
+    fn of_solids(mut self, [a, b]: [&Solid; 2]) -> Vec3A {
+        (self.reach[0], self.begin[0]) = (0.0, a.gap(b, self.normals[0]));
+        let of_b = b.normals.iter().map(|normal| -*normal);
+        for normal in of_b.chain(a.normals.iter().copied()) {
+            self.suggest_apart(normal, a.gap(b, normal));
         }
         self.best()
     }

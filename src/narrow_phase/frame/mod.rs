@@ -19,5 +19,7 @@ pub(super) mod placed;
 pub(super) mod placing;
 pub(super) mod separation;
 pub(super) mod smaller;
+pub(super) mod solid;
 pub(super) mod surface;
+pub(super) mod two_solids;
 pub(super) mod workspace;

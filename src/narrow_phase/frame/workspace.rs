@@ -1,6 +1,6 @@
 //! Memory that outlives a test, so that a test allocates nothing once warm.
 
-use super::{memory::Memory, surface::Surface};
+use super::{memory::Memory, solid::Solid, surface::Surface};
 use crate::broad_phase::JoinStack;
 use crate::narrow_phase::stage::StageCounters;
 
@@ -11,6 +11,8 @@ pub struct Workspace {
     pub counters: StageCounters,
     /// The two meshes of a pair, in place.
     pub(in crate::narrow_phase) surfaces: [Surface; 2],
+    /// The two convex solids of a pair, in place.
+    pub(in crate::narrow_phase) solids: [Solid; 2],
     /// The parts of two trees that are still to be compared.
     pub(in crate::narrow_phase) stack: JoinStack,
     /// What contacts are found with.

@@ -1,9 +1,10 @@
 //! Measures the crate by itself: `cargo run --release -p study --
-//! timing|growth|stress|record|replay`; beside others, that is what `peers` is for.
+//! timing|growth|stress|swept|record|replay`; beside others, that is what `peers` is for.
 //!
 //! - `timing`: the timing study of the 1994 report, with statistics. See [`timing`].
 //! - `growth`: time and memory of the broad phase, from a thousand objects to a million.
 //! - `stress`: a stress scene in a headless app, by stage.
+//! - `swept`: what continuous detection costs, in a crowd and in free flight.
 //! - `record`, `replay`: traces of boxes, written and put through the broad phase.
 //!
 //! `--help` after any of them explains its arguments. `cargo bench -p study` measures one thing at
@@ -24,6 +25,7 @@ mod replay;
 mod stage_times;
 mod stress;
 mod stress_app;
+mod swept;
 mod threads;
 mod timing;
 mod which_scene;
@@ -45,6 +47,7 @@ enum Verb {
     Timing(timing::Arguments),
     Growth(growth::Arguments),
     Stress(stress::Arguments),
+    Swept(swept::Arguments),
     Record(record::Arguments),
     Replay(replay::Arguments),
 }
@@ -54,6 +57,7 @@ fn main() -> ExitCode {
         Verb::Timing(arguments) => timing::run(&arguments),
         Verb::Growth(arguments) => growth::run(arguments),
         Verb::Stress(arguments) => stress::run(&arguments),
+        Verb::Swept(arguments) => swept::run(&arguments),
         Verb::Record(arguments) => record::run(&arguments),
         Verb::Replay(arguments) => replay::run(&arguments),
     })
