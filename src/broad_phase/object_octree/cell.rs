@@ -2,6 +2,7 @@
 
 use bevy::math::{Vec3A, bounding::Aabb3d};
 
+use super::list::List;
 use crate::octree::Vertex;
 
 /// The cell of a node: its part of space and, in a leaf, the objects whose boxes overlap it.
@@ -17,13 +18,11 @@ pub struct Cell {
     /// From `mid` to the borders of the cell as it would be without infinity.
     half_size: f32,
     generation: u32,
-    objects: Vec<u32>,
-    /// How many of `objects` count against N.
+    list: List,
+    /// How many of the listed objects count against N.
     counted: u32,
-    /// The last turn in which this cell was known to list the object, and in which it was searched
-    /// for pairs.
+    /// The last turn in which this cell was known to list the object, or to be searched as a crowd.
     pub(super) held: u64,
-    pub(super) searched: u64,
     /// Of a split node: while fewer objects than this have left its leaves, these list too many to
     /// merge.
     pub(super) surplus: u32,
@@ -44,8 +43,8 @@ impl Cell {
     }
 
     /// Makes this the cell of a child, with an empty list.
-    pub(super) fn set_child_of(&mut self, parent: &CellFrame, octant: Vertex, objects: Vec<u32>) {
-        debug_assert!(objects.is_empty());
+    pub(super) fn set_child_of(&mut self, parent: &CellFrame, octant: Vertex, list: List) {
+        debug_assert!(list.objects().is_empty());
         let bits = octant.bits();
         let upper = bevy::math::BVec3A::new(bits & 1 != 0, bits & 2 != 0, bits & 4 != 0);
         let half_size = parent.half_size * 0.5;
@@ -56,7 +55,7 @@ impl Cell {
                 + Vec3A::select(upper, Vec3A::splat(half_size), Vec3A::splat(-half_size)),
             half_size,
             generation: parent.generation + 1,
-            objects,
+            list,
             ..Self::default()
         };
     }
@@ -104,7 +103,7 @@ impl Cell {
     #[inline]
     #[must_use]
     pub fn listed(&self) -> &[u32] {
-        &self.objects
+        self.list.objects()
     }
 
     /// Returns how many of the listed objects count against N: those that are not larger than the
@@ -154,38 +153,64 @@ impl Cell {
         X[side(0)] & Y[side(1)] & Z[side(2)]
     }
 
+    /// The list, with the boxes of the objects.
     #[inline]
-    pub(super) fn list(&mut self, object: u32, counts: bool) {
-        self.objects.push(object);
-        self.counted += u32::from(counts);
+    pub(super) const fn list(&self) -> &List {
+        &self.list
     }
 
-    /// Takes an object off the list; false if it was not on it.
     #[inline]
-    pub(super) fn unlist(&mut self, object: u32, counts: bool) -> bool {
-        let Some(index) = self.objects.iter().position(|listed| *listed == object) else {
+    pub(super) const fn list_mut(&mut self) -> &mut List {
+        &mut self.list
+    }
+
+    /// Puts an object on the list. Returns its index there.
+    #[inline]
+    pub(super) fn enlist(
+        &mut self,
+        object: u32,
+        aabb: &Aabb3d,
+        class: u32,
+        counts: bool,
+    ) -> usize {
+        let bounds = self.bounds();
+        self.list.push(object, aabb, class, &bounds);
+        self.counted += u32::from(counts);
+        self.list.objects().len() - 1
+    }
+
+    /// Takes an object off the list, maybe at `hint`; false if it was not on it.
+    #[inline]
+    pub(super) fn unlist(&mut self, object: u32, hint: u8, counts: bool) -> bool {
+        let Some(index) = self.list.find(object, hint) else {
             return false;
         };
-        self.objects.swap_remove(index);
+        self.list.swap_remove(index);
         self.counted -= u32::from(counts);
         true
     }
 
     /// Gives the list away.
-    pub(super) fn take_list(&mut self) -> Vec<u32> {
+    pub(super) fn take_list(&mut self) -> List {
         self.counted = 0;
-        std::mem::take(&mut self.objects)
+        std::mem::take(&mut self.list)
     }
 
     /// Puts a whole list in, `counted` of which count against N.
-    pub(super) fn put_list(&mut self, objects: Vec<u32>, counted: u32) {
-        self.objects = objects;
+    pub(super) fn put_list(&mut self, list: List, counted: u32) {
+        self.list = list;
         self.counted = counted;
     }
 
+    /// Returns `true` if the cell reaches to infinity.
+    #[inline]
+    pub(super) fn is_outermost(&self) -> bool {
+        !(self.lo.is_finite() && self.hi.is_finite())
+    }
+
     /// Memory that hangs off this node, in bytes.
-    pub(super) fn memory_bytes(&self) -> usize {
-        self.objects.capacity() * size_of::<u32>()
+    pub(super) const fn memory_bytes(&self) -> usize {
+        self.list.memory_bytes()
     }
 }
 

@@ -5,27 +5,52 @@
 //! canonical, with no node split only to be merged again in the same tick.
 
 use bevy::math::bounding::Aabb3d;
+use fearless_simd::dispatch;
 use smallvec::SmallVec;
 
 use super::{
     cell::Cell,
+    list::size_class,
     octree::{Entry, ObjectOctree},
-    stay::StayRegion,
 };
 use crate::{broad_phase::proxy::Proxies, octree::NodeId};
+
+/// Where more than one object in so many moved, all leaves are gone through in the order of space,
+/// and otherwise the objects that moved.
+pub(super) const FEW: usize = 3;
 
 impl ObjectOctree {
     /// Takes up the changes of a tick: brings lists and nodes up to date.
     pub(super) fn keep_up(&mut self, proxies: &Proxies) {
         self.entries.resize(proxies.capacity(), Entry::ABSENT);
-        if self.fit_root(proxies) {
+        self.ticks = self.ticks.wrapping_add(1);
+        let came_or_went = proxies.population_changed();
+        let follows_all = self.root.is_some() && proxies.moved().len() * FEW > proxies.len();
+        let mut some_may_have_left = !follows_all || came_or_went;
+        if follows_all {
+            if came_or_went {
+                self.depart_gone(proxies);
+            }
+            some_may_have_left |= self.follow_all(proxies);
+        }
+        if self.fit_root(proxies, some_may_have_left) {
             for (id, aabb) in proxies.iter() {
                 self.arrive(id.get(), aabb);
+            }
+        } else if follows_all {
+            let restless = std::mem::take(&mut self.restless);
+            for &object in &restless {
+                self.take_turn(object, &proxies.boxes()[object as usize]);
+            }
+            self.restless = restless;
+            self.restless.clear();
+            if came_or_went {
+                self.receive_new(proxies);
             }
         } else if self.root.is_some() {
             for &id in proxies.moved() {
                 match proxies.get(id) {
-                    Some(aabb) => self.take_turn(id.get(), aabb),
+                    Some(aabb) => self.follow(id.get(), aabb),
                     None => self.depart(id.get()),
                 }
             }
@@ -33,43 +58,109 @@ impl ObjectOctree {
         self.restructure();
     }
 
-    /// One object's turn: its box is this now.
-    fn take_turn(&mut self, object: u32, aabb: &Aabb3d) {
+    /// Takes objects that are gone off all lists.
+    fn depart_gone(&mut self, proxies: &Proxies) {
+        for &id in proxies.moved() {
+            if !proxies.contains(id) {
+                self.depart(id.get());
+            }
+        }
+    }
+
+    /// Enters objects that are in no leaf yet.
+    fn receive_new(&mut self, proxies: &Proxies) {
+        for &id in proxies.moved() {
+            if let Some(aabb) = proxies.get(id)
+                && self.entries[id.index()].leaves.is_empty()
+            {
+                self.arrive(id.get(), aabb);
+            }
+        }
+    }
+
+    /// All leaves take the boxes of this tick. Lists the objects whose leaves may have changed.
+    /// Returns `true` if one has left the root.
+    fn follow_all(&mut self, proxies: &Proxies) -> bool {
+        let Some(root) = self.root else { return false };
+        if std::mem::take(&mut self.has_new_shape) {
+            self.leaves.clear();
+            self.leaves.extend(self.tree.leaves(NodeId::ROOT));
+        }
+        let bounds = root.bounds();
+        let may_grow = root.doublings < self.settings.max_doublings;
+        dispatch!(self.level, simd => {
+            let mut some_left = false;
+            for &leaf in &self.leaves {
+                let cell = self.tree.data_mut(leaf);
+                let within = (may_grow && cell.is_outermost()).then_some(&bounds);
+                let cell_bounds = cell.bounds();
+                some_left |= cell.list_mut().follow(
+                    simd,
+                    proxies.boxes(),
+                    &cell_bounds,
+                    root.half_size,
+                    within,
+                    &mut self.restless,
+                );
+            }
+            some_left
+        })
+    }
+
+    /// The leaves of one object take its box of this tick.
+    fn follow(&mut self, object: u32, aabb: &Aabb3d) {
         let Some(root) = self.root else { return };
-        let levels = root.levels(aabb, &self.settings);
+        let class = size_class(root.half_size, aabb);
         let entry = &mut self.entries[object as usize];
         if entry.leaves.is_empty() {
             return self.arrive(object, aabb);
         }
-        if entry.levels == levels && entry.stay.holds(aabb) {
-            entry.aabb = *aabb;
+        let mut is_restless = false;
+        for number in 0..entry.leaves.len() {
+            let cell = self.tree.data_mut(entry.leaves[number]);
+            let bounds = cell.bounds();
+            let index = cell.list().find(object, entry.hint(number));
+            debug_assert!(index.is_some(), "its leaves list the object");
+            if let Some(index) = index {
+                entry.note(number, index);
+                is_restless |= cell.list_mut().set(index, aabb, class, &bounds);
+            }
+        }
+        if is_restless {
+            self.take_turn(object, aabb);
+        }
+    }
+
+    /// One object's turn, if it has not had it: its box is this now, and its leaves may be others.
+    fn take_turn(&mut self, object: u32, aabb: &Aabb3d) {
+        let Some(root) = self.root else { return };
+        let entry = &mut self.entries[object as usize];
+        if std::mem::replace(&mut entry.turned, self.ticks) == self.ticks {
             return;
         }
         // Counts against N stay right only if the size class is the same.
-        if entry.levels != levels {
+        if entry.levels != root.levels(aabb, &self.settings) {
             self.depart(object);
             return self.arrive(object, aabb);
         }
-        entry.aabb = *aabb;
         let top = self.holder(object, aabb);
         self.leave(object, aabb);
         self.enter_below(top, object, aabb);
-        self.unsettle(object);
     }
 
     /// The report's first check: takes the object off the lists of the leaves that it has left, and
     /// marks the others as holding it in this turn.
     fn leave(&mut self, object: u32, aabb: &Aabb3d) {
         let turn = self.next_turn();
-        let mut index = 0;
-        while let Some(&leaf) = self.entries[object as usize].leaves.get(index) {
+        let mut number = 0;
+        while let Some(&leaf) = self.entries[object as usize].leaves.get(number) {
             let cell = self.tree.data_mut(leaf);
             if cell.overlaps(aabb) {
                 cell.held = turn;
-                index += 1;
+                number += 1;
             } else {
-                self.unlist(leaf, object);
-                self.entries[object as usize].leaves.swap_remove(index);
+                self.unlist(leaf, object, number);
+                self.entries[object as usize].forget(number);
             }
         }
     }
@@ -96,20 +187,17 @@ impl ObjectOctree {
         let Some(root) = self.root else { return };
         let entry = &mut self.entries[object as usize];
         debug_assert!(entry.leaves.is_empty());
-        entry.aabb = *aabb;
         entry.levels = root.levels(aabb, &self.settings);
         self.next_turn();
         self.enter_below(NodeId::ROOT, object, aabb);
-        self.unsettle(object);
     }
 
     /// Takes an object off all lists.
     fn depart(&mut self, object: u32) {
         let leaves = std::mem::take(&mut self.entries[object as usize].leaves);
-        for &leaf in &leaves {
-            self.unlist(leaf, object);
+        for (number, &leaf) in leaves.iter().enumerate() {
+            self.unlist(leaf, object, number);
         }
-        self.entries[object as usize].stay = StayRegion::NOWHERE;
     }
 
     /// Enters an object in all leaves at or below a node that its box overlaps and that are not
@@ -130,40 +218,35 @@ impl ObjectOctree {
                 );
             } else if cell.held != self.turn {
                 cell.held = self.turn;
-                self.list(node, object);
+                self.list(node, object, aabb);
             }
         }
     }
 
     /// Puts an object on the list of a leaf.
-    pub(super) fn list(&mut self, leaf: NodeId, object: u32) {
+    pub(super) fn list(&mut self, leaf: NodeId, object: u32, aabb: &Aabb3d) {
+        let Some(root) = self.root else { return };
         let entry = &mut self.entries[object as usize];
-        entry.leaves.push(leaf);
         let cell = self.tree.data_mut(leaf);
-        cell.list(object, entry.counts_in(cell.generation()));
+        let class = size_class(root.half_size, aabb);
+        let index = cell.enlist(object, aabb, class, entry.counts_in(cell.generation()));
+        entry.enter(leaf, index);
         if !cell.queued && must_split(cell, self.settings.max_objects, self.settings.max_depth) {
             cell.queued = true;
             self.overfull.push(leaf);
         }
     }
 
-    /// Takes an object off the list of a leaf, but not the leaf off the list of the object.
-    fn unlist(&mut self, leaf: NodeId, object: u32) {
+    /// Takes an object off the list of its leaf of this number, but not the leaf off the list of the
+    /// object.
+    fn unlist(&mut self, leaf: NodeId, object: u32, number: usize) {
         let entry = &self.entries[object as usize];
         let cell = self.tree.data_mut(leaf);
-        let was_listed = cell.unlist(object, entry.counts_in(cell.generation()));
+        let counts = entry.counts_in(cell.generation());
+        let was_listed = cell.unlist(object, entry.hint(number), counts);
         debug_assert!(was_listed, "object {object} is not on the list of {leaf:?}");
         if let Some(parent) = self.tree.parent(leaf) {
             self.queue_merge(parent);
-        }
-    }
-
-    /// Has the object's stay region computed anew when the tree has its new shape.
-    pub(super) fn unsettle(&mut self, object: u32) {
-        let entry = &mut self.entries[object as usize];
-        if !entry.unsettled {
-            entry.unsettled = true;
-            self.unsettled.push(object);
         }
     }
 }

@@ -72,6 +72,7 @@
 //! execute as many instructions, and this one still takes about twice the time.
 
 mod cell;
+mod list;
 mod maintain;
 mod octree;
 mod pairs;
@@ -79,7 +80,6 @@ mod restructure;
 mod root;
 mod root_cell;
 mod settings;
-mod stay;
 mod validate;
 
 #[cfg(test)]

@@ -4,10 +4,10 @@ use bevy::math::bounding::Aabb3d;
 use fearless_simd::Level;
 use smallvec::SmallVec;
 
-use super::{cell::Cell, root_cell::RootCell, settings::ObjectOctreeSettings, stay::StayRegion};
+use super::{cell::Cell, list::List, root_cell::RootCell, settings::ObjectOctreeSettings};
 use crate::{
     broad_phase::{
-        boxes::{EVERYWHERE, ProxyId},
+        boxes::ProxyId,
         engine::{BroadPhase, BroadPhaseStats, Leaf, Visitor},
         group::Group,
         pairs::Pair,
@@ -30,45 +30,79 @@ pub struct ObjectOctree {
     /// Counts the objects' turns in maintenance and other walks; marks on cells and objects that
     /// equal it were made in the current one.
     pub(super) turn: u64,
+    /// Counts the updates.
+    pub(super) ticks: u32,
     /// Leaves that came to list more than N objects, and nodes of which a child lost one: each at
     /// most once.
     pub(super) overfull: Vec<NodeId>,
     pub(super) shrunk: Vec<NodeId>,
-    /// Objects whose list of leaves changed.
-    pub(super) unsettled: Vec<u32>,
+    /// All leaves in the order of space, as of the last walk, and whether there have been splits or
+    /// merges since.
+    pub(super) leaves: Vec<NodeId>,
+    pub(super) has_new_shape: bool,
+    /// Objects whose leaves may have changed in this tick; some are listed more than once.
+    pub(super) restless: Vec<u32>,
+    /// Leaves that list so many objects that they are searched in another way.
+    pub(super) crowded: Vec<NodeId>,
     /// Emptied lists, for reuse.
-    pub(super) spare: Vec<Vec<u32>>,
+    pub(super) spare: Vec<List>,
     /// How much work there has been since it was last seen whether the root fits.
     pub(super) work: u64,
     /// The vector instructions that this machine has.
     pub(super) level: Level,
-    /// The objects of the leaf that is searched.
+    /// The objects of a crowded leaf that is searched.
     pub(super) group: Group,
 }
 
 /// What the octree knows of one object.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
-    /// The box at the last update.
-    pub(super) aabb: Aabb3d,
-    /// Where the box may go without a change of `leaves`.
-    pub(super) stay: StayRegion,
     /// The leaves that the box overlaps; none for an object that is not in the tree.
     pub(super) leaves: SmallVec<[NodeId; 8]>,
+    /// By leaf, of the first eight: where in its list the object was last seen.
+    pub(super) hints: [u8; 8],
     /// The number of generations, from the root down, whose cells the object fits in.
     pub(super) levels: u32,
-    /// Is it in [`ObjectOctree::unsettled`]?
-    pub(super) unsettled: bool,
+    /// The last update in which it took its turn, in short.
+    pub(super) turned: u32,
 }
 
 impl Entry {
     pub(super) const ABSENT: Self = Self {
-        aabb: EVERYWHERE,
-        stay: StayRegion::NOWHERE,
         leaves: SmallVec::new_const(),
+        hints: [0; 8],
         levels: 0,
-        unsettled: false,
+        turned: 0,
     };
+
+    /// Where in the list of its leaf of this number the object may be.
+    #[inline]
+    pub(super) fn hint(&self, number: usize) -> u8 {
+        self.hints.get(number).copied().unwrap_or(u8::MAX)
+    }
+
+    /// Notes where in the list of its leaf of this number the object is.
+    #[inline]
+    pub(super) fn note(&mut self, number: usize, index: usize) {
+        if let (Some(hint), Ok(index)) = (self.hints.get_mut(number), u8::try_from(index)) {
+            *hint = index;
+        }
+    }
+
+    /// Adds a leaf, in the list of which the object has this index.
+    #[inline]
+    pub(super) fn enter(&mut self, leaf: NodeId, index: usize) {
+        self.leaves.push(leaf);
+        self.note(self.leaves.len() - 1, index);
+    }
+
+    /// Takes the leaf of this number away; the last one takes its number.
+    #[inline]
+    pub(super) fn forget(&mut self, number: usize) {
+        let hint = self.hint(self.leaves.len() - 1);
+        self.leaves.swap_remove(number);
+        self.note(number, usize::from(hint));
+    }
 
     /// Returns `true` if the object counts against N in a cell of this generation.
     #[inline]
@@ -93,9 +127,13 @@ impl ObjectOctree {
             entries: Vec::new(),
             seen: Vec::new(),
             turn: 0,
+            ticks: 0,
             overfull: Vec::new(),
             shrunk: Vec::new(),
-            unsettled: Vec::new(),
+            leaves: Vec::new(),
+            has_new_shape: true,
+            restless: Vec::new(),
+            crowded: Vec::new(),
             spare: Vec::new(),
             work: 0,
             level: Level::new(),
@@ -138,15 +176,13 @@ impl ObjectOctree {
     }
 
     /// The same objects in a new tree of the same root: what contract 3 compares with.
-    pub(super) fn rebuilt(&self) -> Self {
+    pub(super) fn rebuilt(&self, proxies: &Proxies) -> Self {
         let mut other = Self::new(self.settings);
         other.root = self.root;
         other.entries.resize(self.entries.len(), Entry::ABSENT);
         other.plant();
-        for (index, entry) in self.entries.iter().enumerate() {
-            if !entry.leaves.is_empty() {
-                other.arrive(index as u32, &entry.aabb);
-            }
+        for (id, aabb) in proxies.iter() {
+            other.arrive(id.get(), aabb);
         }
         other.restructure();
         other
@@ -187,12 +223,8 @@ impl BroadPhase for ObjectOctree {
             if !visitor.enter(&bounds) {
                 continue;
             }
-            for &object in cell.listed() {
-                visitor.object(
-                    ProxyId::new(object),
-                    &self.entries[object as usize].aabb,
-                    &bounds,
-                );
+            for (object, aabb) in cell.list().iter() {
+                visitor.object(ProxyId::new(object), &aabb, &bounds);
             }
             // From the octant next to the viewpoint to the opposite one, none before one that may
             // hide it.
@@ -223,17 +255,17 @@ impl BroadPhase for ObjectOctree {
     }
 
     fn stats(&self) -> BroadPhaseStats {
-        let queues = self.overfull.capacity() + self.shrunk.capacity();
+        let nodes = [&self.overfull, &self.shrunk, &self.leaves, &self.crowded];
         let mut stats = BroadPhaseStats {
             nodes: self.tree.node_count(),
             leaves: self.tree.leaf_count(),
             bytes: self.tree.memory_bytes()
                 + self.entries.capacity() * size_of::<Entry>()
                 + self.seen.capacity() * size_of::<u64>()
-                + queues * size_of::<NodeId>()
-                + (self.unsettled.capacity() + self.spare.iter().map(Vec::capacity).sum::<usize>())
-                    * size_of::<u32>()
-                + self.spare.capacity() * size_of::<Vec<u32>>()
+                + nodes.map(Vec::capacity).iter().sum::<usize>() * size_of::<NodeId>()
+                + self.restless.capacity() * size_of::<u32>()
+                + self.spare.iter().map(List::memory_bytes).sum::<usize>()
+                + self.spare.capacity() * size_of::<List>()
                 + self.group.memory_bytes(),
             ..BroadPhaseStats::default()
         };

@@ -1,16 +1,17 @@
 //! Splits and merges: the tree takes its canonical shape.
 
-use bevy::math::bounding::Aabb3d;
-
-use super::{maintain::must_split, octree::ObjectOctree, stay::StayRegion};
+use super::{
+    list::{List, size_class},
+    maintain::must_split,
+    octree::ObjectOctree,
+};
 use crate::octree::{NodeId, Vertex};
 
 impl ObjectOctree {
-    /// Merges and splits what maintenance has queued, and settles the objects whose leaves changed.
+    /// Merges and splits what maintenance has queued.
     pub(super) fn restructure(&mut self) {
         self.merge_shrunk();
         self.split_overfull();
-        self.settle();
     }
 
     /// Puts a node in the queue that may have to merge, since an object left one of its leaves.
@@ -34,8 +35,8 @@ impl ObjectOctree {
                 continue;
             }
             self.tree.data_mut(node).queued = false;
-            if let Some((objects, counted)) = self.mergeable(node) {
-                self.merge(node, objects, counted);
+            if let Some((list, counted)) = self.mergeable(node) {
+                self.merge(node, list, counted);
                 if let Some(parent) = self.tree.parent(node) {
                     self.queue_merge(parent);
                 }
@@ -46,7 +47,7 @@ impl ObjectOctree {
 
     /// The distinct objects of a node's eight leaves, and how many of them count against N; `None`
     /// if they are too many, or the children are not all leaves.
-    fn mergeable(&mut self, node: NodeId) -> Option<(Vec<u32>, u32)> {
+    fn mergeable(&mut self, node: NodeId) -> Option<(List, u32)> {
         let children = self.tree.children(node);
         if children.len() == 0 || children.clone().any(|child| self.tree.is_split(child)) {
             return None;
@@ -62,42 +63,46 @@ impl ObjectOctree {
             self.tree.data_mut(node).surplus = most - limit;
             return None;
         }
-        let generation = self.tree.data(node).generation();
+        let (generation, bounds) = (
+            self.tree.data(node).generation(),
+            self.tree.data(node).bounds(),
+        );
+        let half_size = self.root?.half_size;
         let turn = self.next_turn();
         self.seen.resize(self.entries.len(), 0);
-        let mut objects = self.spare.pop().unwrap_or_default();
+        let mut list = self.spare.pop().unwrap_or_default();
         let mut counted = 0;
         for child in children {
-            for &object in self.tree.data(child).listed() {
+            for (object, aabb) in self.tree.data(child).list().iter() {
                 if std::mem::replace(&mut self.seen[object as usize], turn) != turn {
-                    objects.push(object);
+                    list.push(object, &aabb, size_class(half_size, &aabb), &bounds);
                     counted += u32::from(self.entries[object as usize].counts_in(generation));
                 }
             }
         }
         if counted > limit {
             self.tree.data_mut(node).surplus = counted - limit;
-            self.recycle(objects);
+            self.recycle(list);
             return None;
         }
-        Some((objects, counted))
+        Some((list, counted))
     }
 
-    fn merge(&mut self, node: NodeId, objects: Vec<u32>, counted: u32) {
-        for &object in &objects {
+    fn merge(&mut self, node: NodeId, list: List, counted: u32) {
+        self.has_new_shape = true;
+        for (&object, index) in list.objects().iter().zip(0..) {
             let entry = &mut self.entries[object as usize];
             entry
                 .leaves
                 .retain(|leaf| self.tree.parent(*leaf) != Some(node));
-            entry.leaves.push(node);
-            self.unsettle(object);
+            entry.enter(node, index);
         }
         for child in self.tree.children(node) {
             let list = self.tree.data_mut(child).take_list();
             self.recycle(list);
         }
         self.tree.join(node, drop);
-        self.tree.data_mut(node).put_list(objects, counted);
+        self.tree.data_mut(node).put_list(list, counted);
     }
 
     /// Splits leaves that list more than N objects, and their children in turn, down to the depth
@@ -118,53 +123,38 @@ impl ObjectOctree {
     }
 
     fn split(&mut self, leaf: NodeId) {
+        self.has_new_shape = true;
         // Objects will leave the new leaves without their grandparent being told.
         if let Some(parent) = self.tree.parent(leaf) {
             self.tree.data_mut(parent).surplus = 0;
         }
         let cell = self.tree.data_mut(leaf);
         cell.surplus = 0;
-        let objects = cell.take_list();
+        let list = cell.take_list();
         let frame = cell.frame();
         let children = self.tree.split(leaf);
         for (child, octant) in children.clone().zip(Vertex::ALL) {
             let list = self.spare.pop().unwrap_or_default();
             self.tree.data_mut(child).set_child_of(&frame, octant, list);
         }
-        for &object in &objects {
+        for (object, aabb) in list.iter() {
             let entry = &mut self.entries[object as usize];
-            let Aabb3d { min, max } = entry.aabb;
             if let Some(index) = entry.leaves.iter().position(|listed| *listed == leaf) {
-                entry.leaves.swap_remove(index);
+                entry.forget(index);
             }
-            let octants = self.tree.data(leaf).octants(&Aabb3d { min, max });
+            let octants = self.tree.data(leaf).octants(&aabb);
             for (octant, child) in children.clone().enumerate() {
                 if octants >> octant & 1 != 0 {
-                    self.list(child, object);
+                    self.list(child, object, &aabb);
                 }
             }
-            self.unsettle(object);
         }
-        self.recycle(objects);
-    }
-
-    /// Computes the stay regions of the objects whose leaves changed.
-    fn settle(&mut self) {
-        for object in self.unsettled.drain(..) {
-            let entry = &mut self.entries[object as usize];
-            entry.unsettled = false;
-            let cells = entry.leaves.iter().map(|leaf| self.tree.data(*leaf));
-            entry.stay = if entry.leaves.is_empty() {
-                StayRegion::NOWHERE
-            } else {
-                StayRegion::new(&entry.aabb, cells)
-            };
-        }
+        self.recycle(list);
     }
 
     /// Keeps a list for the next leaf. Those that have grown beyond what leaves need are let go: by
     /// and by, all would.
-    pub(super) fn recycle(&mut self, mut list: Vec<u32>) {
+    pub(super) fn recycle(&mut self, mut list: List) {
         let most = 2 * (self.settings.max_objects as usize + 1);
         if (1..=most).contains(&list.capacity()) {
             list.clear();

@@ -1,7 +1,10 @@
 //! Checks of everything that is said to hold.
 
 use super::octree::ObjectOctree;
-use crate::{broad_phase::proxy::Proxies, octree::NodeId};
+use crate::{
+    broad_phase::{boxes::ProxyId, proxy::Proxies},
+    octree::NodeId,
+};
 
 impl ObjectOctree {
     /// Checks the tree against the objects: that each object is listed in exactly the leaves that
@@ -19,18 +22,7 @@ impl ObjectOctree {
             !proxies.is_empty(),
             "there is a root cell if, and only if, there are objects"
         );
-        assert!(self.shrunk.is_empty() && self.overfull.is_empty() && self.unsettled.is_empty());
-        for (id, aabb) in proxies.iter() {
-            let entry = &self.entries[id.index()];
-            assert_eq!(
-                entry.aabb, *aabb,
-                "{id:?}: the box is that of the last update"
-            );
-            assert!(
-                entry.stay.holds(aabb),
-                "{id:?}: the stay region holds the box that it was made for"
-            );
-        }
+        assert!(self.shrunk.is_empty() && self.overfull.is_empty() && self.restless.is_empty());
         for node in self.tree.subtree(NodeId::ROOT) {
             let cell = self.tree.data(node);
             assert!(!cell.queued, "{node:?} waits for a split or merge");
@@ -41,6 +33,17 @@ impl ObjectOctree {
                     "{node:?} is split and lists objects"
                 );
                 continue;
+            }
+            for (object, aabb) in cell.list().iter() {
+                assert_eq!(
+                    Some(&aabb),
+                    proxies.get(ProxyId::new(object)),
+                    "{object}: the box is that of the last update"
+                );
+            }
+            if let Some(root) = self.root {
+                cell.list()
+                    .assert_well_formed(&cell.bounds(), root.half_size);
             }
             let overlapping: Vec<u32> = proxies
                 .iter()
@@ -78,7 +81,7 @@ impl ObjectOctree {
             "objects know the leaves that list them, and no others"
         );
         if self.settings.merge_slack == 0 {
-            self.assert_same_shape(&self.rebuilt());
+            self.assert_same_shape(&self.rebuilt(proxies));
         }
     }
 
