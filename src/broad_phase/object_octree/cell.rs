@@ -19,13 +19,11 @@ pub struct Cell {
     half_size: f32,
     generation: u32,
     list: List,
-    /// How many of the listed objects count against N.
+    /// How many of the objects that overlap the cell count against N; kept for all nodes, so that it
+    /// is known without a look at the leaves whether these have to merge.
     counted: u32,
     /// The last turn in which this cell was known to list the object, or to be searched as a crowd.
     pub(super) held: u64,
-    /// Of a split node: while fewer objects than this have left its leaves, these list too many to
-    /// merge.
-    pub(super) surplus: u32,
     /// Does the node wait for a split or a merge?
     pub(super) queued: bool,
 }
@@ -106,8 +104,8 @@ impl Cell {
         self.list.objects()
     }
 
-    /// Returns how many of the listed objects count against N: those that are not larger than the
-    /// cell.
+    /// Returns how many of the objects that overlap the cell count against N: those that are not
+    /// larger than the cell.
     #[inline]
     #[must_use]
     pub const fn counted(&self) -> u32 {
@@ -190,16 +188,27 @@ impl Cell {
         true
     }
 
-    /// Gives the list away.
+    /// One object more overlaps the cell of a split node that counts against N there.
+    #[inline]
+    pub(super) const fn count_in(&mut self) {
+        self.counted += 1;
+    }
+
+    /// One object fewer does.
+    #[inline]
+    pub(super) const fn count_out(&mut self) {
+        debug_assert!(self.counted > 0);
+        self.counted -= 1;
+    }
+
+    /// Gives the list away; what is counted stays.
     pub(super) fn take_list(&mut self) -> List {
-        self.counted = 0;
         std::mem::take(&mut self.list)
     }
 
-    /// Puts a whole list in, `counted` of which count against N.
-    pub(super) fn put_list(&mut self, list: List, counted: u32) {
+    /// Puts a whole list in, of those that are counted already.
+    pub(super) fn put_list(&mut self, list: List) {
         self.list = list;
-        self.counted = counted;
     }
 
     /// Returns `true` if the cell reaches to infinity.

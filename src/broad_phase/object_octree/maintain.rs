@@ -144,23 +144,44 @@ impl ObjectOctree {
             return self.arrive(object, aabb);
         }
         let top = self.holder(object, aabb);
-        self.leave(object, aabb);
+        self.leave(top, object, aabb);
         self.enter_below(top, object, aabb);
     }
 
     /// The report's first check: takes the object off the lists of the leaves that it has left, and
-    /// marks the others as holding it in this turn.
-    fn leave(&mut self, object: u32, aabb: &Aabb3d) {
+    /// marks the others as holding it in this turn. So it does with the nodes above them, up to one
+    /// that all of the box is below.
+    fn leave(&mut self, top: NodeId, object: u32, aabb: &Aabb3d) {
         let turn = self.next_turn();
+        let top = self.tree.data(top).generation();
         let mut number = 0;
         while let Some(&leaf) = self.entries[object as usize].leaves.get(number) {
             let cell = self.tree.data_mut(leaf);
-            if cell.overlaps(aabb) {
-                cell.held = turn;
+            cell.held = turn;
+            self.leave_above(leaf, top, object, aabb);
+            if self.tree.data(leaf).overlaps(aabb) {
                 number += 1;
             } else {
                 self.unlist(leaf, object, number);
                 self.entries[object as usize].forget(number);
+            }
+        }
+    }
+
+    /// The same for the nodes above a leaf that are not marked yet.
+    fn leave_above(&mut self, leaf: NodeId, top: u32, object: u32, aabb: &Aabb3d) {
+        let (turn, levels) = (self.turn, self.entries[object as usize].levels);
+        let mut node = leaf;
+        while let Some(parent) = self.tree.parent(node) {
+            node = parent;
+            let cell = self.tree.data_mut(node);
+            let is_above_all = cell.generation() <= top && cell.holds(aabb);
+            if is_above_all || std::mem::replace(&mut cell.held, turn) == turn {
+                break;
+            }
+            if cell.generation() < levels && !cell.overlaps(aabb) {
+                cell.count_out();
+                self.queue_merge(node);
             }
         }
     }
@@ -188,27 +209,50 @@ impl ObjectOctree {
         let entry = &mut self.entries[object as usize];
         debug_assert!(entry.leaves.is_empty());
         entry.levels = root.levels(aabb, &self.settings);
+        let entry_levels = entry.levels;
         self.next_turn();
+        if entry_levels > 0 && self.tree.is_split(NodeId::ROOT) {
+            self.tree.data_mut(NodeId::ROOT).count_in();
+        }
         self.enter_below(NodeId::ROOT, object, aabb);
     }
 
     /// Takes an object off all lists.
     fn depart(&mut self, object: u32) {
         let leaves = std::mem::take(&mut self.entries[object as usize].leaves);
+        let turn = self.next_turn();
+        let levels = self.entries[object as usize].levels;
         for (number, &leaf) in leaves.iter().enumerate() {
             self.unlist(leaf, object, number);
+            let mut above = self.tree.parent(leaf);
+            while let Some(node) = above {
+                let cell = self.tree.data_mut(node);
+                if std::mem::replace(&mut cell.held, turn) == turn {
+                    break;
+                }
+                if cell.generation() < levels {
+                    cell.count_out();
+                    self.queue_merge(node);
+                }
+                above = self.tree.parent(node);
+            }
         }
     }
 
     /// Enters an object in all leaves at or below a node that its box overlaps and that are not
-    /// marked as holding it.
+    /// marked as holding it, and counts it in the nodes between. It is counted in `top` itself,
+    /// unless that is a leaf.
     fn enter_below(&mut self, top: NodeId, object: u32, aabb: &Aabb3d) {
+        let levels = self.entries[object as usize].levels;
         let mut stack: SmallVec<[NodeId; 32]> = SmallVec::new();
         stack.push(top);
         while let Some(node) = stack.pop() {
             let children = self.tree.children(node);
             let cell = self.tree.data_mut(node);
             if children.len() > 0 {
+                if node != top && cell.held != self.turn && cell.generation() < levels {
+                    cell.count_in();
+                }
                 let octants = cell.octants(aabb);
                 stack.extend(
                     children
@@ -245,9 +289,6 @@ impl ObjectOctree {
         let counts = entry.counts_in(cell.generation());
         let was_listed = cell.unlist(object, entry.hint(number), counts);
         debug_assert!(was_listed, "object {object} is not on the list of {leaf:?}");
-        if let Some(parent) = self.tree.parent(leaf) {
-            self.queue_merge(parent);
-        }
     }
 }
 

@@ -14,11 +14,11 @@ impl ObjectOctree {
         self.split_overfull();
     }
 
-    /// Puts a node in the queue that may have to merge, since an object left one of its leaves.
+    /// Puts a node in the queue if it is to merge.
+    #[inline]
     pub(super) fn queue_merge(&mut self, node: NodeId) {
         let cell = self.tree.data_mut(node);
-        cell.surplus = cell.surplus.saturating_sub(1);
-        if cell.surplus == 0 && !cell.queued {
+        if cell.counted() <= self.settings.max_objects - self.settings.merge_slack && !cell.queued {
             cell.queued = true;
             self.shrunk.push(node);
         }
@@ -35,8 +35,8 @@ impl ObjectOctree {
                 continue;
             }
             self.tree.data_mut(node).queued = false;
-            if let Some((list, counted)) = self.mergeable(node) {
-                self.merge(node, list, counted);
+            if self.is_mergeable(node) {
+                self.merge(node);
                 if let Some(parent) = self.tree.parent(node) {
                     self.queue_merge(parent);
                 }
@@ -45,64 +45,42 @@ impl ObjectOctree {
         self.shrunk.clear();
     }
 
-    /// The distinct objects of a node's eight leaves, and how many of them count against N; `None`
-    /// if they are too many, or the children are not all leaves.
-    fn mergeable(&mut self, node: NodeId) -> Option<(List, u32)> {
-        let children = self.tree.children(node);
-        if children.len() == 0 || children.clone().any(|child| self.tree.is_split(child)) {
-            return None;
-        }
+    /// Returns `true` if a node counts few enough objects to be a leaf, and its children are leaves.
+    fn is_mergeable(&self, node: NodeId) -> bool {
         let limit = self.settings.max_objects - self.settings.merge_slack;
-        // What one of them lists may be too much already.
-        let most = children
-            .clone()
-            .map(|child| self.tree.data(child).counted())
-            .max()
-            .unwrap_or(0);
-        if most > limit {
-            self.tree.data_mut(node).surplus = most - limit;
-            return None;
-        }
-        let (generation, bounds) = (
-            self.tree.data(node).generation(),
-            self.tree.data(node).bounds(),
-        );
-        let half_size = self.root?.half_size;
-        let turn = self.next_turn();
-        self.seen.resize(self.entries.len(), 0);
-        let mut list = self.spare.pop().unwrap_or_default();
-        let mut counted = 0;
-        for child in children {
-            for (object, aabb) in self.tree.data(child).list().iter() {
-                if std::mem::replace(&mut self.seen[object as usize], turn) != turn {
-                    list.push(object, &aabb, size_class(half_size, &aabb), &bounds);
-                    counted += u32::from(self.entries[object as usize].counts_in(generation));
-                }
-            }
-        }
-        if counted > limit {
-            self.tree.data_mut(node).surplus = counted - limit;
-            self.recycle(list);
-            return None;
-        }
-        Some((list, counted))
+        self.tree.is_split(node)
+            && self.tree.data(node).counted() <= limit
+            && self
+                .tree
+                .children(node)
+                .all(|child| self.tree.is_leaf(child))
     }
 
-    fn merge(&mut self, node: NodeId, list: List, counted: u32) {
+    /// Makes a node a leaf that lists all that its children list.
+    fn merge(&mut self, node: NodeId) {
         self.has_new_shape = true;
-        for (&object, index) in list.objects().iter().zip(0..) {
-            let entry = &mut self.entries[object as usize];
-            entry
-                .leaves
-                .retain(|leaf| self.tree.parent(*leaf) != Some(node));
-            entry.enter(node, index);
-        }
+        let turn = self.next_turn();
+        self.seen.resize(self.entries.len(), 0);
+        let half_size = self.root.map_or(0.0, |root| root.half_size);
+        let bounds = self.tree.data(node).bounds();
+        let mut all = self.spare.pop().unwrap_or_default();
         for child in self.tree.children(node) {
             let list = self.tree.data_mut(child).take_list();
+            for (object, aabb) in list.iter() {
+                if std::mem::replace(&mut self.seen[object as usize], turn) == turn {
+                    continue;
+                }
+                let entry = &mut self.entries[object as usize];
+                entry
+                    .leaves
+                    .retain(|leaf| self.tree.parent(*leaf) != Some(node));
+                entry.enter(node, all.objects().len());
+                all.push(object, &aabb, size_class(half_size, &aabb), &bounds);
+            }
             self.recycle(list);
         }
         self.tree.join(node, drop);
-        self.tree.data_mut(node).put_list(list, counted);
+        self.tree.data_mut(node).put_list(all);
     }
 
     /// Splits leaves that list more than N objects, and their children in turn, down to the depth
@@ -124,12 +102,7 @@ impl ObjectOctree {
 
     fn split(&mut self, leaf: NodeId) {
         self.has_new_shape = true;
-        // Objects will leave the new leaves without their grandparent being told.
-        if let Some(parent) = self.tree.parent(leaf) {
-            self.tree.data_mut(parent).surplus = 0;
-        }
         let cell = self.tree.data_mut(leaf);
-        cell.surplus = 0;
         let list = cell.take_list();
         let frame = cell.frame();
         let children = self.tree.split(leaf);

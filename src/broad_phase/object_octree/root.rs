@@ -93,7 +93,7 @@ impl ObjectOctree {
         let mut cell = self.root.map_or_else(Cell::default, |root| {
             Cell::root(root.center, root.half_size)
         });
-        cell.put_list(self.spare.pop().unwrap_or_default(), 0);
+        cell.put_list(self.spare.pop().unwrap_or_default());
         self.tree.reset(cell);
     }
 }

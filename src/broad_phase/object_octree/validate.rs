@@ -1,5 +1,7 @@
 //! Checks of everything that is said to hold.
 
+use bevy::math::bounding::Aabb3d;
+
 use super::octree::ObjectOctree;
 use crate::{
     broad_phase::{boxes::ProxyId, proxy::Proxies},
@@ -27,6 +29,11 @@ impl ObjectOctree {
             let cell = self.tree.data(node);
             assert!(!cell.queued, "{node:?} waits for a split or merge");
             assert_eq!(cell.generation(), self.tree.generation(node));
+            let counts = |id: ProxyId, aabb: &Aabb3d| {
+                self.entries[id.index()].counts_in(cell.generation()) && cell.overlaps(aabb)
+            };
+            let counted = proxies.iter().filter(|(id, aabb)| counts(*id, aabb)).count();
+            assert_eq!(cell.counted() as usize, counted, "{node:?}");
             if self.tree.is_split(node) {
                 assert!(
                     cell.listed().is_empty(),
@@ -55,9 +62,6 @@ impl ObjectOctree {
                 overlapping,
                 "{node:?} lists the objects that overlap it"
             );
-            let counts = |object: &u32| self.entries[*object as usize].counts_in(cell.generation());
-            let counted = overlapping.iter().copied().filter(counts).count();
-            assert_eq!(cell.counted() as usize, counted);
             assert!(
                 counted <= self.settings.max_objects as usize
                     || cell.generation() == self.settings.max_depth,
