@@ -2,7 +2,6 @@
 
 use bevy::math::{Vec3A, bounding::Aabb3d};
 
-use super::list::List;
 use crate::octree::Vertex;
 
 /// The cell of a node: its part of space and, in a leaf, the objects whose boxes overlap it.
@@ -18,12 +17,14 @@ pub struct Cell {
     /// From `mid` to the borders of the cell as it would be without infinity.
     half_size: f32,
     generation: u32,
-    list: List,
+    objects: Vec<u32>,
     /// How many of the objects that overlap the cell count against N; kept for all nodes, so that it
     /// is known without a look at the leaves whether these have to merge.
     counted: u32,
-    /// The last turn in which this cell was known to list the object, or to be searched as a crowd.
+    /// The last turn in which this cell was known to list the object, and in which it was searched
+    /// for pairs.
     pub(super) held: u64,
+    pub(super) searched: u64,
     /// Does the node wait for a split or a merge?
     pub(super) queued: bool,
 }
@@ -41,8 +42,8 @@ impl Cell {
     }
 
     /// Makes this the cell of a child, with an empty list.
-    pub(super) fn set_child_of(&mut self, parent: &CellFrame, octant: Vertex, list: List) {
-        debug_assert!(list.objects().is_empty());
+    pub(super) fn set_child_of(&mut self, parent: &CellFrame, octant: Vertex, objects: Vec<u32>) {
+        debug_assert!(objects.is_empty());
         let bits = octant.bits();
         let upper = bevy::math::BVec3A::new(bits & 1 != 0, bits & 2 != 0, bits & 4 != 0);
         let half_size = parent.half_size * 0.5;
@@ -53,7 +54,7 @@ impl Cell {
                 + Vec3A::select(upper, Vec3A::splat(half_size), Vec3A::splat(-half_size)),
             half_size,
             generation: parent.generation + 1,
-            list,
+            objects,
             ..Self::default()
         };
     }
@@ -101,7 +102,7 @@ impl Cell {
     #[inline]
     #[must_use]
     pub fn listed(&self) -> &[u32] {
-        self.list.objects()
+        &self.objects
     }
 
     /// Returns how many of the objects that overlap the cell count against N: those that are not
@@ -151,39 +152,19 @@ impl Cell {
         X[side(0)] & Y[side(1)] & Z[side(2)]
     }
 
-    /// The list, with the boxes of the objects.
     #[inline]
-    pub(super) const fn list(&self) -> &List {
-        &self.list
-    }
-
-    #[inline]
-    pub(super) const fn list_mut(&mut self) -> &mut List {
-        &mut self.list
-    }
-
-    /// Puts an object on the list. Returns its index there.
-    #[inline]
-    pub(super) fn enlist(
-        &mut self,
-        object: u32,
-        aabb: &Aabb3d,
-        class: u32,
-        counts: bool,
-    ) -> usize {
-        let bounds = self.bounds();
-        self.list.push(object, aabb, class, &bounds);
+    pub(super) fn list(&mut self, object: u32, counts: bool) {
+        self.objects.push(object);
         self.counted += u32::from(counts);
-        self.list.objects().len() - 1
     }
 
-    /// Takes an object off the list, maybe at `hint`; false if it was not on it.
+    /// Takes an object off the list; false if it was not on it.
     #[inline]
-    pub(super) fn unlist(&mut self, object: u32, hint: u8, counts: bool) -> bool {
-        let Some(index) = self.list.find(object, hint) else {
+    pub(super) fn unlist(&mut self, object: u32, counts: bool) -> bool {
+        let Some(index) = position(&self.objects, object) else {
             return false;
         };
-        self.list.swap_remove(index);
+        self.objects.swap_remove(index);
         self.counted -= u32::from(counts);
         true
     }
@@ -202,25 +183,36 @@ impl Cell {
     }
 
     /// Gives the list away; what is counted stays.
-    pub(super) fn take_list(&mut self) -> List {
-        std::mem::take(&mut self.list)
+    pub(super) fn take_list(&mut self) -> Vec<u32> {
+        std::mem::take(&mut self.objects)
     }
 
-    /// Puts a whole list in, of those that are counted already.
-    pub(super) fn put_list(&mut self, list: List) {
-        self.list = list;
-    }
-
-    /// Returns `true` if the cell reaches to infinity.
-    #[inline]
-    pub(super) fn is_outermost(&self) -> bool {
-        !(self.lo.is_finite() && self.hi.is_finite())
+    /// Puts a whole list in, of objects that are counted already.
+    pub(super) fn put_list(&mut self, objects: Vec<u32>) {
+        self.objects = objects;
     }
 
     /// Memory that hangs off this node, in bytes.
-    pub(super) const fn memory_bytes(&self) -> usize {
-        self.list.memory_bytes()
+    pub(super) fn memory_bytes(&self) -> usize {
+        self.objects.capacity() * size_of::<u32>()
     }
+}
+
+/// Where a number is in a list. Eight at a time, for the lists are long.
+#[inline]
+fn position(list: &[u32], number: u32) -> Option<usize> {
+    let is_in = |eight: &[u32; 8]| {
+        eight
+            .iter()
+            .fold(false, |found, listed| found | (*listed == number))
+    };
+    let (eights, rest) = list.as_chunks();
+    let (start, part) = match eights.iter().position(is_in) {
+        Some(index) => (index * 8, &eights[index][..]),
+        None => (list.len() - rest.len(), rest),
+    };
+    let index = part.iter().position(|listed| *listed == number)?;
+    Some(start + index)
 }
 
 /// The geometry of a cell that its children inherit.

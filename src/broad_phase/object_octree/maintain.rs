@@ -4,173 +4,144 @@
 //! is up to date. The outcome is that of restructuring after each object, since the shape is
 //! canonical, with no node split only to be merged again in the same tick.
 
-use bevy::math::bounding::Aabb3d;
-use fearless_simd::dispatch;
+use bevy::math::{Vec3A, bounding::Aabb3d};
 use smallvec::SmallVec;
 
 use super::{
     cell::Cell,
-    list::size_class,
     octree::{Entry, ObjectOctree},
+    stay::StayRegion,
 };
 use crate::{broad_phase::proxy::Proxies, octree::NodeId};
 
-/// Where more than one object in so many moved, all leaves are gone through in the order of space,
-/// and otherwise the objects that moved.
-pub(super) const FEW: usize = 3;
+/// So many restless objects are put in order before they take their turns.
+const WORTH_SORTING: usize = 512;
+
+/// In so many parts along each side of the root, and in all.
+const SIDE: f32 = 8.0;
+const PARTS: usize = 512;
+
+/// The three bits of a number, each at three times its place.
+const SPREAD: [usize; 8] = [0, 1, 8, 9, 64, 65, 72, 73];
 
 impl ObjectOctree {
     /// Takes up the changes of a tick: brings lists and nodes up to date.
     pub(super) fn keep_up(&mut self, proxies: &Proxies) {
-        self.entries.resize(proxies.capacity(), Entry::ABSENT);
-        self.ticks = self.ticks.wrapping_add(1);
-        let came_or_went = proxies.population_changed();
-        let follows_all = self.root.is_some() && proxies.moved().len() * FEW > proxies.len();
-        let mut some_may_have_left = !follows_all || came_or_went;
-        if follows_all {
-            if came_or_went {
-                self.depart_gone(proxies);
-            }
-            some_may_have_left |= self.follow_all(proxies);
-        }
-        if self.fit_root(proxies, some_may_have_left) {
+        self.make_room(proxies);
+        self.find_restless(proxies);
+        if self.fit_root(proxies) {
             for (id, aabb) in proxies.iter() {
                 self.arrive(id.get(), aabb);
             }
-        } else if follows_all {
+        } else {
+            self.sort_restless(proxies.boxes());
             let restless = std::mem::take(&mut self.restless);
             for &object in &restless {
                 self.take_turn(object, &proxies.boxes()[object as usize]);
             }
             self.restless = restless;
-            self.restless.clear();
-            if came_or_went {
-                self.receive_new(proxies);
-            }
-        } else if self.root.is_some() {
-            for &id in proxies.moved() {
-                match proxies.get(id) {
-                    Some(aabb) => self.follow(id.get(), aabb),
-                    None => self.depart(id.get()),
+        }
+        self.restructure(proxies.boxes());
+    }
+
+    /// Makes room for all objects.
+    pub(super) fn make_room(&mut self, proxies: &Proxies) {
+        self.entries.resize(proxies.capacity(), Entry::ABSENT);
+        self.stays.resize(proxies.capacity(), StayRegion::NOWHERE);
+        self.levels.resize(proxies.capacity(), 0);
+    }
+
+    /// Lists the objects whose leaves may have changed; takes those that are gone off their lists.
+    fn find_restless(&mut self, proxies: &Proxies) {
+        self.restless.clear();
+        let root = self.root.unwrap_or_default();
+        for &id in proxies.moved() {
+            match proxies.get(id) {
+                Some(aabb) => {
+                    // Counts against N stay right only if the size class is the same.
+                    let stays = self.stays[id.index()].holds(aabb)
+                        & (self.levels[id.index()] == root.levels(aabb, &self.settings));
+                    if !stays {
+                        self.restless.push(id.get());
+                    }
                 }
-            }
-        }
-        self.restructure();
-    }
-
-    /// Takes objects that are gone off all lists.
-    fn depart_gone(&mut self, proxies: &Proxies) {
-        for &id in proxies.moved() {
-            if !proxies.contains(id) {
-                self.depart(id.get());
+                None => self.depart(id.get()),
             }
         }
     }
 
-    /// Enters objects that are in no leaf yet.
-    fn receive_new(&mut self, proxies: &Proxies) {
-        for &id in proxies.moved() {
-            if let Some(aabb) = proxies.get(id)
-                && self.entries[id.index()].leaves.is_empty()
-            {
-                self.arrive(id.get(), aabb);
-            }
-        }
-    }
-
-    /// All leaves take the boxes of this tick. Lists the objects whose leaves may have changed.
-    /// Returns `true` if one has left the root.
-    fn follow_all(&mut self, proxies: &Proxies) -> bool {
-        let Some(root) = self.root else { return false };
-        if std::mem::take(&mut self.has_new_shape) {
-            self.leaves.clear();
-            self.leaves.extend(self.tree.leaves(NodeId::ROOT));
-        }
-        let bounds = root.bounds();
-        let may_grow = root.doublings < self.settings.max_doublings;
-        dispatch!(self.level, simd => {
-            let mut some_left = false;
-            for &leaf in &self.leaves {
-                let cell = self.tree.data_mut(leaf);
-                let within = (may_grow && cell.is_outermost()).then_some(&bounds);
-                let cell_bounds = cell.bounds();
-                some_left |= cell.list_mut().follow(
-                    simd,
-                    proxies.boxes(),
-                    &cell_bounds,
-                    root.half_size,
-                    within,
-                    &mut self.restless,
-                );
-            }
-            some_left
-        })
-    }
-
-    /// The leaves of one object take its box of this tick.
-    fn follow(&mut self, object: u32, aabb: &Aabb3d) {
+    /// Puts the restless in the order of space, roughly: one finds in the cache what the last one
+    /// has read.
+    fn sort_restless(&mut self, boxes: &[Aabb3d]) {
         let Some(root) = self.root else { return };
-        let class = size_class(root.half_size, aabb);
-        let entry = &mut self.entries[object as usize];
-        if entry.leaves.is_empty() {
-            return self.arrive(object, aabb);
-        }
-        let mut is_restless = false;
-        for number in 0..entry.leaves.len() {
-            let cell = self.tree.data_mut(entry.leaves[number]);
-            let bounds = cell.bounds();
-            let index = cell.list().find(object, entry.hint(number));
-            debug_assert!(index.is_some(), "its leaves list the object");
-            if let Some(index) = index {
-                entry.note(number, index);
-                is_restless |= cell.list_mut().set(index, aabb, class, &bounds);
-            }
-        }
-        if is_restless {
-            self.take_turn(object, aabb);
-        }
-    }
-
-    /// One object's turn, if it has not had it: its box is this now, and its leaves may be others.
-    fn take_turn(&mut self, object: u32, aabb: &Aabb3d) {
-        let Some(root) = self.root else { return };
-        let entry = &mut self.entries[object as usize];
-        if std::mem::replace(&mut entry.turned, self.ticks) == self.ticks {
+        if self.restless.len() < WORTH_SORTING {
             return;
         }
-        // Counts against N stay right only if the size class is the same.
-        if entry.levels != root.levels(aabb, &self.settings) {
+        let (low, scale) = (root.bounds().min, 0.5 * SIDE / root.half_size);
+        let part = |object: u32| {
+            let place = (boxes[object as usize].min - low) * scale;
+            let [x, y, z] = place
+                .clamp(Vec3A::ZERO, Vec3A::splat(SIDE - 1.0))
+                .to_array()
+                .map(|along| SPREAD[along as usize]);
+            x | y << 1 | z << 2
+        };
+        let mut ends = [0_u32; PARTS];
+        for &object in &self.restless {
+            ends[part(object)] += 1;
+        }
+        let mut sum = 0;
+        for end in &mut ends {
+            sum += std::mem::replace(end, sum);
+        }
+        self.sorted.clear();
+        self.sorted.resize(self.restless.len(), 0);
+        for &object in &self.restless {
+            let end = &mut ends[part(object)];
+            self.sorted[*end as usize] = object;
+            *end += 1;
+        }
+        std::mem::swap(&mut self.restless, &mut self.sorted);
+    }
+
+    /// One object's turn: its box is this now, and its leaves may be others.
+    fn take_turn(&mut self, object: u32, aabb: &Aabb3d) {
+        let Some(root) = self.root else { return };
+        if self.entries[object as usize].leaves.is_empty() {
+            return self.arrive(object, aabb);
+        }
+        if self.levels[object as usize] != root.levels(aabb, &self.settings) {
             self.depart(object);
             return self.arrive(object, aabb);
         }
         let top = self.holder(object, aabb);
         self.leave(top, object, aabb);
         self.enter_below(top, object, aabb);
+        self.settle(object, aabb);
     }
 
     /// The report's first check: takes the object off the lists of the leaves that it has left, and
     /// marks the others as holding it in this turn. So it does with the nodes above them, up to one
-    /// that all of the box is below.
+    /// that holds all of the box.
     fn leave(&mut self, top: NodeId, object: u32, aabb: &Aabb3d) {
         let turn = self.next_turn();
         let top = self.tree.data(top).generation();
         let mut number = 0;
         while let Some(&leaf) = self.entries[object as usize].leaves.get(number) {
-            let cell = self.tree.data_mut(leaf);
-            cell.held = turn;
+            self.tree.data_mut(leaf).held = turn;
             self.leave_above(leaf, top, object, aabb);
             if self.tree.data(leaf).overlaps(aabb) {
                 number += 1;
             } else {
-                self.unlist(leaf, object, number);
-                self.entries[object as usize].forget(number);
+                self.unlist(leaf, object);
+                self.entries[object as usize].leaves.swap_remove(number);
             }
         }
     }
 
     /// The same for the nodes above a leaf that are not marked yet.
     fn leave_above(&mut self, leaf: NodeId, top: u32, object: u32, aabb: &Aabb3d) {
-        let (turn, levels) = (self.turn, self.entries[object as usize].levels);
+        let (turn, levels) = (self.turn, u32::from(self.levels[object as usize]));
         let mut node = leaf;
         while let Some(parent) = self.tree.parent(node) {
             node = parent;
@@ -206,24 +177,25 @@ impl ObjectOctree {
     /// Enters an object that is in no leaf.
     pub(super) fn arrive(&mut self, object: u32, aabb: &Aabb3d) {
         let Some(root) = self.root else { return };
-        let entry = &mut self.entries[object as usize];
-        debug_assert!(entry.leaves.is_empty());
-        entry.levels = root.levels(aabb, &self.settings);
-        let entry_levels = entry.levels;
+        debug_assert!(self.entries[object as usize].leaves.is_empty());
+        let levels = root.levels(aabb, &self.settings);
+        self.levels[object as usize] = levels;
+        let counts = levels > 0;
         self.next_turn();
-        if entry_levels > 0 && self.tree.is_split(NodeId::ROOT) {
+        if counts && self.tree.is_split(NodeId::ROOT) {
             self.tree.data_mut(NodeId::ROOT).count_in();
         }
         self.enter_below(NodeId::ROOT, object, aabb);
+        self.settle(object, aabb);
     }
 
     /// Takes an object off all lists.
     fn depart(&mut self, object: u32) {
         let leaves = std::mem::take(&mut self.entries[object as usize].leaves);
         let turn = self.next_turn();
-        let levels = self.entries[object as usize].levels;
-        for (number, &leaf) in leaves.iter().enumerate() {
-            self.unlist(leaf, object, number);
+        let levels = u32::from(self.levels[object as usize]);
+        for &leaf in &leaves {
+            self.unlist(leaf, object);
             let mut above = self.tree.parent(leaf);
             while let Some(node) = above {
                 let cell = self.tree.data_mut(node);
@@ -237,13 +209,14 @@ impl ObjectOctree {
                 above = self.tree.parent(node);
             }
         }
+        self.stays[object as usize] = StayRegion::NOWHERE;
     }
 
     /// Enters an object in all leaves at or below a node that its box overlaps and that are not
-    /// marked as holding it, and counts it in the nodes between. It is counted in `top` itself,
-    /// unless that is a leaf.
+    /// marked as holding it, and counts it in the nodes between. It is counted in `top` itself
+    /// already, unless that is a leaf.
     fn enter_below(&mut self, top: NodeId, object: u32, aabb: &Aabb3d) {
-        let levels = self.entries[object as usize].levels;
+        let levels = u32::from(self.levels[object as usize]);
         let mut stack: SmallVec<[NodeId; 32]> = SmallVec::new();
         stack.push(top);
         while let Some(node) = stack.pop() {
@@ -262,33 +235,49 @@ impl ObjectOctree {
                 );
             } else if cell.held != self.turn {
                 cell.held = self.turn;
-                self.list(node, object, aabb);
+                self.list(node, object);
             }
         }
     }
 
     /// Puts an object on the list of a leaf.
-    pub(super) fn list(&mut self, leaf: NodeId, object: u32, aabb: &Aabb3d) {
-        let Some(root) = self.root else { return };
-        let entry = &mut self.entries[object as usize];
+    pub(super) fn list(&mut self, leaf: NodeId, object: u32) {
+        let levels = u32::from(self.levels[object as usize]);
+        self.entries[object as usize].leaves.push(leaf);
         let cell = self.tree.data_mut(leaf);
-        let class = size_class(root.half_size, aabb);
-        let index = cell.enlist(object, aabb, class, entry.counts_in(cell.generation()));
-        entry.enter(leaf, index);
+        cell.list(object, levels > cell.generation());
         if !cell.queued && must_split(cell, self.settings.max_objects, self.settings.max_depth) {
             cell.queued = true;
             self.overfull.push(leaf);
         }
     }
 
-    /// Takes an object off the list of its leaf of this number, but not the leaf off the list of the
-    /// object.
-    fn unlist(&mut self, leaf: NodeId, object: u32, number: usize) {
-        let entry = &self.entries[object as usize];
+    /// Takes an object off the list of a leaf, but not the leaf off the list of the object.
+    fn unlist(&mut self, leaf: NodeId, object: u32) {
+        let levels = u32::from(self.levels[object as usize]);
         let cell = self.tree.data_mut(leaf);
-        let counts = entry.counts_in(cell.generation());
-        let was_listed = cell.unlist(object, entry.hint(number), counts);
+        let was_listed = cell.unlist(object, levels > cell.generation());
         debug_assert!(was_listed, "object {object} is not on the list of {leaf:?}");
+    }
+
+    /// Computes the stay region of an object whose leaves changed.
+    pub(super) fn settle(&mut self, object: u32, aabb: &Aabb3d) {
+        let growing = self
+            .root
+            .filter(|root| root.doublings < self.settings.max_doublings)
+            .map(|root| root.bounds());
+        let leaves = &self.entries[object as usize].leaves;
+        let cells = leaves.iter().map(|leaf| self.tree.data(*leaf));
+        self.stays[object as usize] = StayRegion::new(aabb, cells).within(growing.as_ref());
+    }
+
+    /// Has the object's stay region computed anew when the tree has its new shape.
+    pub(super) fn unsettle(&mut self, object: u32) {
+        let entry = &mut self.entries[object as usize];
+        if !entry.unsettled {
+            entry.unsettled = true;
+            self.unsettled.push(object);
+        }
     }
 }
 

@@ -72,7 +72,6 @@
 //! execute as many instructions, and this one still takes about twice the time.
 
 mod cell;
-mod list;
 mod maintain;
 mod octree;
 mod pairs;
@@ -80,6 +79,7 @@ mod restructure;
 mod root;
 mod root_cell;
 mod settings;
+mod stay;
 mod validate;
 
 #[cfg(test)]
@@ -87,4 +87,4 @@ mod tests;
 
 pub use cell::Cell;
 pub use octree::ObjectOctree;
-pub use settings::{ObjectOctreeSettings, RootPolicy, SettingsError};
+pub use settings::{ObjectOctreeSettings, PairSearch, RootPolicy, SettingsError};

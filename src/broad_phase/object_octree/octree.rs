@@ -4,12 +4,13 @@ use bevy::math::bounding::Aabb3d;
 use fearless_simd::Level;
 use smallvec::SmallVec;
 
-use super::{cell::Cell, list::List, root_cell::RootCell, settings::ObjectOctreeSettings};
+use super::{cell::Cell, root_cell::RootCell, settings::{ObjectOctreeSettings, PairSearch}, stay::StayRegion};
 use crate::{
     broad_phase::{
         boxes::ProxyId,
         engine::{BroadPhase, BroadPhaseStats, Leaf, Visitor},
         group::Group,
+        linear_octree::LinearOctree,
         pairs::Pair,
         proxy::Proxies,
     },
@@ -25,32 +26,34 @@ pub struct ObjectOctree {
     pub(super) root: Option<RootCell>,
     /// By proxy index.
     pub(super) entries: Vec<Entry>,
+    /// By proxy index: where the box may go without a change of its leaves.
+    pub(super) stays: Vec<StayRegion>,
+    /// By proxy index: the number of generations, from the root down, whose cells the object fits
+    /// in. In a cell of one of these, it counts against N.
+    pub(super) levels: Vec<u8>,
+    /// Objects that left their stay regions in this tick, or are new.
+    pub(super) restless: Vec<u32>,
+    pub(super) sorted: Vec<u32>,
     /// By proxy index: the last count of distinct objects that saw it.
     pub(super) seen: Vec<u64>,
     /// Counts the objects' turns in maintenance and other walks; marks on cells and objects that
     /// equal it were made in the current one.
     pub(super) turn: u64,
-    /// Counts the updates.
-    pub(super) ticks: u32,
     /// Leaves that came to list more than N objects, and nodes of which a child lost one: each at
     /// most once.
     pub(super) overfull: Vec<NodeId>,
     pub(super) shrunk: Vec<NodeId>,
-    /// All leaves in the order of space, as of the last walk, and whether there have been splits or
-    /// merges since.
-    pub(super) leaves: Vec<NodeId>,
-    pub(super) has_new_shape: bool,
-    /// Objects whose leaves may have changed in this tick; some are listed more than once.
-    pub(super) restless: Vec<u32>,
-    /// Leaves that list so many objects that they are searched in another way.
-    pub(super) crowded: Vec<NodeId>,
+    /// Objects whose list of leaves changed.
+    pub(super) unsettled: Vec<u32>,
     /// Emptied lists, for reuse.
-    pub(super) spare: Vec<List>,
+    pub(super) spare: Vec<Vec<u32>>,
     /// How much work there has been since it was last seen whether the root fits.
     pub(super) work: u64,
+    /// What is searched for pairs, and by queries, unless leaves are.
+    pub(super) blocks: Option<LinearOctree>,
     /// The vector instructions that this machine has.
     pub(super) level: Level,
-    /// The objects of a crowded leaf that is searched.
+    /// The objects of the leaf that is searched.
     pub(super) group: Group,
 }
 
@@ -59,56 +62,15 @@ pub struct ObjectOctree {
 pub(super) struct Entry {
     /// The leaves that the box overlaps; none for an object that is not in the tree.
     pub(super) leaves: SmallVec<[NodeId; 8]>,
-    /// By leaf, of the first eight: where in its list the object was last seen.
-    pub(super) hints: [u8; 8],
-    /// The number of generations, from the root down, whose cells the object fits in.
-    pub(super) levels: u32,
-    /// The last update in which it took its turn, in short.
-    pub(super) turned: u32,
+    /// Is it in [`ObjectOctree::unsettled`]?
+    pub(super) unsettled: bool,
 }
 
 impl Entry {
     pub(super) const ABSENT: Self = Self {
         leaves: SmallVec::new_const(),
-        hints: [0; 8],
-        levels: 0,
-        turned: 0,
+        unsettled: false,
     };
-
-    /// Where in the list of its leaf of this number the object may be.
-    #[inline]
-    pub(super) fn hint(&self, number: usize) -> u8 {
-        self.hints.get(number).copied().unwrap_or(u8::MAX)
-    }
-
-    /// Notes where in the list of its leaf of this number the object is.
-    #[inline]
-    pub(super) fn note(&mut self, number: usize, index: usize) {
-        if let (Some(hint), Ok(index)) = (self.hints.get_mut(number), u8::try_from(index)) {
-            *hint = index;
-        }
-    }
-
-    /// Adds a leaf, in the list of which the object has this index.
-    #[inline]
-    pub(super) fn enter(&mut self, leaf: NodeId, index: usize) {
-        self.leaves.push(leaf);
-        self.note(self.leaves.len() - 1, index);
-    }
-
-    /// Takes the leaf of this number away; the last one takes its number.
-    #[inline]
-    pub(super) fn forget(&mut self, number: usize) {
-        let hint = self.hint(self.leaves.len() - 1);
-        self.leaves.swap_remove(number);
-        self.note(number, usize::from(hint));
-    }
-
-    /// Returns `true` if the object counts against N in a cell of this generation.
-    #[inline]
-    pub(super) const fn counts_in(&self, generation: u32) -> bool {
-        generation < self.levels
-    }
 }
 
 impl ObjectOctree {
@@ -125,17 +87,21 @@ impl ObjectOctree {
             tree: Octree::new(Cell::default()),
             root: None,
             entries: Vec::new(),
+            stays: Vec::new(),
+            levels: Vec::new(),
+            restless: Vec::new(),
+            sorted: Vec::new(),
             seen: Vec::new(),
             turn: 0,
-            ticks: 0,
             overfull: Vec::new(),
             shrunk: Vec::new(),
-            leaves: Vec::new(),
-            has_new_shape: true,
-            restless: Vec::new(),
-            crowded: Vec::new(),
+            unsettled: Vec::new(),
             spare: Vec::new(),
             work: 0,
+            blocks: match settings.search {
+                PairSearch::Blocks => Some(LinearOctree::default()),
+                PairSearch::Leaves => None,
+            },
             level: Level::new(),
             group: Group::default(),
         }
@@ -177,14 +143,17 @@ impl ObjectOctree {
 
     /// The same objects in a new tree of the same root: what contract 3 compares with.
     pub(super) fn rebuilt(&self, proxies: &Proxies) -> Self {
-        let mut other = Self::new(self.settings);
+        let mut other = Self::new(ObjectOctreeSettings {
+            search: PairSearch::Leaves,
+            ..self.settings
+        });
         other.root = self.root;
-        other.entries.resize(self.entries.len(), Entry::ABSENT);
+        other.make_room(proxies);
         other.plant();
         for (id, aabb) in proxies.iter() {
             other.arrive(id.get(), aabb);
         }
-        other.restructure();
+        other.restructure(proxies.boxes());
         other
     }
 }
@@ -201,10 +170,16 @@ impl BroadPhase for ObjectOctree {
     }
 
     fn maintain(&mut self, proxies: &Proxies) {
+        if let Some(blocks) = &mut self.blocks {
+            blocks.maintain(proxies);
+        }
         self.keep_up(proxies);
     }
 
     fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {
+        if let Some(blocks) = &mut self.blocks {
+            return blocks.find_pairs(proxies, pairs);
+        }
         let compared = self.search_leaves(proxies, pairs);
         self.work += compared;
         compared
@@ -214,7 +189,7 @@ impl BroadPhase for ObjectOctree {
         true
     }
 
-    fn traverse(&self, _: &Proxies, visitor: &mut dyn Visitor) {
+    fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor) {
         let mut stack: SmallVec<[NodeId; 64]> = SmallVec::new();
         stack.push(NodeId::ROOT);
         while let Some(node) = stack.pop() {
@@ -223,8 +198,12 @@ impl BroadPhase for ObjectOctree {
             if !visitor.enter(&bounds) {
                 continue;
             }
-            for (object, aabb) in cell.list().iter() {
-                visitor.object(ProxyId::new(object), &aabb, &bounds);
+            for &object in cell.listed() {
+                visitor.object(
+                    ProxyId::new(object),
+                    &proxies.boxes()[object as usize],
+                    &bounds,
+                );
             }
             // From the octant next to the viewpoint to the opposite one, none before one that may
             // hide it.
@@ -254,19 +233,32 @@ impl BroadPhase for ObjectOctree {
         }
     }
 
+    fn inner(&self) -> Option<&dyn BroadPhase> {
+        self.blocks
+            .as_ref()
+            .map(|blocks| -> &dyn BroadPhase { blocks })
+    }
+
     fn stats(&self) -> BroadPhaseStats {
-        let nodes = [&self.overfull, &self.shrunk, &self.leaves, &self.crowded];
+        let queues = self.overfull.capacity() + self.shrunk.capacity();
         let mut stats = BroadPhaseStats {
             nodes: self.tree.node_count(),
             leaves: self.tree.leaf_count(),
             bytes: self.tree.memory_bytes()
                 + self.entries.capacity() * size_of::<Entry>()
+                + self.stays.capacity() * size_of::<StayRegion>()
+                + self.levels.capacity()
                 + self.seen.capacity() * size_of::<u64>()
-                + nodes.map(Vec::capacity).iter().sum::<usize>() * size_of::<NodeId>()
-                + self.restless.capacity() * size_of::<u32>()
-                + self.spare.iter().map(List::memory_bytes).sum::<usize>()
-                + self.spare.capacity() * size_of::<List>()
-                + self.group.memory_bytes(),
+                + queues * size_of::<NodeId>()
+                + (self.restless.capacity() + self.sorted.capacity()) * size_of::<u32>()
+                + (self.unsettled.capacity() + self.spare.iter().map(Vec::capacity).sum::<usize>())
+                    * size_of::<u32>()
+                + self.spare.capacity() * size_of::<Vec<u32>>()
+                + self.group.memory_bytes()
+                + self
+                    .blocks
+                    .as_ref()
+                    .map_or(0, |blocks| blocks.stats().bytes),
             ..BroadPhaseStats::default()
         };
         for node in self.tree.subtree(NodeId::ROOT) {

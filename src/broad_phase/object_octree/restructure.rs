@@ -1,20 +1,18 @@
 //! Splits and merges: the tree takes its canonical shape.
 
-use super::{
-    list::{List, size_class},
-    maintain::must_split,
-    octree::ObjectOctree,
-};
+use bevy::math::bounding::Aabb3d;
+use super::{maintain::must_split, octree::ObjectOctree, stay::StayRegion};
 use crate::octree::{NodeId, Vertex};
 
 impl ObjectOctree {
-    /// Merges and splits what maintenance has queued.
-    pub(super) fn restructure(&mut self) {
+    /// Merges and splits what maintenance has queued, and settles the objects in question.
+    pub(super) fn restructure(&mut self, boxes: &[Aabb3d]) {
         self.merge_shrunk();
-        self.split_overfull();
+        self.split_overfull(boxes);
+        self.settle_all(boxes);
     }
 
-    /// Puts a node in the queue if it is to merge.
+    /// Puts a node in the queue if it counts few enough objects to be a leaf.
     #[inline]
     pub(super) fn queue_merge(&mut self, node: NodeId) {
         let cell = self.tree.data_mut(node);
@@ -48,44 +46,39 @@ impl ObjectOctree {
     /// Returns `true` if a node counts few enough objects to be a leaf, and its children are leaves.
     fn is_mergeable(&self, node: NodeId) -> bool {
         let limit = self.settings.max_objects - self.settings.merge_slack;
-        self.tree.is_split(node)
+        let mut children = self.tree.children(node);
+        children.len() > 0
             && self.tree.data(node).counted() <= limit
-            && self
-                .tree
-                .children(node)
-                .all(|child| self.tree.is_leaf(child))
+            && children.all(|child| self.tree.is_leaf(child))
     }
 
-    /// Makes a node a leaf that lists all that its children list.
+    /// Makes a node a leaf, which lists all that its children list.
     fn merge(&mut self, node: NodeId) {
-        self.has_new_shape = true;
         let turn = self.next_turn();
         self.seen.resize(self.entries.len(), 0);
-        let half_size = self.root.map_or(0.0, |root| root.half_size);
-        let bounds = self.tree.data(node).bounds();
-        let mut all = self.spare.pop().unwrap_or_default();
+        let mut objects = self.spare.pop().unwrap_or_default();
         for child in self.tree.children(node) {
             let list = self.tree.data_mut(child).take_list();
-            for (object, aabb) in list.iter() {
-                if std::mem::replace(&mut self.seen[object as usize], turn) == turn {
-                    continue;
+            for &object in &list {
+                if std::mem::replace(&mut self.seen[object as usize], turn) != turn {
+                    let entry = &mut self.entries[object as usize];
+                    entry
+                        .leaves
+                        .retain(|leaf| self.tree.parent(*leaf) != Some(node));
+                    entry.leaves.push(node);
+                    objects.push(object);
+                    self.unsettle(object);
                 }
-                let entry = &mut self.entries[object as usize];
-                entry
-                    .leaves
-                    .retain(|leaf| self.tree.parent(*leaf) != Some(node));
-                entry.enter(node, all.objects().len());
-                all.push(object, &aabb, size_class(half_size, &aabb), &bounds);
             }
             self.recycle(list);
         }
         self.tree.join(node, drop);
-        self.tree.data_mut(node).put_list(all);
+        self.tree.data_mut(node).put_list(objects);
     }
 
     /// Splits leaves that list more than N objects, and their children in turn, down to the depth
     /// limit.
-    fn split_overfull(&mut self) {
+    fn split_overfull(&mut self, boxes: &[Aabb3d]) {
         while let Some(leaf) = self.overfull.pop() {
             if !self.tree.contains(leaf) {
                 continue;
@@ -95,39 +88,49 @@ impl ObjectOctree {
             if must_split(cell, self.settings.max_objects, self.settings.max_depth)
                 && !self.tree.is_split(leaf)
             {
-                self.split(leaf);
+                self.split(leaf, boxes);
             }
         }
     }
 
-    fn split(&mut self, leaf: NodeId) {
-        self.has_new_shape = true;
+    fn split(&mut self, leaf: NodeId, boxes: &[Aabb3d]) {
         let cell = self.tree.data_mut(leaf);
-        let list = cell.take_list();
+        let objects = cell.take_list();
         let frame = cell.frame();
         let children = self.tree.split(leaf);
         for (child, octant) in children.clone().zip(Vertex::ALL) {
             let list = self.spare.pop().unwrap_or_default();
             self.tree.data_mut(child).set_child_of(&frame, octant, list);
         }
-        for (object, aabb) in list.iter() {
+        for &object in &objects {
             let entry = &mut self.entries[object as usize];
             if let Some(index) = entry.leaves.iter().position(|listed| *listed == leaf) {
-                entry.forget(index);
+                entry.leaves.swap_remove(index);
             }
-            let octants = self.tree.data(leaf).octants(&aabb);
+            let octants = self.tree.data(leaf).octants(&boxes[object as usize]);
             for (octant, child) in children.clone().enumerate() {
                 if octants >> octant & 1 != 0 {
-                    self.list(child, object, &aabb);
+                    self.list(child, object);
                 }
             }
+            self.unsettle(object);
         }
-        self.recycle(list);
+        self.recycle(objects);
+    }
+
+    /// Computes the stay regions of the objects whose leaves split or merged.
+    fn settle_all(&mut self, boxes: &[Aabb3d]) {
+        while let Some(object) = self.unsettled.pop() {
+            self.entries[object as usize].unsettled = false;
+            if !self.entries[object as usize].leaves.is_empty() {
+                self.settle(object, &boxes[object as usize]);
+            }
+        }
     }
 
     /// Keeps a list for the next leaf. Those that have grown beyond what leaves need are let go: by
     /// and by, all would.
-    pub(super) fn recycle(&mut self, mut list: List) {
+    pub(super) fn recycle(&mut self, mut list: Vec<u32>) {
         let most = 2 * (self.settings.max_objects as usize + 1);
         if (1..=most).contains(&list.capacity()) {
             list.clear();

@@ -4,6 +4,7 @@ use super::{
     cell::Cell,
     octree::{Entry, ObjectOctree},
     root_cell::{RootCell, bounding_box},
+    stay::StayRegion,
 };
 use crate::{broad_phase::proxy::Proxies, octree::NodeId};
 
@@ -23,9 +24,9 @@ const TOO_LARGE: f32 = 4.0;
 const SHARE_BEYOND: usize = 8;
 
 impl ObjectOctree {
-    /// Sees to the root before objects move: lays it, grows it if an object may have left it, or
-    /// forgets it. True if the tree was emptied for that, and all objects must be entered anew.
-    pub(super) fn fit_root(&mut self, proxies: &Proxies, some_may_have_left: bool) -> bool {
+    /// Sees to the root before objects take their turns: lays it, grows it, or forgets it. True if
+    /// the tree was emptied for that, and all objects must be entered anew.
+    pub(super) fn fit_root(&mut self, proxies: &Proxies) -> bool {
         if proxies.is_empty() {
             let planted = self.root.take().is_some();
             if planted {
@@ -40,8 +41,9 @@ impl ObjectOctree {
             // Doublings get rarer as the root grows, so that beginning anew costs little in the
             // long run.
             Some(mut root) => {
-                if some_may_have_left && root.doublings < self.settings.max_doublings {
-                    for aabb in proxies.moved().iter().filter_map(|id| proxies.get(*id)) {
+                if root.doublings < self.settings.max_doublings {
+                    for object in &self.restless {
+                        let aabb = &proxies.boxes()[*object as usize];
                         root.grow_to(aabb, self.settings.max_doublings);
                     }
                 }
@@ -81,11 +83,9 @@ impl ObjectOctree {
 
     /// Empties the tree, down to a root that lists nothing.
     pub(super) fn plant(&mut self) {
-        self.has_new_shape = true;
-        self.restless.clear();
-        for entry in &mut self.entries {
-            *entry = Entry::ABSENT;
-        }
+        self.entries.fill(Entry::ABSENT);
+        self.stays.fill(StayRegion::NOWHERE);
+        self.levels.fill(0);
         for node in self.tree.subtree(NodeId::ROOT).collect::<Vec<_>>() {
             let list = self.tree.data_mut(node).take_list();
             self.recycle(list);

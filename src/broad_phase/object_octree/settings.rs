@@ -55,6 +55,21 @@ impl Default for RootPolicy {
     }
 }
 
+/// In what an [`ObjectOctree`](super::ObjectOctree) looks for pairs, and for the answers to queries.
+/// These are the same either way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[type_path = "bevy_octree"]
+pub enum PairSearch {
+    /// In the blocks of a pointerless octree over the same boxes, which is kept beside the tree: the
+    /// pairs take the time that they take with [`LinearOctree`](crate::broad_phase::LinearOctree),
+    /// and the tree its upkeep.
+    #[default]
+    Blocks,
+    /// In the leaves of the tree, one after the other, as in the report (Swan 1994, section 2.3).
+    /// Takes less memory, and two to four times as long.
+    Leaves,
+}
+
 /// The parameters of an [`ObjectOctree`](super::ObjectOctree).
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
@@ -86,6 +101,8 @@ pub struct ObjectOctreeSettings {
     /// split and merge the same nodes at each crossing; the tree then depends on its history. Below
     /// `max_objects`.
     pub merge_slack: u32,
+    /// In what pairs are looked for. An engine that is at work does not change it: install another.
+    pub search: PairSearch,
 }
 
 impl Default for ObjectOctreeSettings {
@@ -96,6 +113,7 @@ impl Default for ObjectOctreeSettings {
             root: RootPolicy::default(),
             max_doublings: 16,
             merge_slack: 0,
+            search: PairSearch::default(),
         }
     }
 }

@@ -24,33 +24,43 @@ impl ObjectOctree {
             !proxies.is_empty(),
             "there is a root cell if, and only if, there are objects"
         );
-        assert!(self.shrunk.is_empty() && self.overfull.is_empty() && self.restless.is_empty());
+        assert!(self.shrunk.is_empty() && self.overfull.is_empty() && self.unsettled.is_empty());
+        for (id, aabb) in proxies.iter() {
+            let entry = &self.entries[id.index()];
+            assert_eq!(
+                Some(self.levels[id.index()]),
+                self.root.map(|root| root.levels(aabb, &self.settings))
+            );
+            assert!(!entry.unsettled && !entry.leaves.is_empty());
+            // A box that touches the upper side of the root is as good as beyond it.
+            assert!(
+                self.stays[id.index()].holds(aabb)
+                    || self.root.is_some_and(|root| aabb.max.cmpge(root.bounds().max).any()),
+                "{id:?}: the stay region holds the box that it was made for"
+            );
+        }
         for node in self.tree.subtree(NodeId::ROOT) {
             let cell = self.tree.data(node);
             assert!(!cell.queued, "{node:?} waits for a split or merge");
             assert_eq!(cell.generation(), self.tree.generation(node));
             let counts = |id: ProxyId, aabb: &Aabb3d| {
-                self.entries[id.index()].counts_in(cell.generation()) && cell.overlaps(aabb)
+                u32::from(self.levels[id.index()]) > cell.generation() && cell.overlaps(aabb)
             };
-            let counted = proxies.iter().filter(|(id, aabb)| counts(*id, aabb)).count();
-            assert_eq!(cell.counted() as usize, counted, "{node:?}");
+            let counted = proxies
+                .iter()
+                .filter(|(id, aabb)| counts(*id, aabb))
+                .count();
+            assert_eq!(
+                cell.counted() as usize,
+                counted,
+                "{node:?} knows how many objects overlap it"
+            );
             if self.tree.is_split(node) {
                 assert!(
                     cell.listed().is_empty(),
                     "{node:?} is split and lists objects"
                 );
                 continue;
-            }
-            for (object, aabb) in cell.list().iter() {
-                assert_eq!(
-                    Some(&aabb),
-                    proxies.get(ProxyId::new(object)),
-                    "{object}: the box is that of the last update"
-                );
-            }
-            if let Some(root) = self.root {
-                cell.list()
-                    .assert_well_formed(&cell.bounds(), root.half_size);
             }
             let overlapping: Vec<u32> = proxies
                 .iter()
@@ -84,6 +94,9 @@ impl ObjectOctree {
             listed, known,
             "objects know the leaves that list them, and no others"
         );
+        if let Some(blocks) = &self.blocks {
+            blocks.assert_well_formed(proxies);
+        }
         if self.settings.merge_slack == 0 {
             self.assert_same_shape(&self.rebuilt(proxies));
         }
