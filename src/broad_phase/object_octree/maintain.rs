@@ -4,7 +4,7 @@
 //! is up to date. The outcome is that of restructuring after each object, since the shape is
 //! canonical, with no node split only to be merged again in the same tick.
 
-use bevy::math::{Vec3A, bounding::Aabb3d};
+use bevy::math::bounding::Aabb3d;
 use smallvec::SmallVec;
 
 use super::{
@@ -12,17 +12,10 @@ use super::{
     octree::{Entry, ObjectOctree},
     stay::StayRegion,
 };
-use crate::{broad_phase::proxy::Proxies, octree::NodeId};
-
-/// So many restless objects are put in order before they take their turns.
-const WORTH_SORTING: usize = 512;
-
-/// In so many parts along each side of the root, and in all.
-const SIDE: f32 = 8.0;
-const PARTS: usize = 512;
-
-/// The three bits of a number, each at three times its place.
-const SPREAD: [usize; 8] = [0, 1, 8, 9, 64, 65, 72, 73];
+use crate::{
+    broad_phase::proxy::Proxies,
+    octree::{NodeId, Vertex},
+};
 
 impl ObjectOctree {
     /// Takes up the changes of a tick: brings lists and nodes up to date.
@@ -34,7 +27,6 @@ impl ObjectOctree {
                 self.arrive(id.get(), aabb);
             }
         } else {
-            self.sort_restless(proxies.boxes());
             let restless = std::mem::take(&mut self.restless);
             for &object in &restless {
                 self.take_turn(object, &proxies.boxes()[object as usize]);
@@ -68,40 +60,6 @@ impl ObjectOctree {
                 None => self.depart(id.get()),
             }
         }
-    }
-
-    /// Puts the restless in the order of space, roughly: one finds in the cache what the last one
-    /// has read.
-    fn sort_restless(&mut self, boxes: &[Aabb3d]) {
-        let Some(root) = self.root else { return };
-        if self.restless.len() < WORTH_SORTING {
-            return;
-        }
-        let (low, scale) = (root.bounds().min, 0.5 * SIDE / root.half_size);
-        let part = |object: u32| {
-            let place = (boxes[object as usize].min - low) * scale;
-            let [x, y, z] = place
-                .clamp(Vec3A::ZERO, Vec3A::splat(SIDE - 1.0))
-                .to_array()
-                .map(|along| SPREAD[along as usize]);
-            x | y << 1 | z << 2
-        };
-        let mut ends = [0_u32; PARTS];
-        for &object in &self.restless {
-            ends[part(object)] += 1;
-        }
-        let mut sum = 0;
-        for end in &mut ends {
-            sum += std::mem::replace(end, sum);
-        }
-        self.sorted.clear();
-        self.sorted.resize(self.restless.len(), 0);
-        for &object in &self.restless {
-            let end = &mut ends[part(object)];
-            self.sorted[*end as usize] = object;
-            *end += 1;
-        }
-        std::mem::swap(&mut self.restless, &mut self.sorted);
     }
 
     /// One object's turn: its box is this now, and its leaves may be others.
@@ -220,19 +178,14 @@ impl ObjectOctree {
         let mut stack: SmallVec<[NodeId; 32]> = SmallVec::new();
         stack.push(top);
         while let Some(node) = stack.pop() {
-            let children = self.tree.children(node);
+            let is_split = self.tree.is_split(node);
             let cell = self.tree.data_mut(node);
-            if children.len() > 0 {
+            if is_split {
                 if node != top && cell.held != self.turn && cell.generation() < levels {
                     cell.count_in();
                 }
-                let octants = cell.octants(aabb);
-                stack.extend(
-                    children
-                        .enumerate()
-                        .filter(|(o, _)| octants >> o & 1 != 0)
-                        .map(|(_, child)| child),
-                );
+                let octants = octants(cell.octants(aabb));
+                stack.extend(octants.filter_map(|octant| self.tree.child(node, octant)));
             } else if cell.held != self.turn {
                 cell.held = self.turn;
                 self.list(node, object);
@@ -279,6 +232,16 @@ impl ObjectOctree {
             self.unsettled.push(object);
         }
     }
+}
+
+/// The octants of a mask with a bit for each.
+#[inline]
+pub(super) fn octants(mut mask: u32) -> impl Iterator<Item = Vertex> {
+    std::iter::from_fn(move || {
+        let octant = (mask != 0).then(|| Vertex::from_bits(mask.trailing_zeros()));
+        mask &= mask.wrapping_sub(1);
+        octant
+    })
 }
 
 /// Returns `true` if a leaf lists too many objects, above the depth limit.

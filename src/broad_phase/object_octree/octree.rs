@@ -33,7 +33,6 @@ pub struct ObjectOctree {
     pub(super) levels: Vec<u8>,
     /// Objects that left their stay regions in this tick, or are new.
     pub(super) restless: Vec<u32>,
-    pub(super) sorted: Vec<u32>,
     /// By proxy index: the last count of distinct objects that saw it.
     pub(super) seen: Vec<u64>,
     /// Counts the objects' turns in maintenance and other walks; marks on cells and objects that
@@ -90,7 +89,6 @@ impl ObjectOctree {
             stays: Vec::new(),
             levels: Vec::new(),
             restless: Vec::new(),
-            sorted: Vec::new(),
             seen: Vec::new(),
             turn: 0,
             overfull: Vec::new(),
@@ -250,7 +248,7 @@ impl BroadPhase for ObjectOctree {
                 + self.levels.capacity()
                 + self.seen.capacity() * size_of::<u64>()
                 + queues * size_of::<NodeId>()
-                + (self.restless.capacity() + self.sorted.capacity()) * size_of::<u32>()
+                + self.restless.capacity() * size_of::<u32>()
                 + (self.unsettled.capacity() + self.spare.iter().map(Vec::capacity).sum::<usize>())
                     * size_of::<u32>()
                 + self.spare.capacity() * size_of::<Vec<u32>>()

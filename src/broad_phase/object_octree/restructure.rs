@@ -1,7 +1,10 @@
 //! Splits and merges: the tree takes its canonical shape.
 
 use bevy::math::bounding::Aabb3d;
-use super::{maintain::must_split, octree::ObjectOctree, stay::StayRegion};
+use super::{
+    maintain::{must_split, octants},
+    octree::ObjectOctree,
+};
 use crate::octree::{NodeId, Vertex};
 
 impl ObjectOctree {
@@ -98,7 +101,7 @@ impl ObjectOctree {
         let objects = cell.take_list();
         let frame = cell.frame();
         let children = self.tree.split(leaf);
-        for (child, octant) in children.clone().zip(Vertex::ALL) {
+        for (child, octant) in children.zip(Vertex::ALL) {
             let list = self.spare.pop().unwrap_or_default();
             self.tree.data_mut(child).set_child_of(&frame, octant, list);
         }
@@ -107,9 +110,9 @@ impl ObjectOctree {
             if let Some(index) = entry.leaves.iter().position(|listed| *listed == leaf) {
                 entry.leaves.swap_remove(index);
             }
-            let octants = self.tree.data(leaf).octants(&boxes[object as usize]);
-            for (octant, child) in children.clone().enumerate() {
-                if octants >> octant & 1 != 0 {
+            let overlapped = self.tree.data(leaf).octants(&boxes[object as usize]);
+            for octant in octants(overlapped) {
+                if let Some(child) = self.tree.child(leaf, octant) {
                     self.list(child, object);
                 }
             }
