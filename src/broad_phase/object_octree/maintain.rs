@@ -17,6 +17,9 @@ use crate::{
     octree::{NodeId, Vertex},
 };
 
+/// How many objects' turns are prepared at once.
+const BATCH: usize = 32;
+
 impl ObjectOctree {
     /// Takes up the changes of a tick: brings lists and nodes up to date.
     pub(super) fn keep_up(&mut self, proxies: &Proxies) {
@@ -28,8 +31,8 @@ impl ObjectOctree {
             }
         } else {
             let restless = std::mem::take(&mut self.restless);
-            for &object in &restless {
-                self.take_turn(object, &proxies.boxes()[object as usize]);
+            for batch in restless.chunks(BATCH) {
+                self.take_turns(batch, proxies.boxes());
             }
             self.restless = restless;
         }
@@ -62,17 +65,36 @@ impl ObjectOctree {
         }
     }
 
-    /// One object's turn: its box is this now, and its leaves may be others.
-    fn take_turn(&mut self, object: u32, aabb: &Aabb3d) {
-        let Some(root) = self.root else { return };
-        if self.entries[object as usize].leaves.is_empty() {
-            return self.arrive(object, aabb);
+    /// Some objects' turns. First it is seen where each of them begins: in a loop that does little
+    /// else, so that the processor runs ahead and waits for many entries and cells at once.
+    fn take_turns(&mut self, objects: &[u32], boxes: &[Aabb3d]) {
+        let of = |object: u32| &self.entries[object as usize].leaves;
+        let leaves: SmallVec<[Option<NodeId>; BATCH]> = objects
+            .iter()
+            .map(|object| of(*object).first().copied())
+            .collect();
+        let tops: SmallVec<[Option<NodeId>; BATCH]> = objects
+            .iter()
+            .zip(leaves)
+            .map(|(object, leaf)| leaf.map(|leaf| self.holder(leaf, &boxes[*object as usize])))
+            .collect();
+        for (&object, top) in objects.iter().zip(tops) {
+            let aabb = &boxes[object as usize];
+            match top {
+                Some(top) => self.take_turn(object, top, aabb),
+                None => self.arrive(object, aabb),
+            }
         }
+    }
+
+    /// One object's turn: its box is this now, and its leaves may be others, all of them below a
+    /// node.
+    fn take_turn(&mut self, object: u32, top: NodeId, aabb: &Aabb3d) {
+        let Some(root) = self.root else { return };
         if self.levels[object as usize] != root.levels(aabb, &self.settings) {
             self.depart(object);
             return self.arrive(object, aabb);
         }
-        let top = self.holder(object, aabb);
         self.leave(top, object, aabb);
         self.enter_below(top, object, aabb);
         self.settle(object, aabb);
@@ -115,13 +137,11 @@ impl ObjectOctree {
         }
     }
 
-    /// The lowest node above one of an object's leaves that holds all of a box: the second check
+    /// The lowest node above a leaf, one of an object's, that holds all of a box: the second check
     /// begins there. (The report goes from neighbour to neighbour instead; see the notes in
     /// `docs/notes` for what that costs.)
-    fn holder(&self, object: u32, aabb: &Aabb3d) -> NodeId {
-        let Some(&leaf) = self.entries[object as usize].leaves.first() else {
-            return NodeId::ROOT;
-        };
+    #[inline]
+    fn holder(&self, leaf: NodeId, aabb: &Aabb3d) -> NodeId {
         let mut node = leaf;
         while !self.tree.data(node).holds(aabb) {
             let Some(parent) = self.tree.parent(node) else {

@@ -4,7 +4,12 @@ use bevy::math::bounding::Aabb3d;
 use fearless_simd::Level;
 use smallvec::SmallVec;
 
-use super::{cell::Cell, root_cell::RootCell, settings::{ObjectOctreeSettings, PairSearch}, stay::StayRegion};
+use super::{
+    cell::Cell,
+    root_cell::RootCell,
+    settings::{ObjectOctreeSettings, PairSearch},
+    stay::StayRegion,
+};
 use crate::{
     broad_phase::{
         boxes::ProxyId,

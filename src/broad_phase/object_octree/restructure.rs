@@ -1,11 +1,11 @@
 //! Splits and merges: the tree takes its canonical shape.
 
-use bevy::math::bounding::Aabb3d;
 use super::{
     maintain::{must_split, octants},
     octree::ObjectOctree,
 };
 use crate::octree::{NodeId, Vertex};
+use bevy::math::bounding::Aabb3d;
 
 impl ObjectOctree {
     /// Merges and splits what maintenance has queued, and settles the objects in question.

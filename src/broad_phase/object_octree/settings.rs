@@ -77,10 +77,10 @@ pub struct ObjectOctreeSettings {
     /// The report's N: a leaf that lists more objects than this splits, unless it is at the depth
     /// limit. At least 1.
     ///
-    /// Small values make many small leaves: few boxes are compared, and much is maintained. Large
-    /// values do the opposite. Boxes are compared eight at a time, which favours large ones. With 1
-    /// 000 and 8 000 boxes of the scenes in [`stress`](crate::scene::stress), the default, 64,
-    /// takes 0.6 to 1.0 of the time of 32, and 128 takes 0.7 to 1.3 of that of 64.
+    /// Small values make many small leaves, and a fine map of where objects crowd; large ones are
+    /// cheaper to keep, for objects cross fewer borders: 64 and 256 take 1.2 times and 0.9 times
+    /// what the default, 128, takes with boxes in slow motion. Where [leaves are
+    /// searched](PairSearch::Leaves), boxes are compared eight at a time, which favours 64 to 128.
     pub max_objects: u32,
     /// The depth limit: no node has a generation above this. From 1 to
     /// [`MAX_DEPTH`](Self::MAX_DEPTH).
@@ -108,7 +108,7 @@ pub struct ObjectOctreeSettings {
 impl Default for ObjectOctreeSettings {
     fn default() -> Self {
         Self {
-            max_objects: 64,
+            max_objects: 128,
             max_depth: 16,
             root: RootPolicy::default(),
             max_doublings: 16,

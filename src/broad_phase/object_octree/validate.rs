@@ -35,7 +35,9 @@ impl ObjectOctree {
             // A box that touches the upper side of the root is as good as beyond it.
             assert!(
                 self.stays[id.index()].holds(aabb)
-                    || self.root.is_some_and(|root| aabb.max.cmpge(root.bounds().max).any()),
+                    || self
+                        .root
+                        .is_some_and(|root| aabb.max.cmpge(root.bounds().max).any()),
                 "{id:?}: the stay region holds the box that it was made for"
             );
         }
