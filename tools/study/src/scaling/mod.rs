@@ -12,7 +12,7 @@ use bevy_octree::scene::stress::StressScene;
 use clap::Args;
 
 use bandwidth::Bandwidth;
-use model::{Stage, predict};
+use model::Stage;
 use run::{Place, StageMs, measure};
 
 use crate::{outcome::Outcome, progress::Progress, quantile::quantile};
@@ -146,7 +146,7 @@ fn stages(one: &StageMs, two: &StageMs, few: &StageMs, times: f64) -> Vec<Stage>
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{model::predict, *};
 
     #[test]
     fn medians_are_by_stage() {
