@@ -76,7 +76,7 @@ impl Contestant {
                 use bevy_octree::prelude::*;
                 let shape = CollisionShape::cuboid(1.0, 1.0, 1.0);
                 spawn(world, moving, || shape.clone());
-                spawn(world, statics, || (shape.clone(), StaticCollider));
+                spawn(world, statics, || (shape.clone(), StaticShape));
             }
             Self::Avian => {
                 use avian3d::prelude::*;
@@ -118,12 +118,10 @@ impl Contestant {
 }
 
 /// Spawns cubes, each with a bundle more.
-fn spawn<C: Bundle, B: Bundle>(world: &mut World, cubes: Vec<C>, more: impl Fn() -> B)
-where
-    (C, B): Bundle,
-{
-    let cubes: Vec<_> = cubes.into_iter().map(|cube| (cube, more())).collect();
-    world.spawn_batch(cubes);
+fn spawn<C: Bundle, B: Bundle>(world: &mut World, cubes: Vec<C>, more: impl Fn() -> B) {
+    for cube in cubes {
+        world.spawn((cube, more()));
+    }
 }
 
 impl FromStr for Contestant {

@@ -14,7 +14,7 @@
 //! | `rapier-bodyless` | colliders without bodies, sensors | the same |
 //! | `movement` | nothing | the baseline |
 //!
-//! With `--statics`, so many cubes more never move: static colliders of ours, Avian's static bodies,
+//! With `--statics`, so many cubes more never move: static shapes of ours, Avian's static bodies,
 //! rapier's fixed ones, colliders without bodies; the others go to and fro among them, or there are
 //! none (`--objects 0`). With `--threads`, each app has so many, in a build with the feature
 //! `parallel`.
