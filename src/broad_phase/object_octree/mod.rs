@@ -74,9 +74,8 @@
 //! For its shape: leaves tile space, and how deep they lie says where objects crowd, whatever the
 //! history; with [`tree`](ObjectOctree::tree) and [`leaves_of`](ObjectOctree::leaves_of) that is a
 //! map to build on. For speed alone, prefer the [linear octree](super::LinearOctree), which this
-//! one's upkeep comes on top of: one to two times its time at 1 000 and 8 000 objects, up to two and
-//! a half where all are fast, and more at 64 000, where lists lie in no order of memory. A larger N
-//! makes the map coarser and its upkeep cheaper.
+//! one's upkeep comes on top of: together 1.2 to 2.1 times its time at 1 000 and 8 000 objects, up
+//! to 2.4 times at 64 000.
 
 mod cell;
 mod maintain;

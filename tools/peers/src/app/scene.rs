@@ -44,8 +44,11 @@ pub struct Places {
 impl Scene {
     /// Where all cubes are, and what moves them.
     pub fn begin(self) -> (Places, Motion) {
-        let simulation =
-            StressSimulation::new(StressScene::Brownian, self.objects + self.statics, self.seed);
+        let simulation = StressSimulation::new(
+            StressScene::Brownian,
+            self.objects + self.statics,
+            self.seed,
+        );
         let places = simulation
             .boxes()
             .iter()

@@ -33,8 +33,14 @@ impl fmt::Display for Tables<'_> {
             threads,
             ..
         } = self;
-        writeln!(f, "### `{scene}`, {objects} objects: measured, and predicted\n")?;
-        write!(f, "| stage [ms] | 1 thread | 2 threads | serial | parallel share | memory traffic [B/object] |")?;
+        writeln!(
+            f,
+            "### `{scene}`, {objects} objects: measured, and predicted\n"
+        )?;
+        write!(
+            f,
+            "| stage [ms] | 1 thread | 2 threads | serial | parallel share | memory traffic [B/object] |"
+        )?;
         for threads in *threads {
             write!(f, " {threads} threads |")?;
         }
@@ -94,10 +100,7 @@ impl Tables<'_> {
         )?;
         match threads_for(stages, BUDGET_MS) {
             Some(1) => write!(f, "one thread is enough")?,
-            Some(threads) => write!(
-                f,
-                "{threads} threads are enough, if memory serves them all"
-            )?,
+            Some(threads) => write!(f, "{threads} threads are enough, if memory serves them all")?,
             None => {
                 let most_serial = stages
                     .iter()

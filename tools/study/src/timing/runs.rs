@@ -75,7 +75,11 @@ impl Runs {
                 None => ["–".to_owned(), "–".to_owned()],
             };
             let runs: Vec<String> = runs.iter().map(|value| significant(*value)).collect();
-            _ = writeln!(text, "| {name} | {mean} | {interval} | {} |", runs.join(", "));
+            _ = writeln!(
+                text,
+                "| {name} | {mean} | {interval} | {} |",
+                runs.join(", ")
+            );
         };
         row(
             &format!("ratio of times on {set}, {objects} objects"),

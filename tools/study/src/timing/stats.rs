@@ -156,7 +156,10 @@ pub fn fit_line(points: &[(f64, f64)]) -> Option<Line> {
 /// The mean, with the interval that Student's distribution gives it. `None` for fewer than two
 /// samples, or if they are not all finite.
 pub fn mean(samples: &[f64]) -> Option<Estimate> {
-    let freedom = samples.len().checked_sub(1).filter(|freedom| *freedom > 0)? as f64;
+    let freedom = samples
+        .len()
+        .checked_sub(1)
+        .filter(|freedom| *freedom > 0)? as f64;
     let count = samples.len() as f64;
     let mid = samples.iter().sum::<f64>() / count;
     let variance = samples.iter().map(|x| (x - mid).powi(2)).sum::<f64>() / freedom;
