@@ -52,6 +52,38 @@ impl fmt::Display for Bandwidth {
     }
 }
 
+/// How many times as much two threads compute as one, without memory: 2 if there are two cores that
+/// nobody else uses.
+pub fn free_cores() -> f64 {
+    computed(2) / computed(1).max(1.0)
+}
+
+/// How many numbers so many threads draw in a while.
+fn computed(threads: usize) -> f64 {
+    const WHILE: Duration = Duration::from_millis(300);
+    let barrier = Barrier::new(threads);
+    let draw = || {
+        let mut random = fastrand::Rng::with_seed(1);
+        let mut drawn = 0_u64;
+        barrier.wait();
+        let start = Instant::now();
+        while start.elapsed() < WHILE {
+            for _ in 0..10_000 {
+                hint::black_box(random.u64(..));
+            }
+            drawn += 10_000;
+        }
+        drawn
+    };
+    thread::scope(|scope| {
+        let all: Vec<_> = (0..threads).map(|_| scope.spawn(draw)).collect();
+        all.into_iter()
+            .filter_map(|thread| thread.join().ok())
+            .map(|drawn| drawn as f64)
+            .sum()
+    })
+}
+
 /// Bytes read and written per millisecond by so many threads at once.
 fn copied_per_ms(threads: usize) -> f64 {
     let barrier = Barrier::new(threads);
