@@ -79,9 +79,9 @@ pub struct ObjectOctreeSettings {
     ///
     /// Small values make many small leaves, and a fine map of where objects crowd; large ones are
     /// cheaper to keep, for objects cross fewer borders. With 8 000 boxes of the scenes in
-    /// [`stress`](crate::scene::stress) that all move, 64 takes 1.4 to 1.6 times, and 128 takes 1.1
-    /// to 1.3 times what the default, 256, does. Where [leaves are searched](PairSearch::Leaves),
-    /// boxes are compared eight at a time, and 64 to 128 are best.
+    /// [`stress`](crate::scene::stress), 64 takes 1.1 to 1.6 times, and 128 takes 1.0 to 1.3 times
+    /// what the default, 256, does. Where [leaves are searched](PairSearch::Leaves), boxes are
+    /// compared eight at a time, and 64 to 128 are best.
     pub max_objects: u32,
     /// The depth limit: no node has a generation above this. From 1 to
     /// [`MAX_DEPTH`](Self::MAX_DEPTH).
