@@ -111,7 +111,7 @@ mod tests {
     use bevy::reflect::TypePath;
 
     use super::*;
-    use crate::broad_phase::{Pair, PairFilter, PairKinds, ProxyId, RootPolicy};
+    use crate::broad_phase::{Pair, PairFilter, PairKinds, PairSearch, ProxyId, RootPolicy};
 
     /// What is saved by reflection is found again wherever the types' files are.
     #[test]
@@ -123,6 +123,7 @@ mod tests {
             Pair::type_path(),
             PairFilter::type_path(),
             PairKinds::type_path(),
+            PairSearch::type_path(),
             ProxyId::type_path(),
         ];
         for path in paths {

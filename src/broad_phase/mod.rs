@@ -129,7 +129,9 @@ pub use linear_octree::LinearOctree;
 pub(crate) use linear_octree::query::Visit;
 pub(crate) use measure::Measure;
 pub use method::{BroadPhaseMethod, UnknownMethod};
-pub use object_octree::{ObjectOctree, ObjectOctreeSettings, RootPolicy, SettingsError};
+pub use object_octree::{
+    ObjectOctree, ObjectOctreeSettings, PairSearch, RootPolicy, SettingsError,
+};
 pub use pairs::{Pair, PairSet};
 pub use proxy::Proxies;
 pub(crate) use proxy::part::{ProxyPart, cut};

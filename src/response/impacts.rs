@@ -12,7 +12,9 @@ use super::{
     outcomes::Outcomes,
 };
 use crate::{
-    broad_phase::{BroadPhaseMethod, ObjectOctreeSettings, Pair, ProxyId, SpatialIndex},
+    broad_phase::{
+        BroadPhaseMethod, ObjectOctreeSettings, Pair, PairSearch, ProxyId, SpatialIndex,
+    },
     collision_index::CollisionIndex,
     components::BroadPhaseProxy,
     contacts::{SweptContact, Verdicts},
@@ -95,9 +97,12 @@ impl Default for Resolver {
             happened: Vec::new(),
             at_end: Vec::new(),
             turned: Vec::new(),
-            diverted: SpatialIndex::new(&BroadPhaseMethod::ObjectOctree(
-                ObjectOctreeSettings::default(),
-            )),
+            // One at a time is inserted, moved and asked about: that is what leaves are quick at.
+            diverted: SpatialIndex::new(&BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings {
+                max_objects: 64,
+                search: PairSearch::Leaves,
+                ..ObjectOctreeSettings::default()
+            })),
             diverted_ids: Vec::new(),
             candidates: Vec::new(),
             parted: None,

@@ -2,7 +2,7 @@
 
 use bevy_octree::{
     broad_phase::{
-        BroadPhaseMethod, Exhaustive, ObjectOctreeSettings, Pair, ProxyId, SpatialIndex,
+        BroadPhaseMethod, Exhaustive, ObjectOctreeSettings, Pair, PairSearch, ProxyId, SpatialIndex,
     },
     scene::stress::{StressScene, StressSimulation},
 };
@@ -44,6 +44,10 @@ fn every_method_finds_the_same_pairs_in_every_scene() {
         BroadPhaseMethod::default(),
         BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::default()),
         BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(4)),
+        BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings {
+            search: PairSearch::Leaves,
+            ..ObjectOctreeSettings::with_max_objects(16)
+        }),
     ];
     for scene in StressScene::ALL {
         let mut simulation = StressSimulation::new(scene, OBJECTS, 11);

@@ -18,15 +18,13 @@ pub struct Cell {
     half_size: f32,
     generation: u32,
     objects: Vec<u32>,
-    /// How many of `objects` count against N.
+    /// How many of the objects that overlap the cell count against N; kept for all nodes, so that it
+    /// is known without a look at the leaves whether these have to merge.
     counted: u32,
     /// The last turn in which this cell was known to list the object, and in which it was searched
     /// for pairs.
     pub(super) held: u64,
     pub(super) searched: u64,
-    /// Of a split node: while fewer objects than this have left its leaves, these list too many to
-    /// merge.
-    pub(super) surplus: u32,
     /// Does the node wait for a split or a merge?
     pub(super) queued: bool,
 }
@@ -107,8 +105,8 @@ impl Cell {
         &self.objects
     }
 
-    /// Returns how many of the listed objects count against N: those that are not larger than the
-    /// cell.
+    /// Returns how many of the objects that overlap the cell count against N: those that are not
+    /// larger than the cell.
     #[inline]
     #[must_use]
     pub const fn counted(&self) -> u32 {
@@ -163,7 +161,7 @@ impl Cell {
     /// Takes an object off the list; false if it was not on it.
     #[inline]
     pub(super) fn unlist(&mut self, object: u32, counts: bool) -> bool {
-        let Some(index) = self.objects.iter().position(|listed| *listed == object) else {
+        let Some(index) = position(&self.objects, object) else {
             return false;
         };
         self.objects.swap_remove(index);
@@ -171,22 +169,50 @@ impl Cell {
         true
     }
 
-    /// Gives the list away.
+    /// One object more overlaps the cell of a split node that counts against N there.
+    #[inline]
+    pub(super) const fn count_in(&mut self) {
+        self.counted += 1;
+    }
+
+    /// One object fewer does.
+    #[inline]
+    pub(super) const fn count_out(&mut self) {
+        debug_assert!(self.counted > 0);
+        self.counted -= 1;
+    }
+
+    /// Gives the list away; what is counted stays.
     pub(super) fn take_list(&mut self) -> Vec<u32> {
-        self.counted = 0;
         std::mem::take(&mut self.objects)
     }
 
-    /// Puts a whole list in, `counted` of which count against N.
-    pub(super) fn put_list(&mut self, objects: Vec<u32>, counted: u32) {
+    /// Puts a whole list in, of objects that are counted already.
+    pub(super) fn put_list(&mut self, objects: Vec<u32>) {
         self.objects = objects;
-        self.counted = counted;
     }
 
     /// Memory that hangs off this node, in bytes.
     pub(super) fn memory_bytes(&self) -> usize {
         self.objects.capacity() * size_of::<u32>()
     }
+}
+
+/// Where a number is in a list. Eight at a time, for the lists are long.
+#[inline]
+fn position(list: &[u32], number: u32) -> Option<usize> {
+    let is_in = |eight: &[u32; 8]| {
+        eight
+            .iter()
+            .fold(false, |found, listed| found | (*listed == number))
+    };
+    let (eights, rest) = list.as_chunks();
+    let (start, part) = match eights.iter().position(is_in) {
+        Some(index) => (index * 8, &eights[index][..]),
+        None => (list.len() - rest.len(), rest),
+    };
+    let index = part.iter().position(|listed| *listed == number)?;
+    Some(start + index)
 }
 
 /// The geometry of a cell that its children inherit.

@@ -48,28 +48,34 @@
 //! An update looks at the objects that moved and at no others. One comparison of a box with its
 //! *stay region*, the region within which its list of leaves cannot change, spares most of them any
 //! further work. Those that are left visit their leaves, and whatever is below the lowest node that
-//! holds all of the box. A node is looked at for a merge only when so many objects have left its
-//! leaves that it may have to. Pairs are searched for in leaves that list an object that moved; its
-//! box is compared with eight others at a time.
+//! holds all of the box. Each node counts the objects that overlap it, so that whether eight leaves
+//! merge is known without a look at their lists.
+//!
+//! Pairs, and answers to queries, come from one of [two structures](PairSearch):
+//!
+//! - By default, from the blocks of a [pointerless octree](super::linear_octree) over the same boxes,
+//!   which the tree keeps beside it: objects in the order of space, boxes eight side by side, skins
+//!   that last several ticks. The search takes what it takes there; the tree costs its upkeep.
+//! - As in the report, from the leaves that list an object that moved: its box is compared with
+//!   eight others at a time. This takes less memory, and more time.
 //!
 //! A leaf lists at most N objects that fit in it, and beside them every larger one that overlaps
 //! it, or all that share a cell at the depth limit: rods side by side, plates upon plates, and
 //! scenes of which the root is more than 2^[`max_depth`](ObjectOctreeSettings::max_depth) times as
-//! large as what is in them are not told apart by cells. Where 512 objects or more that move share
-//! a leaf, they are therefore put in order before they are compared, as in the linear octree: a
-//! leaf of n objects takes O(n log n) and its pairs, not n². Lists take memory for each leaf that
-//! an object overlaps: at most eight for one that is smaller than the leaves around it; a large one
-//! is listed in each of the small leaves that smaller objects have brought about within it. Pairs
-//! that filters rule out take none.
+//! large as what is in them are not told apart by cells. Where leaves are searched, and 512 objects
+//! or more that move share one, they are therefore put in order before they are compared, as in the
+//! linear octree: a leaf of n objects takes O(n log n) and its pairs, not n². Lists take memory for
+//! each leaf that an object overlaps: at most eight for one that is smaller than the leaves around
+//! it; a large one is listed in each of the small leaves that smaller objects have brought about
+//! within it. Pairs that filters rule out take none.
 //!
 //! # When to use it
 //!
 //! For its shape: leaves tile space, and how deep they lie says where objects crowd, whatever the
 //! history; with [`tree`](ObjectOctree::tree) and [`leaves_of`](ObjectOctree::leaves_of) that is a
-//! map to build on. For speed, prefer the [linear octree](super::LinearOctree): on scenes in which
-//! all objects move this one takes about twice its time at 8 000 objects and three to four times at
-//! 64 000, for it reads boxes and leaves in no order of memory. Where one object in ten moves, both
-//! execute as many instructions, and this one still takes about twice the time.
+//! map to build on. For speed alone, prefer the [linear octree](super::LinearOctree), which this
+//! one's upkeep comes on top of: together 1.2 to 2.1 times its time at 1 000 and 8 000 objects, up
+//! to 2.4 times at 64 000.
 
 mod cell;
 mod maintain;
@@ -87,4 +93,4 @@ mod tests;
 
 pub use cell::Cell;
 pub use octree::ObjectOctree;
-pub use settings::{ObjectOctreeSettings, RootPolicy, SettingsError};
+pub use settings::{ObjectOctreeSettings, PairSearch, RootPolicy, SettingsError};

@@ -4,12 +4,18 @@ use bevy::math::bounding::Aabb3d;
 use fearless_simd::Level;
 use smallvec::SmallVec;
 
-use super::{cell::Cell, root_cell::RootCell, settings::ObjectOctreeSettings, stay::StayRegion};
+use super::{
+    cell::Cell,
+    root_cell::RootCell,
+    settings::{ObjectOctreeSettings, PairSearch},
+    stay::StayRegion,
+};
 use crate::{
     broad_phase::{
-        boxes::{EVERYWHERE, ProxyId},
+        boxes::ProxyId,
         engine::{BroadPhase, BroadPhaseStats, Leaf, Visitor},
         group::Group,
+        linear_octree::LinearOctree,
         pairs::Pair,
         proxy::Proxies,
     },
@@ -25,6 +31,13 @@ pub struct ObjectOctree {
     pub(super) root: Option<RootCell>,
     /// By proxy index.
     pub(super) entries: Vec<Entry>,
+    /// By proxy index: where the box may go without a change of its leaves.
+    pub(super) stays: Vec<StayRegion>,
+    /// By proxy index: the number of generations, from the root down, whose cells the object fits
+    /// in. In a cell of one of these, it counts against N.
+    pub(super) levels: Vec<u8>,
+    /// Objects that left their stay regions in this tick, or are new.
+    pub(super) restless: Vec<u32>,
     /// By proxy index: the last count of distinct objects that saw it.
     pub(super) seen: Vec<u64>,
     /// Counts the objects' turns in maintenance and other walks; marks on cells and objects that
@@ -40,6 +53,8 @@ pub struct ObjectOctree {
     pub(super) spare: Vec<Vec<u32>>,
     /// How much work there has been since it was last seen whether the root fits.
     pub(super) work: u64,
+    /// What is searched for pairs, and by queries, unless leaves are.
+    pub(super) blocks: Option<LinearOctree>,
     /// The vector instructions that this machine has.
     pub(super) level: Level,
     /// The objects of the leaf that is searched.
@@ -49,32 +64,17 @@ pub struct ObjectOctree {
 /// What the octree knows of one object.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
-    /// The box at the last update.
-    pub(super) aabb: Aabb3d,
-    /// Where the box may go without a change of `leaves`.
-    pub(super) stay: StayRegion,
     /// The leaves that the box overlaps; none for an object that is not in the tree.
     pub(super) leaves: SmallVec<[NodeId; 8]>,
-    /// The number of generations, from the root down, whose cells the object fits in.
-    pub(super) levels: u32,
     /// Is it in [`ObjectOctree::unsettled`]?
     pub(super) unsettled: bool,
 }
 
 impl Entry {
     pub(super) const ABSENT: Self = Self {
-        aabb: EVERYWHERE,
-        stay: StayRegion::NOWHERE,
         leaves: SmallVec::new_const(),
-        levels: 0,
         unsettled: false,
     };
-
-    /// Returns `true` if the object counts against N in a cell of this generation.
-    #[inline]
-    pub(super) const fn counts_in(&self, generation: u32) -> bool {
-        generation < self.levels
-    }
 }
 
 impl ObjectOctree {
@@ -91,6 +91,9 @@ impl ObjectOctree {
             tree: Octree::new(Cell::default()),
             root: None,
             entries: Vec::new(),
+            stays: Vec::new(),
+            levels: Vec::new(),
+            restless: Vec::new(),
             seen: Vec::new(),
             turn: 0,
             overfull: Vec::new(),
@@ -98,6 +101,10 @@ impl ObjectOctree {
             unsettled: Vec::new(),
             spare: Vec::new(),
             work: 0,
+            blocks: match settings.search {
+                PairSearch::Blocks => Some(LinearOctree::default()),
+                PairSearch::Leaves => None,
+            },
             level: Level::new(),
             group: Group::default(),
         }
@@ -138,17 +145,18 @@ impl ObjectOctree {
     }
 
     /// The same objects in a new tree of the same root: what contract 3 compares with.
-    pub(super) fn rebuilt(&self) -> Self {
-        let mut other = Self::new(self.settings);
+    pub(super) fn rebuilt(&self, proxies: &Proxies) -> Self {
+        let mut other = Self::new(ObjectOctreeSettings {
+            search: PairSearch::Leaves,
+            ..self.settings
+        });
         other.root = self.root;
-        other.entries.resize(self.entries.len(), Entry::ABSENT);
+        other.make_room(proxies);
         other.plant();
-        for (index, entry) in self.entries.iter().enumerate() {
-            if !entry.leaves.is_empty() {
-                other.arrive(index as u32, &entry.aabb);
-            }
+        for (id, aabb) in proxies.iter() {
+            other.arrive(id.get(), aabb);
         }
-        other.restructure();
+        other.restructure(proxies.boxes());
         other
     }
 }
@@ -165,10 +173,16 @@ impl BroadPhase for ObjectOctree {
     }
 
     fn maintain(&mut self, proxies: &Proxies) {
+        if let Some(blocks) = &mut self.blocks {
+            blocks.maintain(proxies);
+        }
         self.keep_up(proxies);
     }
 
     fn find_pairs(&mut self, proxies: &Proxies, pairs: &mut Vec<Pair>) -> u64 {
+        if let Some(blocks) = &mut self.blocks {
+            return blocks.find_pairs(proxies, pairs);
+        }
         let compared = self.search_leaves(proxies, pairs);
         self.work += compared;
         compared
@@ -178,7 +192,7 @@ impl BroadPhase for ObjectOctree {
         true
     }
 
-    fn traverse(&self, _: &Proxies, visitor: &mut dyn Visitor) {
+    fn traverse(&self, proxies: &Proxies, visitor: &mut dyn Visitor) {
         let mut stack: SmallVec<[NodeId; 64]> = SmallVec::new();
         stack.push(NodeId::ROOT);
         while let Some(node) = stack.pop() {
@@ -190,7 +204,7 @@ impl BroadPhase for ObjectOctree {
             for &object in cell.listed() {
                 visitor.object(
                     ProxyId::new(object),
-                    &self.entries[object as usize].aabb,
+                    &proxies.boxes()[object as usize],
                     &bounds,
                 );
             }
@@ -222,6 +236,12 @@ impl BroadPhase for ObjectOctree {
         }
     }
 
+    fn inner(&self) -> Option<&dyn BroadPhase> {
+        self.blocks
+            .as_ref()
+            .map(|blocks| -> &dyn BroadPhase { blocks })
+    }
+
     fn stats(&self) -> BroadPhaseStats {
         let queues = self.overfull.capacity() + self.shrunk.capacity();
         let mut stats = BroadPhaseStats {
@@ -229,12 +249,19 @@ impl BroadPhase for ObjectOctree {
             leaves: self.tree.leaf_count(),
             bytes: self.tree.memory_bytes()
                 + self.entries.capacity() * size_of::<Entry>()
+                + self.stays.capacity() * size_of::<StayRegion>()
+                + self.levels.capacity()
                 + self.seen.capacity() * size_of::<u64>()
                 + queues * size_of::<NodeId>()
+                + self.restless.capacity() * size_of::<u32>()
                 + (self.unsettled.capacity() + self.spare.iter().map(Vec::capacity).sum::<usize>())
                     * size_of::<u32>()
                 + self.spare.capacity() * size_of::<Vec<u32>>()
-                + self.group.memory_bytes(),
+                + self.group.memory_bytes()
+                + self
+                    .blocks
+                    .as_ref()
+                    .map_or(0, |blocks| blocks.stats().bytes),
             ..BroadPhaseStats::default()
         };
         for node in self.tree.subtree(NodeId::ROOT) {

@@ -1,23 +1,25 @@
 //! Splits and merges: the tree takes its canonical shape.
 
+use super::{
+    maintain::{must_split, octants},
+    octree::ObjectOctree,
+};
+use crate::octree::{NodeId, Vertex};
 use bevy::math::bounding::Aabb3d;
 
-use super::{maintain::must_split, octree::ObjectOctree, stay::StayRegion};
-use crate::octree::{NodeId, Vertex};
-
 impl ObjectOctree {
-    /// Merges and splits what maintenance has queued, and settles the objects whose leaves changed.
-    pub(super) fn restructure(&mut self) {
+    /// Merges and splits what maintenance has queued, and settles the objects in question.
+    pub(super) fn restructure(&mut self, boxes: &[Aabb3d]) {
         self.merge_shrunk();
-        self.split_overfull();
-        self.settle();
+        self.split_overfull(boxes);
+        self.settle_all(boxes);
     }
 
-    /// Puts a node in the queue that may have to merge, since an object left one of its leaves.
+    /// Puts a node in the queue if it counts few enough objects to be a leaf.
+    #[inline]
     pub(super) fn queue_merge(&mut self, node: NodeId) {
         let cell = self.tree.data_mut(node);
-        cell.surplus = cell.surplus.saturating_sub(1);
-        if cell.surplus == 0 && !cell.queued {
+        if cell.counted() <= self.settings.max_objects - self.settings.merge_slack && !cell.queued {
             cell.queued = true;
             self.shrunk.push(node);
         }
@@ -34,8 +36,8 @@ impl ObjectOctree {
                 continue;
             }
             self.tree.data_mut(node).queued = false;
-            if let Some((objects, counted)) = self.mergeable(node) {
-                self.merge(node, objects, counted);
+            if self.is_mergeable(node) {
+                self.merge(node);
                 if let Some(parent) = self.tree.parent(node) {
                     self.queue_merge(parent);
                 }
@@ -44,65 +46,42 @@ impl ObjectOctree {
         self.shrunk.clear();
     }
 
-    /// The distinct objects of a node's eight leaves, and how many of them count against N; `None`
-    /// if they are too many, or the children are not all leaves.
-    fn mergeable(&mut self, node: NodeId) -> Option<(Vec<u32>, u32)> {
-        let children = self.tree.children(node);
-        if children.len() == 0 || children.clone().any(|child| self.tree.is_split(child)) {
-            return None;
-        }
+    /// Returns `true` if a node counts few enough objects to be a leaf, and its children are leaves.
+    fn is_mergeable(&self, node: NodeId) -> bool {
         let limit = self.settings.max_objects - self.settings.merge_slack;
-        // What one of them lists may be too much already.
-        let most = children
-            .clone()
-            .map(|child| self.tree.data(child).counted())
-            .max()
-            .unwrap_or(0);
-        if most > limit {
-            self.tree.data_mut(node).surplus = most - limit;
-            return None;
-        }
-        let generation = self.tree.data(node).generation();
+        let mut children = self.tree.children(node);
+        children.len() > 0
+            && self.tree.data(node).counted() <= limit
+            && children.all(|child| self.tree.is_leaf(child))
+    }
+
+    /// Makes a node a leaf, which lists all that its children list.
+    fn merge(&mut self, node: NodeId) {
         let turn = self.next_turn();
         self.seen.resize(self.entries.len(), 0);
         let mut objects = self.spare.pop().unwrap_or_default();
-        let mut counted = 0;
-        for child in children {
-            for &object in self.tree.data(child).listed() {
-                if std::mem::replace(&mut self.seen[object as usize], turn) != turn {
-                    objects.push(object);
-                    counted += u32::from(self.entries[object as usize].counts_in(generation));
-                }
-            }
-        }
-        if counted > limit {
-            self.tree.data_mut(node).surplus = counted - limit;
-            self.recycle(objects);
-            return None;
-        }
-        Some((objects, counted))
-    }
-
-    fn merge(&mut self, node: NodeId, objects: Vec<u32>, counted: u32) {
-        for &object in &objects {
-            let entry = &mut self.entries[object as usize];
-            entry
-                .leaves
-                .retain(|leaf| self.tree.parent(*leaf) != Some(node));
-            entry.leaves.push(node);
-            self.unsettle(object);
-        }
         for child in self.tree.children(node) {
             let list = self.tree.data_mut(child).take_list();
+            for &object in &list {
+                if std::mem::replace(&mut self.seen[object as usize], turn) != turn {
+                    let entry = &mut self.entries[object as usize];
+                    entry
+                        .leaves
+                        .retain(|leaf| self.tree.parent(*leaf) != Some(node));
+                    entry.leaves.push(node);
+                    objects.push(object);
+                    self.unsettle(object);
+                }
+            }
             self.recycle(list);
         }
         self.tree.join(node, drop);
-        self.tree.data_mut(node).put_list(objects, counted);
+        self.tree.data_mut(node).put_list(objects);
     }
 
     /// Splits leaves that list more than N objects, and their children in turn, down to the depth
     /// limit.
-    fn split_overfull(&mut self) {
+    fn split_overfull(&mut self, boxes: &[Aabb3d]) {
         while let Some(leaf) = self.overfull.pop() {
             if !self.tree.contains(leaf) {
                 continue;
@@ -112,34 +91,28 @@ impl ObjectOctree {
             if must_split(cell, self.settings.max_objects, self.settings.max_depth)
                 && !self.tree.is_split(leaf)
             {
-                self.split(leaf);
+                self.split(leaf, boxes);
             }
         }
     }
 
-    fn split(&mut self, leaf: NodeId) {
-        // Objects will leave the new leaves without their grandparent being told.
-        if let Some(parent) = self.tree.parent(leaf) {
-            self.tree.data_mut(parent).surplus = 0;
-        }
+    fn split(&mut self, leaf: NodeId, boxes: &[Aabb3d]) {
         let cell = self.tree.data_mut(leaf);
-        cell.surplus = 0;
         let objects = cell.take_list();
         let frame = cell.frame();
         let children = self.tree.split(leaf);
-        for (child, octant) in children.clone().zip(Vertex::ALL) {
+        for (child, octant) in children.zip(Vertex::ALL) {
             let list = self.spare.pop().unwrap_or_default();
             self.tree.data_mut(child).set_child_of(&frame, octant, list);
         }
         for &object in &objects {
             let entry = &mut self.entries[object as usize];
-            let Aabb3d { min, max } = entry.aabb;
             if let Some(index) = entry.leaves.iter().position(|listed| *listed == leaf) {
                 entry.leaves.swap_remove(index);
             }
-            let octants = self.tree.data(leaf).octants(&Aabb3d { min, max });
-            for (octant, child) in children.clone().enumerate() {
-                if octants >> octant & 1 != 0 {
+            let overlapped = self.tree.data(leaf).octants(&boxes[object as usize]);
+            for octant in octants(overlapped) {
+                if let Some(child) = self.tree.child(leaf, octant) {
                     self.list(child, object);
                 }
             }
@@ -148,17 +121,13 @@ impl ObjectOctree {
         self.recycle(objects);
     }
 
-    /// Computes the stay regions of the objects whose leaves changed.
-    fn settle(&mut self) {
-        for object in self.unsettled.drain(..) {
-            let entry = &mut self.entries[object as usize];
-            entry.unsettled = false;
-            let cells = entry.leaves.iter().map(|leaf| self.tree.data(*leaf));
-            entry.stay = if entry.leaves.is_empty() {
-                StayRegion::NOWHERE
-            } else {
-                StayRegion::new(&entry.aabb, cells)
-            };
+    /// Computes the stay regions of the objects whose leaves split or merged.
+    fn settle_all(&mut self, boxes: &[Aabb3d]) {
+        while let Some(object) = self.unsettled.pop() {
+            self.entries[object as usize].unsettled = false;
+            if !self.entries[object as usize].leaves.is_empty() {
+                self.settle(object, &boxes[object as usize]);
+            }
         }
     }
 

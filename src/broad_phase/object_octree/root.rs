@@ -4,6 +4,7 @@ use super::{
     cell::Cell,
     octree::{Entry, ObjectOctree},
     root_cell::{RootCell, bounding_box},
+    stay::StayRegion,
 };
 use crate::{broad_phase::proxy::Proxies, octree::NodeId};
 
@@ -23,8 +24,8 @@ const TOO_LARGE: f32 = 4.0;
 const SHARE_BEYOND: usize = 8;
 
 impl ObjectOctree {
-    /// Sees to the root before objects move: lays it, grows it, or forgets it. True if the tree was
-    /// emptied for that, and all objects must be entered anew.
+    /// Sees to the root before objects take their turns: lays it, grows it, or forgets it. True if
+    /// the tree was emptied for that, and all objects must be entered anew.
     pub(super) fn fit_root(&mut self, proxies: &Proxies) -> bool {
         if proxies.is_empty() {
             let planted = self.root.take().is_some();
@@ -41,7 +42,8 @@ impl ObjectOctree {
             // long run.
             Some(mut root) => {
                 if root.doublings < self.settings.max_doublings {
-                    for aabb in proxies.moved().iter().filter_map(|id| proxies.get(*id)) {
+                    for object in &self.restless {
+                        let aabb = &proxies.boxes()[*object as usize];
                         root.grow_to(aabb, self.settings.max_doublings);
                     }
                 }
@@ -81,9 +83,9 @@ impl ObjectOctree {
 
     /// Empties the tree, down to a root that lists nothing.
     pub(super) fn plant(&mut self) {
-        for entry in &mut self.entries {
-            *entry = Entry::ABSENT;
-        }
+        self.entries.fill(Entry::ABSENT);
+        self.stays.fill(StayRegion::NOWHERE);
+        self.levels.fill(0);
         for node in self.tree.subtree(NodeId::ROOT).collect::<Vec<_>>() {
             let list = self.tree.data_mut(node).take_list();
             self.recycle(list);
@@ -91,7 +93,7 @@ impl ObjectOctree {
         let mut cell = self.root.map_or_else(Cell::default, |root| {
             Cell::root(root.center, root.half_size)
         });
-        cell.put_list(self.spare.pop().unwrap_or_default(), 0);
+        cell.put_list(self.spare.pop().unwrap_or_default());
         self.tree.reset(cell);
     }
 }

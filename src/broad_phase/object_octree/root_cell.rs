@@ -6,7 +6,7 @@ use super::settings::{ObjectOctreeSettings, RootPolicy};
 use crate::broad_phase::boxes::NOWHERE;
 
 /// A cube, and how often it has doubled.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct RootCell {
     pub(super) center: Vec3A,
     pub(super) half_size: f32,
@@ -77,13 +77,13 @@ impl RootCell {
     /// Returns in how many generations, from the root down, a cell is at least as large as the
     /// box's longest side.
     #[inline]
-    pub(super) fn levels(&self, aabb: &Aabb3d, settings: &ObjectOctreeSettings) -> u32 {
+    pub(super) fn levels(&self, aabb: &Aabb3d, settings: &ObjectOctreeSettings) -> u8 {
         let half_extent = (aabb.max * 0.5 - aabb.min * 0.5).max_element();
         let ratio = self.half_size / half_extent;
         if ratio >= 1.0 {
             // The exponent is the number of halvings; for a box without extent it is that of
             // infinity.
-            ((ratio.to_bits() >> 23) - 126).min(settings.max_depth + 1)
+            ((ratio.to_bits() >> 23) - 126).min(settings.max_depth + 1) as u8
         } else {
             0
         }
@@ -160,6 +160,6 @@ mod tests {
             |side: f32| root.levels(&Aabb3d::new(Vec3::ZERO, Vec3::splat(side * 0.5)), &settings);
         assert_eq!(root.half_size, 4.0);
         assert_eq!([16.0, 8.0, 5.0, 4.0, 1.0].map(levels), [0, 1, 1, 2, 4]);
-        assert_eq!(levels(0.0), settings.max_depth + 1);
+        assert_eq!(u32::from(levels(0.0)), settings.max_depth + 1);
     }
 }

@@ -55,6 +55,21 @@ impl Default for RootPolicy {
     }
 }
 
+/// In what an [`ObjectOctree`](super::ObjectOctree) looks for pairs, and for the answers to queries.
+/// These are the same either way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[type_path = "bevy_octree"]
+pub enum PairSearch {
+    /// In the blocks of a pointerless octree over the same boxes, which is kept beside the tree: the
+    /// pairs take the time that they take with [`LinearOctree`](crate::broad_phase::LinearOctree),
+    /// and the tree its upkeep.
+    #[default]
+    Blocks,
+    /// In the leaves of the tree, one after the other, as in the report (Swan 1994, section 2.3).
+    /// Takes less memory, and two to four times as long.
+    Leaves,
+}
+
 /// The parameters of an [`ObjectOctree`](super::ObjectOctree).
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
@@ -62,10 +77,11 @@ pub struct ObjectOctreeSettings {
     /// The report's N: a leaf that lists more objects than this splits, unless it is at the depth
     /// limit. At least 1.
     ///
-    /// Small values make many small leaves: few boxes are compared, and much is maintained. Large
-    /// values do the opposite. Boxes are compared eight at a time, which favours large ones. With 1
-    /// 000 and 8 000 boxes of the scenes in [`stress`](crate::scene::stress), the default, 64,
-    /// takes 0.6 to 1.0 of the time of 32, and 128 takes 0.7 to 1.3 of that of 64.
+    /// Small values make many small leaves, and a fine map of where objects crowd; large ones are
+    /// cheaper to keep, for objects cross fewer borders. With 8 000 boxes of the scenes in
+    /// [`stress`](crate::scene::stress), 64 takes 1.1 to 1.6 times, and 128 takes 1.0 to 1.3 times
+    /// what the default, 256, does. Where [leaves are searched](PairSearch::Leaves), boxes are
+    /// compared eight at a time, and 64 to 128 are best.
     pub max_objects: u32,
     /// The depth limit: no node has a generation above this. From 1 to
     /// [`MAX_DEPTH`](Self::MAX_DEPTH).
@@ -86,16 +102,19 @@ pub struct ObjectOctreeSettings {
     /// split and merge the same nodes at each crossing; the tree then depends on its history. Below
     /// `max_objects`.
     pub merge_slack: u32,
+    /// In what pairs are looked for. An engine that is at work does not change it: install another.
+    pub search: PairSearch,
 }
 
 impl Default for ObjectOctreeSettings {
     fn default() -> Self {
         Self {
-            max_objects: 64,
+            max_objects: 256,
             max_depth: 16,
             root: RootPolicy::default(),
             max_doublings: 16,
             merge_slack: 0,
+            search: PairSearch::default(),
         }
     }
 }

@@ -62,6 +62,16 @@ impl StayRegion {
         region
     }
 
+    /// The part of the region in which the box does not leave another, the root, if that is to grow
+    /// with it.
+    pub(super) fn within(mut self, root: Option<&Aabb3d>) -> Self {
+        if let Some(root) = root {
+            self.outer_min = self.outer_min.max(root.min);
+            self.outer_max = self.outer_max.min(root.max);
+        }
+        self
+    }
+
     /// Returns `true` if the object keeps its leaves with this box.
     #[inline]
     pub(super) fn holds(&self, aabb: &Aabb3d) -> bool {

@@ -26,8 +26,13 @@ fn cube(x: f32, y: f32, z: f32, half: f32) -> Aabb3d {
     Aabb3d::new(Vec3::new(x, y, z), Vec3::splat(half))
 }
 
+/// Settings with another N, for a tree the leaves of which are searched.
 fn with_n(max_objects: u32) -> ObjectOctreeSettings {
-    ObjectOctreeSettings::with_max_objects(max_objects)
+    ObjectOctreeSettings {
+        max_objects,
+        search: PairSearch::Leaves,
+        ..Default::default()
+    }
 }
 
 #[test]
@@ -265,7 +270,7 @@ fn crowds_that_share_their_cells_are_not_compared_each_with_each() {
         ("scales", &scales),
     ];
     for (name, scene) in scenes {
-        let mut checked = checked(ObjectOctreeSettings::default());
+        let mut checked = checked(with_n(64));
         let mut boxes: Vec<Aabb3d> = (0..COUNT).map(scene).collect();
         boxes.push(cube(1e7, 1e7, 1e7, 1.0));
         let ids: Vec<_> = boxes
@@ -367,7 +372,9 @@ proptest! {
         max_objects in 1_u32..6, max_depth in 1_u32..10, max_doublings in 0_u32..6,
         steps in prop::collection::vec(a_step(), 1..120),
     ) {
-        replay(checked(ObjectOctreeSettings { max_objects, max_depth, max_doublings, ..Default::default() }), &steps);
+        for search in [PairSearch::Blocks, PairSearch::Leaves] {
+            replay(checked(ObjectOctreeSettings { max_objects, max_depth, max_doublings, search, ..Default::default() }), &steps);
+        }
     }
 
     #[test]

@@ -1,7 +1,12 @@
 //! Checks of everything that is said to hold.
 
+use bevy::math::bounding::Aabb3d;
+
 use super::octree::ObjectOctree;
-use crate::{broad_phase::proxy::Proxies, octree::NodeId};
+use crate::{
+    broad_phase::{boxes::ProxyId, proxy::Proxies},
+    octree::NodeId,
+};
 
 impl ObjectOctree {
     /// Checks the tree against the objects: that each object is listed in exactly the leaves that
@@ -23,11 +28,16 @@ impl ObjectOctree {
         for (id, aabb) in proxies.iter() {
             let entry = &self.entries[id.index()];
             assert_eq!(
-                entry.aabb, *aabb,
-                "{id:?}: the box is that of the last update"
+                Some(self.levels[id.index()]),
+                self.root.map(|root| root.levels(aabb, &self.settings))
             );
+            assert!(!entry.unsettled && !entry.leaves.is_empty());
+            // What is not within the root is looked at again and again while that may grow.
+            let sticks_out = self.root.map(|root| root.bounds()).is_some_and(|root| {
+                aabb.min.cmplt(root.min).any() || aabb.max.cmpge(root.max).any()
+            });
             assert!(
-                entry.stay.holds(aabb),
+                self.stays[id.index()].holds(aabb) || sticks_out,
                 "{id:?}: the stay region holds the box that it was made for"
             );
         }
@@ -35,6 +45,18 @@ impl ObjectOctree {
             let cell = self.tree.data(node);
             assert!(!cell.queued, "{node:?} waits for a split or merge");
             assert_eq!(cell.generation(), self.tree.generation(node));
+            let counts = |id: ProxyId, aabb: &Aabb3d| {
+                u32::from(self.levels[id.index()]) > cell.generation() && cell.overlaps(aabb)
+            };
+            let counted = proxies
+                .iter()
+                .filter(|(id, aabb)| counts(*id, aabb))
+                .count();
+            assert_eq!(
+                cell.counted() as usize,
+                counted,
+                "{node:?} knows how many objects overlap it"
+            );
             if self.tree.is_split(node) {
                 assert!(
                     cell.listed().is_empty(),
@@ -52,9 +74,6 @@ impl ObjectOctree {
                 overlapping,
                 "{node:?} lists the objects that overlap it"
             );
-            let counts = |object: &u32| self.entries[*object as usize].counts_in(cell.generation());
-            let counted = overlapping.iter().copied().filter(counts).count();
-            assert_eq!(cell.counted() as usize, counted);
             assert!(
                 counted <= self.settings.max_objects as usize
                     || cell.generation() == self.settings.max_depth,
@@ -77,8 +96,11 @@ impl ObjectOctree {
             listed, known,
             "objects know the leaves that list them, and no others"
         );
+        if let Some(blocks) = &self.blocks {
+            blocks.assert_well_formed(proxies);
+        }
         if self.settings.merge_slack == 0 {
-            self.assert_same_shape(&self.rebuilt());
+            self.assert_same_shape(&self.rebuilt(proxies));
         }
     }
 

@@ -16,7 +16,7 @@
 //! | thin link-time optimisation for published figures: `CARGO_PROFILE_RELEASE_LTO=thin` | calls across crates are inlined for all; not in the profile, where it would make every example slow to build |
 //! | no `target-cpu` | what users get; who detects wider instructions at run time may use them |
 //! | parry, rapier, obvhs and rstar at their newest versions, Avian and `bevy_rapier` at the newest for Bevy 0.19 | the best that there is |
-//! | no peer's `parallel` feature, Bevy without `multi_threaded` | one thread each; a second one is another question |
+//! | no peer's `parallel` feature, Bevy without `multi_threaded` | one thread each; with the feature `parallel`, all have theirs, and `--threads` says how many work in `app` and `broad` |
 //! | Avian with `simd` | it is faster, and changes nothing else |
 //! | skins and margins as rapier and Avian set them | scenes are made for boxes of about one length unit |
 
@@ -33,6 +33,7 @@ mod plot;
 mod progress;
 mod queries;
 mod scenes;
+mod threads;
 
 use std::process::ExitCode;
 

@@ -1,8 +1,9 @@
 //! Measures the crate by itself: `cargo run --release -p study --
-//! timing|growth|stress|swept|record|replay`; beside others, that is what `peers` is for.
+//! timing|growth|scaling|stress|swept|record|replay`; beside others, that is what `peers` is for.
 //!
 //! - `timing`: the timing study of the 1994 report, with statistics. See [`timing`].
 //! - `growth`: time and memory of the broad phase, from a thousand objects to a million.
+//! - `scaling`: each stage on one thread and on two, and what follows for more.
 //! - `stress`: a stress scene in a headless app, by stage.
 //! - `swept`: what continuous detection costs, in a crowd and in free flight.
 //! - `record`, `replay`: traces of boxes, written and put through the broad phase.
@@ -22,6 +23,7 @@ mod progress;
 mod quantile;
 mod record;
 mod replay;
+mod scaling;
 mod stage_times;
 mod stress;
 mod stress_app;
@@ -46,6 +48,7 @@ struct Arguments {
 enum Verb {
     Timing(timing::Arguments),
     Growth(growth::Arguments),
+    Scaling(scaling::Arguments),
     Stress(stress::Arguments),
     Swept(swept::Arguments),
     Record(record::Arguments),
@@ -56,6 +59,7 @@ fn main() -> ExitCode {
     outcome::exit(match Arguments::parse().verb {
         Verb::Timing(arguments) => timing::run(&arguments),
         Verb::Growth(arguments) => growth::run(arguments),
+        Verb::Scaling(arguments) => scaling::run(arguments),
         Verb::Stress(arguments) => stress::run(&arguments),
         Verb::Swept(arguments) => swept::run(&arguments),
         Verb::Record(arguments) => record::run(&arguments),

@@ -6,7 +6,7 @@ use std::{num::NonZero, path::PathBuf, time::Instant};
 
 use bevy::math::bounding::Aabb3d;
 use bevy_octree::{
-    broad_phase::{BroadPhaseMethod, ObjectOctreeSettings, ProxyId, SpatialIndex},
+    broad_phase::{BroadPhaseMethod, PairSearch, ProxyId, SpatialIndex},
     trace::TraceReader,
 };
 use clap::Args;
@@ -44,6 +44,9 @@ pub struct Arguments {
     /// N: how many objects a leaf of the N-objects octree may list before it splits.
     #[arg(long, allow_negative_numbers = true)]
     max_objects: Option<u32>,
+    /// The N-objects octree searches its leaves, as in the report.
+    #[arg(long)]
+    leaves: bool,
     /// Compare the pairs of each frame with brute force, and fail on the first difference. Times
     /// are as without.
     #[arg(long)]
@@ -88,20 +91,20 @@ pub fn run(arguments: &Arguments) -> Outcome {
 }
 
 fn chosen_method(arguments: &Arguments) -> Outcome<BroadPhaseMethod> {
-    let method = match (
-        arguments.engine.clone().unwrap_or_default(),
-        arguments.max_objects,
-    ) {
-        (BroadPhaseMethod::ObjectOctree(_), Some(max_objects)) => {
-            BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(max_objects))
+    let mut method = arguments.engine.clone().unwrap_or_default();
+    if let BroadPhaseMethod::ObjectOctree(settings) = &mut method {
+        if let Some(max_objects) = arguments.max_objects {
+            settings.max_objects = max_objects;
         }
-        (method, Some(_)) => {
-            return Err(
-                format!("--max-objects is for the engine `object`, not for `{method}`").into(),
-            );
+        if arguments.leaves {
+            settings.search = PairSearch::Leaves;
         }
-        (method, None) => method,
-    };
+    } else if arguments.max_objects.is_some() || arguments.leaves {
+        return Err(format!(
+            "--max-objects and --leaves are for the engine `object`, not for `{method}`"
+        )
+        .into());
+    }
     method.check()?;
     Ok(method)
 }

@@ -33,10 +33,10 @@ fn each_setting_out_of_range_is_named_and_can_be_clamped() {
         ),
         (
             ObjectOctreeSettings {
-                merge_slack: 64,
+                merge_slack: 256,
                 ..good
             },
-            "merge_slack is 64",
+            "merge_slack is 256",
         ),
         (
             ObjectOctreeSettings {

@@ -3,7 +3,8 @@
 use std::{str::FromStr, time::Duration};
 
 use bevy::{prelude::*, time::TimeUpdateStrategy};
-use bevy_octree::scene::stress::{StressScene, StressSimulation};
+
+use super::scene::{Scene, move_cubes};
 
 /// A way to detect collisions in an app.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,14 +30,6 @@ pub struct Events {
     pub ended: u64,
 }
 
-/// What moves the cubes.
-#[derive(Resource)]
-struct Simulation(StressSimulation);
-
-/// The number of a cube in the simulation.
-#[derive(Component)]
-struct Number(usize);
-
 impl Contestant {
     /// All of them, in the order of the tables.
     pub const ALL: [Self; 5] = [
@@ -58,9 +51,9 @@ impl Contestant {
         }
     }
 
-    /// An app with so many moving cubes.
-    pub fn app(self, objects: usize, seed: u64) -> App {
-        let simulation = StressSimulation::new(StressScene::Brownian, objects, seed);
+    /// An app with the cubes of a scene in it.
+    pub fn app(self, scene: Scene) -> App {
+        let (places, motion) = scene.begin();
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, TransformPlugin))
             .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(
@@ -76,51 +69,58 @@ impl Contestant {
         }
         app.finish();
         app.cleanup();
-        let places = simulation
-            .boxes()
-            .iter()
-            .map(|aabb| Vec3::from((aabb.min + aabb.max) * 0.5));
-        let cubes = places
-            .enumerate()
-            .map(|(i, place)| (Number(i), Transform::from_translation(place)));
         let world = app.world_mut();
+        let (moving, statics) = (places.moving, places.statics);
         match self {
             Self::Ours => {
-                let shape = bevy_octree::components::CollisionShape::cuboid(1.0, 1.0, 1.0);
-                world.spawn_batch(cubes.map(|cube| (cube, shape.clone())).collect::<Vec<_>>());
+                use bevy_octree::prelude::*;
+                let shape = CollisionShape::cuboid(1.0, 1.0, 1.0);
+                spawn(world, moving, || shape.clone());
+                spawn(world, statics, || (shape.clone(), StaticShape));
             }
             Self::Avian => {
                 use avian3d::prelude::*;
                 // Avian takes full sides.
                 let collider = Collider::cuboid(1.0, 1.0, 1.0);
-                let body = || {
+                spawn(world, moving, || {
                     (
                         RigidBody::Kinematic,
                         collider.clone(),
                         Sensor,
                         CollisionEventsEnabled,
                     )
-                };
-                world.spawn_batch(cubes.map(|cube| (cube, body())).collect::<Vec<_>>());
+                });
+                spawn(world, statics, || (RigidBody::Static, collider.clone()));
             }
             Self::Rapier => {
                 use bevy_rapier3d::prelude::*;
-                let body = || (RigidBody::KinematicPositionBased, rapier_collider());
-                world.spawn_batch(cubes.map(|cube| (cube, body())).collect::<Vec<_>>());
+                spawn(world, moving, || {
+                    (RigidBody::KinematicPositionBased, rapier_collider())
+                });
+                // What moves asks for pairs with what is fixed.
+                spawn(world, statics, || {
+                    (RigidBody::Fixed, Collider::cuboid(0.5, 0.5, 0.5))
+                });
             }
             Self::RapierBodyless => {
-                world.spawn_batch(
-                    cubes
-                        .map(|cube| (cube, rapier_collider()))
-                        .collect::<Vec<_>>(),
-                );
+                use bevy_rapier3d::prelude::*;
+                spawn(world, moving, rapier_collider);
+                spawn(world, statics, || Collider::cuboid(0.5, 0.5, 0.5));
             }
             Self::Movement => {
-                world.spawn_batch(cubes.collect::<Vec<_>>());
+                spawn(world, moving, || ());
+                spawn(world, statics, || ());
             }
         }
-        app.insert_resource(Simulation(simulation));
+        app.insert_resource(motion);
         app
+    }
+}
+
+/// Spawns cubes, each with a bundle more.
+fn spawn<C: Bundle, B: Bundle>(world: &mut World, cubes: Vec<C>, more: impl Fn() -> B) {
+    for cube in cubes {
+        world.spawn((cube, more()));
     }
 }
 
@@ -137,16 +137,6 @@ impl FromStr for Contestant {
                     Self::ALL.map(Self::name).join(", ")
                 )
             })
-    }
-}
-
-/// Moves every cube, in all apps alike.
-fn move_cubes(mut simulation: ResMut<Simulation>, mut cubes: Query<(&Number, &mut Transform)>) {
-    simulation.0.step();
-    let boxes = simulation.0.boxes();
-    for (number, mut transform) in &mut cubes {
-        let aabb = &boxes[number.0];
-        transform.translation = ((aabb.min + aabb.max) * 0.5).into();
     }
 }
 
@@ -220,27 +210,41 @@ fn rapier_collider() -> RapierCollider {
 mod tests {
     use super::*;
 
+    fn started(contestant: Contestant, objects: usize, statics: usize) -> u64 {
+        let mut app = contestant.app(Scene {
+            objects,
+            statics,
+            seed: 1,
+        });
+        (0..30).for_each(|_| app.update());
+        app.world().resource::<Events>().started
+    }
+
     #[test]
     fn all_apps_see_the_same_collisions_more_or_less() {
-        let started = |contestant: Contestant| {
-            let mut app = contestant.app(500, 1);
-            (0..30).for_each(|_| app.update());
-            app.world().resource::<Events>().started
-        };
-        assert_eq!(started(Contestant::Movement), 0);
-        let ours = started(Contestant::Ours);
-        assert!(ours > 100);
-        for contestant in [
-            Contestant::Avian,
-            Contestant::Rapier,
-            Contestant::RapierBodyless,
-        ] {
-            let theirs = started(contestant);
-            assert!(
-                theirs.abs_diff(ours) < ours / 8,
-                "{}: {theirs}, ours: {ours}",
-                contestant.name()
-            );
+        for (objects, statics) in [(500, 0), (200, 600)] {
+            assert_eq!(started(Contestant::Movement, objects, statics), 0);
+            let ours = started(Contestant::Ours, objects, statics);
+            assert!(ours > 100);
+            for contestant in [
+                Contestant::Avian,
+                Contestant::Rapier,
+                Contestant::RapierBodyless,
+            ] {
+                let theirs = started(contestant, objects, statics);
+                assert!(
+                    theirs.abs_diff(ours) < ours / 8,
+                    "{}: {theirs}, ours: {ours}",
+                    contestant.name()
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_happens_where_nothing_moves() {
+        for contestant in Contestant::ALL {
+            assert_eq!(started(contestant, 0, 100), 0, "{}", contestant.name());
         }
     }
 }

@@ -14,13 +14,20 @@
 //! | `rapier-bodyless` | colliders without bodies, sensors | the same |
 //! | `movement` | nothing | the baseline |
 //!
+//! With `--statics`, so many cubes more never move: static shapes of ours, Avian's static bodies,
+//! rapier's fixed ones, colliders without bodies; the others go to and fro among them, or there are
+//! none (`--objects 0`). With `--threads`, each app has so many, in a build with the feature
+//! `parallel`.
+//!
 //! Numbers of events differ a little between apps: the physics engines enlarge shapes by a
 //! tolerance.
 
 mod contestants;
+mod scene;
 
 use std::{
     fs,
+    num::NonZero,
     path::PathBuf,
     time::{Duration, Instant},
 };
@@ -29,8 +36,9 @@ use bevy::prelude::*;
 use clap::Args;
 use serde::Serialize;
 
-use crate::{measure::median, outcome::Outcome, progress::Progress};
+use crate::{measure::median, outcome::Outcome, progress::Progress, threads::use_threads};
 use contestants::{Contestant, Events};
+use scene::Scene;
 
 /// Updates of one app before the next one's turn.
 const BLOCK: usize = 8;
@@ -42,9 +50,15 @@ const MOST_OBJECTS: usize = 4_000_000;
 /// Compares apps.
 #[derive(Args)]
 pub struct Arguments {
-    /// Moving cubes.
-    #[arg(long, default_value_t = 64_000, value_parser = at_least_one)]
+    /// Moving cubes: as in the `brownian` scene, or to and fro among static ones.
+    #[arg(long, default_value_t = 64_000)]
     objects: usize,
+    /// Cubes that never move.
+    #[arg(long, default_value_t = 0)]
+    statics: usize,
+    /// How many threads work, in all apps.
+    #[arg(long, default_value_t = NonZero::<usize>::MIN)]
+    threads: NonZero<usize>,
     /// Updates to time, after eight to warm up.
     #[arg(long, default_value_t = 24, value_parser = clap::value_parser!(u16).range(1..))]
     ticks: u16,
@@ -62,19 +76,13 @@ pub struct Arguments {
     json: Option<PathBuf>,
 }
 
-fn at_least_one(number: &str) -> Result<usize, String> {
-    match number.parse() {
-        Ok(0) => Err("at least one object is needed".into()),
-        Ok(number) => Ok(number),
-        Err(error) => Err(format!("{error}")),
-    }
-}
-
 /// What was measured of an app.
 #[derive(Serialize)]
 struct Row {
     app: &'static str,
     objects: usize,
+    statics: usize,
+    threads: usize,
     tick_ms: f64,
     started: u64,
     ended: u64,
@@ -89,9 +97,9 @@ struct Runner {
 }
 
 impl Runner {
-    fn new(contestant: Contestant, objects: usize, seed: u64) -> Self {
+    fn new(contestant: Contestant, scene: Scene) -> Self {
         Self {
-            app: contestant.app(objects, seed),
+            app: contestant.app(scene),
             times: vec![],
         }
     }
@@ -122,10 +130,25 @@ pub fn run(arguments: &Arguments) -> Outcome {
     } else {
         arguments.apps.clone()
     };
-    let Arguments { objects, seed, .. } = *arguments;
+    let Arguments {
+        objects,
+        statics,
+        threads,
+        seed,
+        ..
+    } = *arguments;
+    if objects + statics == 0 {
+        return Err("at least one object is needed".into());
+    }
+    use_threads(threads)?;
+    let scene = Scene {
+        objects,
+        statics,
+        seed,
+    };
     let mut runners: Vec<_> = contestants
         .iter()
-        .map(|contestant| Runner::new(*contestant, objects, seed))
+        .map(|contestant| Runner::new(*contestant, scene))
         .collect();
     let mut ticks = usize::from(arguments.ticks);
     let mut progress = Progress::new((1 + ticks.div_ceil(BLOCK)) as u64);
@@ -135,7 +158,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         runner.forget();
     }
     while ticks > 0 {
-        progress.begin(format!("{objects} cubes"));
+        progress.begin(format!("{objects} cubes, {statics} static"));
         let block = ticks.min(BLOCK);
         runners.iter_mut().for_each(|runner| runner.run(block));
         ticks -= block;
@@ -153,6 +176,8 @@ pub fn run(arguments: &Arguments) -> Outcome {
         rows.push(Row {
             app: contestant.name(),
             objects,
+            statics,
+            threads: threads.get(),
             tick_ms: runner.median_ms(),
             started: events.started,
             ended: events.ended,
@@ -163,7 +188,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
     drop(runners);
     if arguments.find_limit {
         for (contestant, row) in contestants.iter().zip(&mut rows) {
-            row.limit = Some(limit(*contestant, seed));
+            row.limit = Some(limit(*contestant, scene));
         }
     }
     print(&rows);
@@ -177,11 +202,13 @@ pub fn run(arguments: &Arguments) -> Outcome {
 
 fn print(rows: &[Row]) {
     println!(
-        "app               objects    tick_ms    started      ended    / ours  limit at 60 Hz"
+        "app               objects    statics  threads    tick_ms    started      ended    / ours  limit at 60 Hz"
     );
     for Row {
         app,
         objects,
+        statics,
+        threads,
         tick_ms,
         started,
         ended,
@@ -192,17 +219,17 @@ fn print(rows: &[Row]) {
         let ratio = ratio.map_or_else(String::new, |ratio| format!("{ratio:.2}"));
         let limit = limit.map_or_else(String::new, |limit| limit.to_string());
         println!(
-            "{app:<15} {objects:>9} {tick_ms:>10.3} {started:>10} {ended:>10} {ratio:>9} {limit:>15}"
+            "{app:<15} {objects:>9} {statics:>10} {threads:>8} {tick_ms:>10.3} {started:>10} {ended:>10} {ratio:>9} {limit:>15}"
         );
     }
 }
 
 /// The largest number of cubes whose median update takes no longer than a frame, to a few per cent.
-fn limit(contestant: Contestant, seed: u64) -> usize {
+fn limit(contestant: Contestant, scene: Scene) -> usize {
     let mut progress = Progress::new(16);
     let mut holds = |objects: usize| {
         progress.begin(format!("{}: {objects} cubes", contestant.name()));
-        let mut runner = Runner::new(contestant, objects, seed);
+        let mut runner = Runner::new(contestant, Scene { objects, ..scene });
         runner.run(BLOCK);
         runner.forget();
         runner.run(2 * BLOCK);

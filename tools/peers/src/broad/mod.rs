@@ -14,7 +14,7 @@ mod chart;
 mod report;
 mod run;
 
-use std::{fs, path::PathBuf};
+use std::{fs, num::NonZero, path::PathBuf};
 
 use clap::Args;
 
@@ -23,6 +23,7 @@ use crate::{
     outcome::Outcome,
     progress::Progress,
     scenes::Case,
+    threads::use_threads,
 };
 use report::Report;
 
@@ -44,6 +45,10 @@ pub struct Arguments {
     /// Engines, separated by commas [default: all].
     #[arg(long, value_delimiter = ',', value_parser = engine)]
     engines: Vec<Entry>,
+    /// How many threads work, in all engines that divide their work: this crate's but `exhaustive`,
+    /// and parry, rapier and obvhs where they can.
+    #[arg(long, default_value_t = NonZero::<usize>::MIN)]
+    threads: NonZero<usize>,
     /// An engine that takes longer than so many seconds for a frame leaves the comparison.
     #[arg(long, default_value_t = 2.0)]
     limit: f64,
@@ -69,6 +74,7 @@ fn engine(name: &str) -> Result<Entry, String> {
 
 /// Runs the comparison.
 pub fn run(arguments: &Arguments) -> Outcome {
+    use_threads(arguments.threads)?;
     let or_all = |given: &[Case]| {
         if given.is_empty() {
             Case::all()

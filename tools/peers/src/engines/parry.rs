@@ -10,6 +10,9 @@
 //! - the tree is traversed against itself with change detection, which gives the pairs with a leaf
 //!   that changed; those without one are kept from the last frame.
 //!
+//! On several threads, nodes are refitted and the tree is traversed by parry's parallel versions of
+//! these, as rapier does.
+//!
 //! It runs with the skin that rapier gives to leaves, 4 % of a length unit, and with next to none:
 //! a skin saves updates where things are slow, and costs candidates otherwise. (A skin of exactly 0
 //! turns change detection off.)
@@ -36,6 +39,30 @@ pub fn aabb_of(aabb: &Aabb3d) -> Aabb {
         mins: aabb.min.to_array().into(),
         maxs: aabb.max.to_array().into(),
     }
+}
+
+/// Brings all nodes up to date, on all threads.
+fn refit(tree: &mut Bvh, workspace: &mut BvhWorkspace) {
+    #[cfg(feature = "parallel")]
+    if rayon::current_num_threads() > 1 {
+        return tree.refit_parallel(workspace);
+    }
+    tree.refit(workspace);
+}
+
+/// Calls `found` with each pair of leaves that overlap, of which one changed if that is asked for.
+/// The tree is traversed on all threads.
+fn for_each_pair<const CHANGED: bool>(
+    tree: &Bvh,
+    workspace: &mut BvhWorkspace,
+    found: &mut impl FnMut(u32, u32),
+) {
+    #[cfg(feature = "parallel")]
+    if rayon::current_num_threads() > 1 {
+        let pairs = tree.traverse_bvtt_single_tree_parallel::<CHANGED>();
+        return pairs.into_iter().for_each(|(a, b)| found(a, b));
+    }
+    tree.traverse_bvtt_single_tree::<CHANGED>(workspace, found);
 }
 
 /// The tree is maintained from frame to frame.
@@ -117,7 +144,7 @@ impl Engine for Incremental {
             if !one_by_one && !self.updated.is_empty() {
                 self.tree.optimize_incremental(&mut self.workspace);
             }
-            self.tree.refit(&mut self.workspace);
+            refit(&mut self.tree, &mut self.workspace);
         }
     }
 
@@ -136,7 +163,7 @@ impl Engine for Incremental {
                 pairs.push((a, b));
             }
         }
-        tree.traverse_bvtt_single_tree::<true>(workspace, &mut |a, b| {
+        for_each_pair::<true>(tree, workspace, &mut |a, b| {
             candidates.push((a, b));
             if boxes.overlap(a, b) {
                 pairs.push((a, b));
@@ -166,9 +193,8 @@ impl Engine for Rebuilt {
 
     fn pairs(&mut self, pairs: &mut Vec<Pair>) {
         // Leaves are exact, so that no pair needs a filter.
-        self.tree
-            .traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |a, b| {
-                pairs.push((a, b));
-            });
+        for_each_pair::<false>(&self.tree, &mut self.workspace, &mut |a, b| {
+            pairs.push((a, b));
+        });
     }
 }

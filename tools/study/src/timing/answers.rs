@@ -243,35 +243,10 @@ fn by_size(table: &Table, best: Row, text: &mut String) -> Comparison {
 
 fn crossover(table: &Table, best: Row, seed: u64, text: &mut String) {
     const RESAMPLES: usize = 2000;
-    let objects: Vec<f64> = table
-        .sets
-        .iter()
-        .map(|set| set.object_count() as f64)
-        .collect();
-    let ratios: Vec<Vec<f64>> = (0..objects.len())
-        .map(|set| {
-            let exhaustive = table.logs(Row::Exhaustive, set);
-            table
-                .logs(best, set)
-                .iter()
-                .zip(exhaustive)
-                .map(|(octree, exhaustive)| octree - exhaustive)
-                .collect()
-        })
-        .collect();
+    let objects = object_counts(table);
+    let ratios = log_ratios(table, best);
     let repeats = ratios[0].len();
-    let crossing = |drawn: &[usize]| {
-        let middle = |ratios: &Vec<f64>| {
-            median(
-                &drawn
-                    .iter()
-                    .map(|repeat| ratios[*repeat])
-                    .collect::<Vec<_>>(),
-            )
-            .mid
-        };
-        last_crossing(&objects, &ratios.iter().map(middle).collect::<Vec<_>>())
-    };
+    let crossing = |drawn: &[usize]| crossing_of(&objects, &ratios, drawn);
     let mut random = fastrand::Rng::with_seed(seed);
     let resampled: Vec<f64> = (0..RESAMPLES)
         .map(|_| {
@@ -303,6 +278,55 @@ fn crossover(table: &Table, best: Row, seed: u64, text: &mut String) {
          bootstrap resamples of the repeats, 95 % lie from {low} to {high}.\n",
         name(estimate)
     );
+}
+
+/// How many objects each set has.
+fn object_counts(table: &Table) -> Vec<f64> {
+    table
+        .sets
+        .iter()
+        .map(|set| set.object_count() as f64)
+        .collect()
+}
+
+/// By set and repeat: the logarithm of the time of a row over that of exhaustive search.
+fn log_ratios(table: &Table, row: Row) -> Vec<Vec<f64>> {
+    (0..table.sets.len())
+        .map(|set| {
+            let exhaustive = table.logs(Row::Exhaustive, set);
+            table
+                .logs(row, set)
+                .iter()
+                .zip(exhaustive)
+                .map(|(octree, exhaustive)| octree - exhaustive)
+                .collect()
+        })
+        .collect()
+}
+
+/// The crossover by the medians of some repeats.
+fn crossing_of(objects: &[f64], ratios: &[Vec<f64>], repeats: &[usize]) -> f64 {
+    let middle = |ratios: &Vec<f64>| {
+        let drawn: Vec<f64> = repeats.iter().map(|repeat| ratios[*repeat]).collect();
+        median(&drawn).mid
+    };
+    last_crossing(objects, &ratios.iter().map(middle).collect::<Vec<_>>())
+}
+
+/// On the largest set, the time of a row over that of exhaustive search: the typical ratio of its
+/// repeats.
+pub fn largest_ratio(table: &Table, row: Row) -> f64 {
+    log_ratios(table, row)
+        .last()
+        .map_or(f64::NAN, |ratios| signed_rank(ratios).shift.mid.exp())
+}
+
+/// The number of objects from which on a row is faster than exhaustive search: 0 if it is
+/// everywhere, infinity if not even at the last.
+pub fn place_of_crossover(table: &Table, row: Row) -> f64 {
+    let ratios = log_ratios(table, row);
+    let repeats: Vec<usize> = (0..ratios.first().map_or(0, Vec::len)).collect();
+    crossing_of(&object_counts(table), &ratios, &repeats)
 }
 
 /// The number of objects from which on the logarithm of the ratio stays below 0: 0 if it is

@@ -7,7 +7,7 @@ use std::{
 };
 
 use bevy_octree::{
-    broad_phase::ObjectOctreeSettings,
+    broad_phase::{ObjectOctreeSettings, PairSearch},
     counters::TickCounters,
     motion::{MotionSettings, Step},
     prelude::*,
@@ -46,7 +46,14 @@ impl Row {
     }
 
     fn method(self) -> BroadPhaseMethod {
-        let octree = |n| BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings::with_max_objects(n));
+        // The report's search, whatever the library's default is.
+        let octree = |max_objects| {
+            BroadPhaseMethod::ObjectOctree(ObjectOctreeSettings {
+                max_objects,
+                search: PairSearch::Leaves,
+                ..ObjectOctreeSettings::default()
+            })
+        };
         match self {
             Self::Octree(n) => octree(n),
             Self::Big => octree(u32::MAX),

@@ -153,6 +153,25 @@ pub fn fit_line(points: &[(f64, f64)]) -> Option<Line> {
     })
 }
 
+/// The mean, with the interval that Student's distribution gives it. `None` for fewer than two
+/// samples, or if they are not all finite.
+pub fn mean(samples: &[f64]) -> Option<Estimate> {
+    let freedom = samples
+        .len()
+        .checked_sub(1)
+        .filter(|freedom| *freedom > 0)? as f64;
+    let count = samples.len() as f64;
+    let mid = samples.iter().sum::<f64>() / count;
+    let variance = samples.iter().map(|x| (x - mid).powi(2)).sum::<f64>() / freedom;
+    let student = StudentsT::new(0.0, 1.0, freedom).ok()?;
+    let reach = student.inverse_cdf(1.0 - TAIL) * (variance / count).sqrt();
+    mid.is_finite().then_some(Estimate {
+        low: mid - reach,
+        mid,
+        high: mid + reach,
+    })
+}
+
 /// The value below which a share of the samples lies.
 pub fn quantile(samples: &[f64], share: f64) -> f64 {
     let sorted = sorted(samples.to_vec());
@@ -248,6 +267,15 @@ mod tests {
         for (got, expected) in corrected.into_iter().zip([0.09, 0.04, 0.09, 0.5]) {
             assert!(near(got, expected), "{got} {expected}");
         }
+    }
+
+    #[test]
+    fn means_have_the_textbooks_intervals() {
+        assert!(mean(&[1.0]).is_none());
+        assert!(mean(&[1.0, f64::INFINITY]).is_none());
+        // A standard deviation of 1, and 4.3027 standard errors either side.
+        let three = mean(&[1.0, 2.0, 3.0]).unwrap();
+        assert!(near(three.mid, 2.0) && near(three.high - three.mid, 4.3027 / 3f64.sqrt()));
     }
 
     #[test]
