@@ -107,6 +107,7 @@ mod exhaustive;
 mod filter;
 mod flags;
 mod group;
+mod halving;
 mod index;
 pub mod linear_octree;
 mod measure;
