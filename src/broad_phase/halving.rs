@@ -165,7 +165,7 @@ mod tests {
         assert_eq!(border(0, 65), Some(64));
         assert_eq!(border(50, 100), Some(128));
         assert_eq!(border(63, 4), Some(64));
-        for count in 9..600 {
+        for count in 9..600_usize {
             // As many blocks on both sides, or one more in the second half.
             let blocks = |child: usize| count.div_ceil(child);
             let child = [8, 64, 512].into_iter().rfind(|child| blocks(*child) > 1);

@@ -121,6 +121,7 @@ mod unbounded;
 
 pub use auto::Auto;
 pub(crate) use block::WIDTH as BLOCK_WIDTH;
+pub(crate) use boxes::Gap;
 pub use boxes::{BoxError, EVERYWHERE, ProxyId, check_box, overlap};
 pub use engine::{BroadPhase, BroadPhaseStats, Leaf, Visitor};
 pub use exhaustive::Exhaustive;
@@ -134,5 +135,5 @@ pub use object_octree::{ObjectOctree, ObjectOctreeSettings, RootPolicy, Settings
 pub use pairs::{Pair, PairSet};
 pub use proxy::Proxies;
 pub use query::{Cast, Flow, Hit, Region};
-pub(crate) use query::{Height, Overlap, ScaledDistance, Sweep};
+pub(crate) use query::{Height, Overlap, ScaledDistance, Sweep, with_gaps};
 pub(crate) use still_octree::{JoinStack, StillOctree, TriangleBlock};

@@ -56,6 +56,7 @@ pub(super) mod levels;
 mod list;
 mod looseness;
 mod near;
+mod neighbors;
 mod octree;
 pub(super) mod order;
 pub(super) mod query;
@@ -69,4 +70,5 @@ mod outlier_tests;
 mod tests;
 
 pub(super) use crowd::Crowd;
+pub(super) use neighbors::NeighborBuffers;
 pub use octree::LinearOctree;

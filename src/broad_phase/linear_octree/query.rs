@@ -102,19 +102,28 @@ impl LinearOctree {
         limit: f32,
         mut visit: impl FnMut(ProxyId, f32) -> ControlFlow<(), f32>,
     ) {
-        let blocks = Skins {
-            octree: self,
-            proxies,
-        };
+        let blocks = Skins::of(self, proxies);
         let mut visit = |id: u32, distance: f32| visit(ProxyId::new(id), distance);
         search(self.level, &blocks, measure, limit, &mut visit);
     }
 }
 
 /// The skins of the octree, and the boxes in them.
-struct Skins<'a> {
+pub(super) struct Skins<'a> {
     octree: &'a LinearOctree,
     proxies: &'a Proxies,
+}
+
+impl<'a> Skins<'a> {
+    pub(super) const fn of(octree: &'a LinearOctree, proxies: &'a Proxies) -> Self {
+        Self { octree, proxies }
+    }
+
+    /// The box of who is in a slot.
+    #[inline(always)]
+    pub(super) fn box_in(&self, slot: u32) -> Option<Aabb3d> {
+        self.box_of(self.owner(slot)?, slot)
+    }
 }
 
 impl Blocks for Skins<'_> {

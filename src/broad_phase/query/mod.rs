@@ -17,6 +17,7 @@ pub(crate) use cast::Sweep;
 pub use flow::Flow;
 pub(crate) use height::Height;
 pub use hit::Hit;
+pub(crate) use pairs::with_gaps;
 pub(crate) use region::Overlap;
 pub use region::Region;
 pub(crate) use scaled_distance::ScaledDistance;

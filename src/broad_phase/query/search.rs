@@ -185,6 +185,14 @@ impl SpatialIndex {
         });
     }
 
+    /// The linear octree, if that is at work.
+    pub(super) fn linear(&self) -> Option<&LinearOctree> {
+        // The engine, or the one that it hands its work to.
+        let engine = self.engine();
+        let engine: &dyn Any = engine.inner().unwrap_or(engine);
+        engine.downcast_ref()
+    }
+
     /// The object with the smallest distance.
     #[inline(always)]
     fn first(
@@ -226,10 +234,7 @@ impl SpatialIndex {
                 ControlFlow::Break(()) => return,
             }
         }
-        // The engine, or the one that it hands its work to.
-        let engine = self.engine();
-        let engine: &dyn Any = engine.inner().unwrap_or(engine);
-        match engine.downcast_ref::<LinearOctree>() {
+        match self.linear() {
             Some(linear) => linear.search(self.proxies(), measure, limit, visit),
             None => self.traverse(&mut Walk {
                 measure,
