@@ -134,6 +134,6 @@ pub use method::{BroadPhaseMethod, UnknownMethod};
 pub use object_octree::{ObjectOctree, ObjectOctreeSettings, RootPolicy, SettingsError};
 pub use pairs::{Pair, PairSet};
 pub use proxy::Proxies;
-pub use query::{Cast, Flow, Hit, Region};
-pub(crate) use query::{Height, Overlap, ScaledDistance, Sweep, with_gaps};
+pub use query::{Cast, Flow, Hit, HitLists, Region};
+pub(crate) use query::{Height, Overlap, ScaledDistance, Sweep, answer_each, with_gaps};
 pub(crate) use still_octree::{JoinStack, StillOctree, TriangleBlock};

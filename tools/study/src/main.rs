@@ -1,9 +1,10 @@
 //! Measures the crate by itself: `cargo run --release -p study --
-//! timing|growth|stress|record|replay`; beside others, that is what `peers` is for.
+//! timing|growth|stress|neighbors|record|replay`; beside others, that is what `peers` is for.
 //!
 //! - `timing`: the timing study of the 1994 report, with statistics. See [`timing`].
 //! - `growth`: time and memory of the broad phase, from a thousand objects to a million.
 //! - `stress`: a stress scene in a headless app, by stage.
+//! - `neighbors`: units that ask who is near, against a grid. See [`neighbors`].
 //! - `record`, `replay`: traces of boxes, written and put through the broad phase.
 //!
 //! `--help` after any of them explains its arguments. `cargo bench -p study` measures one thing at
@@ -12,6 +13,7 @@
 #[path = "../../../tests/common/brute_force.rs"]
 mod brute_force;
 mod growth;
+mod neighbors;
 #[path = "../../../examples/common/outcome.rs"]
 mod outcome;
 #[path = "../../common/plot.rs"]
@@ -45,6 +47,7 @@ enum Verb {
     Timing(timing::Arguments),
     Growth(growth::Arguments),
     Stress(stress::Arguments),
+    Neighbors(neighbors::Arguments),
     Record(record::Arguments),
     Replay(replay::Arguments),
 }
@@ -54,6 +57,7 @@ fn main() -> ExitCode {
         Verb::Timing(arguments) => timing::run(&arguments),
         Verb::Growth(arguments) => growth::run(arguments),
         Verb::Stress(arguments) => stress::run(&arguments),
+        Verb::Neighbors(arguments) => neighbors::run(&arguments),
         Verb::Record(arguments) => record::run(&arguments),
         Verb::Replay(arguments) => replay::run(&arguments),
     })
