@@ -8,6 +8,7 @@
 //! | way | what it does |
 //! |---|---|
 //! | `grid` | the forty lines that a game begins with ([`Grid`]): a hash map from cells to units, filled anew in each frame, of which each unit looks at its own cell and those around |
+//! | `cells` | the forty lines that it ends with ([`Cells`]): units sorted by cell in a room whose size is known, of which each looks at what comes after it in its own cell and those around |
 //! | `pairs_among` | [`SpatialQuery::for_each_pair_among`], exact, with the closest points of each pair |
 //! | `pairs_within` | [`SpatialQuery::for_each_pair_within`], of all units with all units |
 //! | `within` | [`SpatialQuery::for_each_within`] around each unit, which finds each pair twice |
@@ -16,7 +17,7 @@
 //! The grid's time is that of filling it, too. The index is there anyway, for contacts; what it
 //! takes to keep it up is told beside: boxes and maintenance of a tick.
 
-use std::time::Instant;
+use std::{ops::Range, time::Instant};
 
 use bevy::{platform::collections::HashMap, prelude::*};
 use bevy_octree::prelude::*;
@@ -96,22 +97,105 @@ impl Grid {
     }
 }
 
+/// Units in the order of the cells of a room, by a counting sort: as grids are written where they
+/// have to be fast.
+#[derive(Default)]
+struct Cells {
+    /// Cells along each axis, with an empty one on each side.
+    size: IVec3,
+    /// By cell: where its units begin in the order; and the end of the last.
+    starts: Vec<u32>,
+    units: Vec<(Entity, Vec3)>,
+    order: Vec<(Entity, Vec3)>,
+}
+
+impl Cells {
+    fn cell(&self, position: Vec3, side: Vec3, cell: f32) -> usize {
+        let at = ((position + side / 2.0) / cell).as_ivec3() + 1;
+        let at = at.clamp(IVec3::ONE, self.size - 2);
+        (at.x + self.size.x * (at.z + self.size.z * at.y)) as usize
+    }
+
+    fn fill(&mut self, units: impl Iterator<Item = (Entity, Vec3)>, side: Vec3, cell: f32) {
+        self.size = (side / cell).ceil().as_ivec3().max(IVec3::ONE) + 2;
+        self.starts.clear();
+        self.starts
+            .resize(self.size.element_product() as usize + 2, 0);
+        self.units.clear();
+        self.units.extend(units);
+        for unit in 0..self.units.len() {
+            let cell = self.cell(self.units[unit].1, side, cell);
+            self.starts[cell + 2] += 1;
+        }
+        for cell in 2..self.starts.len() {
+            self.starts[cell] += self.starts[cell - 1];
+        }
+        self.order
+            .resize(self.units.len(), (Entity::PLACEHOLDER, Vec3::ZERO));
+        for unit in 0..self.units.len() {
+            let cell = self.cell(self.units[unit].1, side, cell) + 1;
+            self.order[self.starts[cell] as usize] = self.units[unit];
+            self.starts[cell] += 1;
+        }
+    }
+
+    fn for_each_pair(&self, distance: f32, mut found: impl FnMut(Entity, Entity, f32)) {
+        let (row, layer) = (self.size.x, self.size.x * self.size.z);
+        let mut compare = |units: Range<usize>, first: i32, last: i32| {
+            let others = self.starts[first as usize]..self.starts[last as usize + 1];
+            for a in units {
+                // Three cells of a row are one run; of its own, what comes after it.
+                let others = others.start.max(a as u32 + 1)..others.end;
+                for b in others {
+                    let [(unit, position), (other, place)] =
+                        [self.order[a], self.order[b as usize]];
+                    let squared = position.distance_squared(place);
+                    if squared <= distance * distance {
+                        found(unit, other, squared.sqrt());
+                    }
+                }
+            }
+        };
+        for cell in 0..self.size.element_product() {
+            let units =
+                self.starts[cell as usize] as usize..self.starts[cell as usize + 1] as usize;
+            if units.is_empty() {
+                continue;
+            }
+            compare(units.clone(), cell, cell + 1);
+            for others in [row, layer - row, layer, layer + row] {
+                if self.size.y > 3 || others == row {
+                    compare(units.clone(), cell + others - 1, cell + others + 1);
+                }
+            }
+        }
+    }
+}
+
 /// What a way found.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
     pairs: u64,
-    /// The sum of the distances of centres.
+    /// The sum of the distances of centres, but that those who overlap are as far apart as if they
+    /// touched.
     sum: f64,
 }
 
 impl Found {
     fn add(&mut self, distance: f32) {
         self.pairs += 1;
-        self.sum += f64::from(distance);
+        self.sum += f64::from(distance.max(2.0 * RADIUS));
     }
 }
 
-const WAYS: [&str; 5] = ["grid", "pairs_among", "pairs_within", "within", "boxes"];
+const WAYS: [&str; 6] = [
+    "grid",
+    "cells",
+    "pairs_among",
+    "pairs_within",
+    "within",
+    "boxes",
+];
 
 /// The times of each way, and what it found last.
 #[derive(Resource)]
@@ -119,7 +203,9 @@ struct Results {
     distance: f32,
     /// How many layers of cells are above and below: none on a plain.
     height: i32,
+    side: Vec3,
     grid: Grid,
+    cells: Cells,
     frame: usize,
     ms: [Vec<f64>; WAYS.len()],
     found: [Found; WAYS.len()],
@@ -148,6 +234,13 @@ fn ask(
                 results
                     .grid
                     .for_each_pair(distance, results.height, |_, _, apart| found.add(apart));
+            }
+            "cells" => {
+                let units = units.iter().map(|(unit, at)| (unit, at.translation));
+                results.cells.fill(units, results.side, distance);
+                results
+                    .cells
+                    .for_each_pair(distance, |_, _, apart| found.add(apart));
             }
             "pairs_among" => spatial.for_each_pair_among(apart, &all, |near| {
                 found.add(near.distance + 2.0 * RADIUS);
@@ -226,7 +319,9 @@ fn compare(arguments: &Arguments, name: &str, height: i32) -> Outcome {
         .insert_resource(Results {
             distance,
             height,
+            side: Vec3::new(side, side * height as f32, side),
             grid: Grid::default(),
+            cells: Cells::default(),
             frame: 0,
             ms: default(),
             found: default(),
@@ -272,22 +367,25 @@ fn compare(arguments: &Arguments, name: &str, height: i32) -> Outcome {
     };
     let results = app.world().resource::<Results>();
     println!("{units} units {name}, {distance} near, {frames} frames");
-    println!("way               ms      pairs   per unit      grid / it");
-    let median = |way: usize| {
+    println!("way          median ms   least ms      pairs   per unit  grid / it  cells / it");
+    let sorted = |way: usize| {
         let mut ms = results.ms[way].clone();
         ms.sort_unstable_by(f64::total_cmp);
-        ms[ms.len() / 2]
+        ms
     };
+    let median = |way: usize| sorted(way)[results.ms[way].len() / 2];
     for (way, name) in WAYS.iter().enumerate() {
         let (ms, found) = (median(way), results.found[way]);
         let differs = |a: f64, b: f64| (a - b).abs() > 1e-3 * a.abs().max(1.0);
         let wrong = differs(found.pairs as f64, results.found[0].pairs as f64)
             || differs(found.sum, results.found[0].sum);
         println!(
-            "{name:<12} {ms:>8.3} {:>10} {:>10.2} {:>14.2}{}",
+            "{name:<12} {ms:>9.3} {:>10.3} {:>10} {:>10.2} {:>10.2} {:>11.2}{}",
+            sorted(way)[0],
             found.pairs,
             2.0 * found.pairs as f64 / f64::from(units),
             median(0) / ms,
+            median(1) / ms,
             if wrong && *name != "boxes" {
                 " MISMATCH"
             } else {
@@ -300,6 +398,10 @@ fn compare(arguments: &Arguments, name: &str, height: i32) -> Outcome {
         stage("bounds"),
         stage("maintenance"),
     );
-    println!("neighbors_ratio={:.2}", median(0) / median(1));
+    println!(
+        "grid_ratio={:.2} cells_ratio={:.2} (by pairs_among)",
+        median(0) / median(2),
+        median(1) / median(2)
+    );
     Ok(())
 }
