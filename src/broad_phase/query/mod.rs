@@ -5,6 +5,8 @@ mod flow;
 mod height;
 mod hit;
 mod lists;
+#[cfg(test)]
+mod near_tests;
 mod pairs;
 mod point_distance;
 mod region;
