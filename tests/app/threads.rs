@@ -1,4 +1,4 @@
-//! The pairs and their order are the same at any number of threads.
+//! Pairs, answers of queries, and their order are the same at any number of threads.
 //!
 //! A process has one pool of threads. So the test runs itself, in a process of its own for each
 //! number.
@@ -8,9 +8,12 @@ use std::{
     process::Command,
 };
 
-use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
+use bevy::{
+    math::{Dir3, Vec3, bounding::RayCast3d},
+    tasks::{ComputeTaskPool, TaskPoolBuilder},
+};
 use bevy_octree::{
-    broad_phase::{BroadPhaseMethod, SpatialIndex},
+    broad_phase::{BroadPhaseMethod, HitLists, SpatialIndex},
     scene::stress::{StressScene, StressSimulation},
 };
 
@@ -39,7 +42,40 @@ fn run(scene: StressScene) -> u64 {
             index.set(*id, aabb).unwrap();
         }
     }
+    index.update();
+    ask(&index, &mut hasher);
     hasher.finish()
+}
+
+/// Queries for many, whose answers come in an order too.
+fn ask(index: &SpatialIndex, hasher: &mut DefaultHasher) {
+    let mut pairs = 0;
+    index.for_each_pair_among(
+        0.4,
+        |id| id.get() % 9 != 0,
+        |a, b, distance| {
+            pairs += 1;
+            (a, b, distance.to_bits()).hash(hasher);
+        },
+    );
+    assert!(pairs > 5000, "{pairs}");
+    let points: Vec<Vec3> = index
+        .proxies()
+        .iter()
+        .map(|(_, aabb)| (aabb.max + 1.0).into())
+        .collect();
+    let (mut nearest, mut first) = (HitLists::default(), vec![]);
+    index.k_nearest_of_each(&points, 3, 5.0, &mut nearest);
+    let casts: Vec<_> = points
+        .iter()
+        .map(|point| RayCast3d::new(*point, Dir3::X, 20.0))
+        .collect();
+    index.cast_each(&casts, &mut first);
+    for (near, first) in nearest.iter().zip(&first) {
+        for hit in near.iter().chain(first) {
+            (hit.proxy, hit.distance.to_bits()).hash(hasher);
+        }
+    }
 }
 
 /// Is run in a process of its own, by the test below; prints the hash of each scene.
