@@ -72,6 +72,7 @@ impl<T> HitLists<T> {
     }
 
     /// Returns what each query found, in the order of the queries.
+    #[must_use]
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[T]> {
         (0..self.len()).map(|query| &self[query])
     }

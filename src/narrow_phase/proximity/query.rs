@@ -170,7 +170,7 @@ fn spheres(first: Placed, second: Placed) -> Option<[Vec3A; 2]> {
     };
     let (radius, other) = (radius(first)?, radius(second)?);
     let offset = Vec3A::from(second.transform.translation - first.transform.translation);
-    if !(offset.abs().max_element() <= *FAIR.end()) {
+    if !offset.is_finite() || offset.abs().max_element() > *FAIR.end() {
         return None;
     }
     let on_second = offset * (1.0 - (other / offset.length()).min(1.0));
