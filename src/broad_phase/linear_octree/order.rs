@@ -24,6 +24,9 @@ pub(super) struct Order {
     for_skins: bool,
     /// How many objects came or went since it was made.
     changes: usize,
+    /// In which update it was made, and whether that was because so many came or went.
+    made: u32,
+    was_for_others: bool,
     /// How much looser than at first the tree was, summed over the times at which it was searched
     /// as a whole since.
     excess: f64,
@@ -38,6 +41,9 @@ impl Order {
     /// Searching a loose tree costs more, and so does putting it in order. Once the first has cost
     /// about as much as the second would have, it is time.
     const WORTH_A_SORT: f64 = 1.0;
+
+    /// An order that lasts for so many ticks may take several times as long to make.
+    const LONG: u32 = 256;
 
     /// One in so many may come or go.
     const CHANGED_SHARE: usize = 8;
@@ -55,9 +61,21 @@ impl Order {
         self.is_known = false;
     }
 
-    /// Returns `true` if so many of the objects came or went that a new order is made for these.
-    pub(super) fn is_for_others(&self, new: usize, all: usize) -> bool {
+    /// Returns `true` if a new order is made because so many of the objects came or went, or is the
+    /// first after such a one; or if the last has lasted for long.
+    pub(super) fn is_worth_care(&self, new: usize, all: usize, tick: u32) -> bool {
+        self.is_for_others(new, all)
+            || self.was_for_others
+            || tick.wrapping_sub(self.made) >= Self::LONG
+    }
+
+    fn is_for_others(&self, new: usize, all: usize) -> bool {
         (self.changes + new) * Self::CHANGED_SHARE > all
+    }
+
+    /// Notes when an order is made, and for how many objects that are new.
+    pub(super) fn note_sort(&mut self, new: usize, all: usize, tick: u32) {
+        (self.was_for_others, self.made) = (self.is_for_others(new, all), tick);
     }
 
     /// Notes that an object came or went.
@@ -95,8 +113,10 @@ impl Order {
         match detail {
             Detail::Boxes => {
                 sort_runs(level, boxes, items, |key| key == FAR);
+                // Not kept: it is as large as all else here, and seldom needed.
+                let mut halves = Vec::new();
                 for group in groups {
-                    halve(boxes, &mut items[group.clone()], group.start, halves);
+                    halve(boxes, &mut items[group.clone()], group.start, &mut halves);
                 }
             }
             Detail::Curve => sort_runs(level, boxes, items, |_| true),

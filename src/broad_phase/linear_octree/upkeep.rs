@@ -154,13 +154,16 @@ impl LinearOctree {
     ///
     /// | if | then | for |
     /// |---|---|---|
-    /// | many came or went, and few of all others move | the boxes are halved | the order lasts until as many come or go, and costs each of these less than to spawn it |
-    /// | they move within skins | the blocks are halved | it lasts for many ticks |
+    /// | few of those that were there move, and many came or went since the last order but one, or the last is old | the boxes are halved | the order lasts, and costs each that comes or goes about as much as to spawn it |
+    /// | they move within skins | the blocks are halved | it lasts for some ticks |
     /// | | along the curve alone | it will be looser in a few ticks |
-    fn detail(&self, proxies: &Proxies, for_skins: bool) -> Detail {
-        let new = proxies.len().saturating_sub(self.owned);
+    fn detail(&mut self, proxies: &Proxies, for_skins: bool) -> Detail {
+        let all = proxies.len();
+        let new = all.saturating_sub(self.owned);
         let movers = proxies.moved().len().saturating_sub(new);
-        if self.order.is_for_others(new, proxies.len()) && movers * MOVERS_SHARE <= proxies.len() {
+        let is_worth_care = self.order.is_worth_care(new, all, self.tick);
+        self.order.note_sort(new, all, self.tick);
+        if is_worth_care && movers * MOVERS_SHARE <= all {
             Detail::Boxes
         } else if for_skins {
             Detail::Blocks

@@ -55,6 +55,10 @@ impl NarrowPhase {
                 .flatten();
             return closest.filter(|closest| closest.is_finite());
         }
+        if let Some(closest) = closest_on_sphere(target, point) {
+            let closest = point + Vec3::from(closest);
+            return closest.is_finite().then_some(closest);
+        }
         let (at_point, here) = (
             Shape::Sphere { radius: 0.0 },
             Transform::from_translation(point),
@@ -152,28 +156,41 @@ fn found(first: Placed, [mut from, mut to]: [Vec3A; 2], swapped: bool) -> Option
     .if_finite()
 }
 
-/// The closest points of two spheres, in the frame of the first: the same as of any two shapes, to
-/// the last bit, with a fraction of the steps. `None` if a number is so large or so small, or so
-/// wrong, that these had better be taken.
+/// Numbers with which spheres are quick to look at.
+const FAIR: RangeInclusive<f32> = 1e-8..=1e8;
+
+/// The radius of a sphere; `None` of another shape, or where a number is so large or so small, or so
+/// wrong, that it had better be looked at as all others are.
+#[inline]
+fn fair_radius(placed: Placed) -> Option<f32> {
+    let Shape::Sphere { radius } = placed.shape else {
+        return None;
+    };
+    let Transform {
+        rotation, scale, ..
+    } = placed.transform;
+    let radius = radius.abs() * scale.abs().max_element();
+    let is_fair =
+        FAIR.contains(&radius) && scale.is_finite() && FAIR.contains(&rotation.length_squared());
+    is_fair.then_some(radius)
+}
+
+/// The point of a sphere that is closest to the origin, which is the same as
+/// [`closest_to_center`] finds, to the last bit, in a fraction of the steps.
+#[inline]
+fn closest_on_sphere(sphere: Placed, origin: Vec3) -> Option<Vec3A> {
+    let radius = fair_radius(sphere)?;
+    let offset = Vec3A::from(sphere.transform.translation - origin);
+    let is_fair = offset.is_finite() && offset.abs().max_element() <= *FAIR.end();
+    is_fair.then(|| offset * (1.0 - (radius / offset.length()).min(1.0)))
+}
+
+/// The closest points of two spheres, in the frame of the first: the same as [`sphere_other`] finds,
+/// to the last bit.
 #[inline]
 fn spheres(first: Placed, second: Placed) -> Option<[Vec3A; 2]> {
-    const FAIR: RangeInclusive<f32> = 1e-8..=1e8;
-    let radius = |placed: Placed| match placed.shape {
-        Shape::Sphere { radius } => {
-            let radius = radius.abs() * placed.transform.scale.abs().max_element();
-            let is_fair = FAIR.contains(&radius)
-                && placed.transform.scale.is_finite()
-                && FAIR.contains(&placed.transform.rotation.length_squared());
-            is_fair.then_some(radius)
-        }
-        _ => None,
-    };
-    let (radius, other) = (radius(first)?, radius(second)?);
-    let offset = Vec3A::from(second.transform.translation - first.transform.translation);
-    if !offset.is_finite() || offset.abs().max_element() > *FAIR.end() {
-        return None;
-    }
-    let on_second = offset * (1.0 - (other / offset.length()).min(1.0));
+    let radius = fair_radius(first)?;
+    let on_second = closest_on_sphere(second, first.transform.translation)?;
     let distance = on_second.length();
     let on_first = if distance > radius {
         on_second * (radius / distance)
@@ -181,83 +198,6 @@ fn spheres(first: Placed, second: Placed) -> Option<[Vec3A; 2]> {
         on_second
     };
     Some([on_first, on_second])
-}
-
-/// What was found at a smaller scale, by the order in which it was asked for.
-fn larger(found: Proximity, factor: f32, swapped: bool) -> Option<Proximity> {
-    let Proximity {
-        distance,
-        points: [from, to],
-        offset,
-    } = found;
-    let points = if swapped { [to, from] } else { [from, to] }.map(|point| point * factor);
-    let offset = if swapped { -offset } else { offset } * factor;
-    Proximity {
-        distance: distance * factor,
-        points,
-        offset,
-    }
-    .if_finite()
-}
-
-/// The closest points of two shapes, in the frame of the pair.
-fn local_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
-    match pair.case() {
-        Case::Spheres | Case::SphereFirst => sphere_other(pair, workspace),
-        Case::SphereSecond => {
-            let [on_ball, on_other] = sphere_other(&pair.swapped(), workspace)?;
-            Some([on_other, on_ball])
-        }
-        Case::Cuboids => boxes::closest_points(pair, workspace),
-        Case::Convex | Case::Polygons => polygons::closest_points(pair, workspace),
-        Case::Foreign => foreign(pair, workspace),
-    }
-}
-
-/// Two of which one is of Rapier's.
-fn foreign(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
-    match parry::enclosed(pair, workspace) {
-        Some(point) => Some([point; 2]),
-        None => parry::closest_points(pair.a, pair.b),
-    }
-}
-
-/// A sphere, the first of the pair, and any other shape.
-fn sphere_other(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
-    let sphere = &pair.box_a;
-    let closest = closest_to_center(pair, workspace)?;
-    let offset = closest - sphere.center;
-    let distance = offset.length();
-    let on_sphere = if distance > sphere.radius {
-        sphere.center + offset * (sphere.radius / distance)
-    } else {
-        closest
-    };
-    Some([on_sphere, closest])
-}
-
-/// The point of the second shape that is closest to the centre of the first.
-fn closest_to_center(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec3A> {
-    let center = pair.box_a.center;
-    match pair.b.shape.kind() {
-        Kind::Cuboid => Some(pair.box_b.closest_point(center)),
-        Kind::Sphere => {
-            let offset = pair.box_b.center - center;
-            Some(center + offset * (1.0 - (pair.box_b.radius / offset.length()).min(1.0)))
-        }
-        Kind::Convex | Kind::Mesh => match edge_polygon::sphere_closest(pair, workspace)? {
-            (_, true) => Some(center),
-            (closest, false) => Some(closest.point),
-        },
-        Kind::Foreign => None,
-    }
-}
-
-/// The closest points of two shapes of which one has no bounds, relative to the position of the
-/// first.
-fn unbounded(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
-    let is_finite = a.transform.is_finite() && b.transform.is_finite();
-    is_finite.then(|| parry::closest_points(a, b)).flatten()
 }
 
 #[cfg(test)]
@@ -288,6 +228,16 @@ mod tests {
                 let pair = PlacedPair::new(a, b, 1e-6).unwrap();
                 assert!(!pair.is_wide());
                 assert_eq!(local_points(&pair, &mut workspace), Some(points));
+            }
+            let point = at_a.translation;
+            if let Some(closest) = closest_on_sphere(b, point) {
+                let (sphere, here) = (
+                    Shape::Sphere { radius: 0.0 },
+                    Transform::from_translation(point),
+                );
+                let at_point = Placed::new(&sphere, &here);
+                let pair = PlacedPair::of_point(at_point, b, 1e-6).unwrap();
+                assert_eq!(closest_to_center(&pair, &mut workspace), Some(closest));
             }
         }
     }
