@@ -137,7 +137,7 @@ fn near(spatial: SpatialQuery, names: Query<&Name>) -> Result {
         &mut hits,
     );
     println!("the two nearest to 8:");
-    for hit in hits {
+    for hit in &hits {
         println!(
             "  {:6.3}  {}, closest at {:.2}",
             hit.distance,

@@ -200,6 +200,83 @@ fn spheres(first: Placed, second: Placed) -> Option<[Vec3A; 2]> {
     Some([on_first, on_second])
 }
 
+/// What was found at a smaller scale, by the order in which it was asked for.
+fn larger(found: Proximity, factor: f32, swapped: bool) -> Option<Proximity> {
+    let Proximity {
+        distance,
+        points: [from, to],
+        offset,
+    } = found;
+    let points = if swapped { [to, from] } else { [from, to] }.map(|point| point * factor);
+    let offset = if swapped { -offset } else { offset } * factor;
+    Proximity {
+        distance: distance * factor,
+        points,
+        offset,
+    }
+    .if_finite()
+}
+
+/// The closest points of two shapes, in the frame of the pair.
+fn local_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+    match pair.case() {
+        Case::Spheres | Case::SphereFirst => sphere_other(pair, workspace),
+        Case::SphereSecond => {
+            let [on_ball, on_other] = sphere_other(&pair.swapped(), workspace)?;
+            Some([on_other, on_ball])
+        }
+        Case::Cuboids => boxes::closest_points(pair, workspace),
+        Case::Convex | Case::Polygons => polygons::closest_points(pair, workspace),
+        Case::Foreign => foreign(pair, workspace),
+    }
+}
+
+/// Two of which one is of Rapier's.
+fn foreign(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+    match parry::enclosed(pair, workspace) {
+        Some(point) => Some([point; 2]),
+        None => parry::closest_points(pair.a, pair.b),
+    }
+}
+
+/// A sphere, the first of the pair, and any other shape.
+fn sphere_other(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+    let sphere = &pair.box_a;
+    let closest = closest_to_center(pair, workspace)?;
+    let offset = closest - sphere.center;
+    let distance = offset.length();
+    let on_sphere = if distance > sphere.radius {
+        sphere.center + offset * (sphere.radius / distance)
+    } else {
+        closest
+    };
+    Some([on_sphere, closest])
+}
+
+/// The point of the second shape that is closest to the centre of the first.
+fn closest_to_center(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec3A> {
+    let center = pair.box_a.center;
+    match pair.b.shape.kind() {
+        Kind::Cuboid => Some(pair.box_b.closest_point(center)),
+        Kind::Sphere => {
+            let offset = pair.box_b.center - center;
+            Some(center + offset * (1.0 - (pair.box_b.radius / offset.length()).min(1.0)))
+        }
+        Kind::Convex | Kind::Mesh => match edge_polygon::sphere_closest(pair, workspace)? {
+            (_, true) => Some(center),
+            (closest, false) => Some(closest.point),
+        },
+        Kind::Foreign => None,
+    }
+}
+
+/// The closest points of two shapes of which one has no bounds, relative to the position of the
+/// first.
+fn unbounded(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
+    let is_finite = a.transform.is_finite() && b.transform.is_finite();
+    is_finite.then(|| parry::closest_points(a, b)).flatten()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
