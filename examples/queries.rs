@@ -1,5 +1,5 @@
 //! Asks about a small world in every way there is: what a ray meets, what a moving ball meets, what
-//! is in a blast, what is near. Without a window: it prints what it finds.
+//! is in a blast, what is near what. Without a window: it prints what it finds.
 //!
 //! `cargo run --release --example queries`
 
@@ -76,6 +76,8 @@ fn look(spatial: SpatialQuery, names: Query<&Name>) -> Result {
     );
     let is_ball = |entity| names.get(entity).is_ok_and(|name| name.as_str() == "ball");
     let ball = spatial.cast_ray(ray, 100.0, &all.only(&is_ball));
+    let to_the_gem = spatial.ray_meets_any(ray, 3.0, &all.without_sensors());
+    println!("  the first three units are free: {}", !to_the_gem);
     println!(
         "  the ball alone is at {:.3}",
         ball.map_or(f32::INFINITY, |hit| hit.distance)
@@ -135,7 +137,7 @@ fn near(spatial: SpatialQuery, names: Query<&Name>) -> Result {
         &mut hits,
     );
     println!("the two nearest to 8:");
-    for hit in hits {
+    for hit in &hits {
         println!(
             "  {:6.3}  {}, closest at {:.2}",
             hit.distance,
@@ -143,10 +145,24 @@ fn near(spatial: SpatialQuery, names: Query<&Name>) -> Result {
             hit.point
         );
     }
+
+    spatial.within(Vec3::X * 8.0, 3.0, &SpatialQueryFilter::DEFAULT, &mut hits);
+    println!("no farther from 8 than 3: {}", hits.len());
+    // All that are near each other, at once.
+    let mut pairs = Vec::new();
+    spatial.pairs_among(5.0, &SpatialQueryFilter::DEFAULT, &mut pairs);
+    for pair in pairs {
+        println!(
+            "the {} and the {} are {:.3} apart",
+            names.get(pair.a)?,
+            names.get(pair.b)?,
+            pair.distance
+        );
+    }
     Ok(())
 }
 
-/// Many rays at once, on all threads with the feature `multi_threaded`.
+/// Many rays at once, on all threads with the feature `multi_threaded`; each may have its own length.
 fn many(spatial: SpatialQuery) {
     let across = |i: u16| Ray3d::new(Vec3::new(0.0, f32::from(i) * 0.01 - 10.0, 0.0), Dir3::X);
     let rays: Vec<_> = (0..2000).map(across).collect();

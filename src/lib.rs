@@ -183,8 +183,8 @@ pub mod prelude {
         schedule::CollisionSystems,
         settings::BroadPhaseSettings,
         spatial_query::{
-            PairHit, PointHit, RayCastOptions, RayHit, RayPassage, ShapeCastOptions, ShapeHit,
-            SpatialQuery, SpatialQueryFilter, update_spatial_index,
+            HitLists, PairHit, PointHit, RayCastOptions, RayHit, RayPassage, ShapeCastOptions,
+            ShapeHit, SpatialQuery, SpatialQueryFilter, update_spatial_index,
         },
         swept::{AtSolid, Swept, SweptWay},
         worlds::{CollisionWorld, InCollisionWorld},

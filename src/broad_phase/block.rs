@@ -173,4 +173,21 @@ impl Block {
         let corner = |side: &[[f32; WIDTH]; 3]| std::array::from_fn(|axis| side[axis][lane]);
         self.overlaps(simd, corner(&other.min), corner(&other.max))
     }
+    /// Which of the eight are within a distance of the box in a lane of another block, axis by
+    /// axis; rounding leaves none out. The distance is to be less than 10³⁰, so that lanes without
+    /// a box are near none.
+    #[inline(always)]
+    pub(super) fn within_lane<S: Simd>(
+        &self,
+        simd: S,
+        other: &Self,
+        lane: usize,
+        distance: f32,
+    ) -> u32 {
+        let by =
+            |side: f32| (side.abs().min(f32::MAX) + distance) * (2.0 * f32::EPSILON) + distance;
+        let below = |axis: usize| other.min[axis][lane] - by(other.min[axis][lane]);
+        let above = |axis: usize| other.max[axis][lane] + by(other.max[axis][lane]);
+        self.overlaps(simd, std::array::from_fn(below), std::array::from_fn(above))
+    }
 }

@@ -55,6 +55,22 @@ pub enum BoxError {
     Full,
 }
 
+/// Two objects, the lower handle first, and how far their boxes are apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gap {
+    pub a: ProxyId,
+    pub b: ProxyId,
+    pub distance: f32,
+}
+
+/// Returns how far two boxes are from each other, in a straight line. In double precision, in which
+/// no square overflows.
+#[inline(always)]
+pub fn distance(a: &Aabb3d, b: &Aabb3d) -> f32 {
+    let gap = (a.min - b.max).max(b.min - a.max).max(Vec3A::ZERO);
+    gap.as_dvec3().length() as f32
+}
+
 /// Refuses boxes that are not finite, or inverted. A box without extent (a point) is fine.
 ///
 /// # Errors

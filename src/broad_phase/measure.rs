@@ -20,7 +20,7 @@ use super::block::Block;
 /// Nearness is quick to compute for eight boxes at once, and puts boxes in the same order;
 /// [`bound`](Self::bound) leads from a limit to the bound that goes with it.
 pub trait Measure {
-    /// Are near boxes to be visited first? If not, all distances are 0.
+    /// Are near boxes to be visited first?
     const ORDERED: bool;
 
     /// Does [`test_block`](Self::test_block) give the very verdicts of

@@ -107,6 +107,7 @@ mod exhaustive;
 mod filter;
 mod flags;
 mod group;
+mod halving;
 mod index;
 pub mod linear_octree;
 mod measure;
@@ -120,6 +121,7 @@ mod unbounded;
 
 pub use auto::Auto;
 pub(crate) use block::WIDTH as BLOCK_WIDTH;
+pub(crate) use boxes::Gap;
 pub use boxes::{BoxError, EVERYWHERE, ProxyId, check_box, overlap};
 pub use engine::{BroadPhase, BroadPhaseStats, Leaf, Visitor};
 pub use exhaustive::Exhaustive;
@@ -135,6 +137,6 @@ pub use object_octree::{
 pub use pairs::{Pair, PairSet};
 pub use proxy::Proxies;
 pub(crate) use proxy::part::{ProxyPart, cut};
-pub use query::{Cast, Flow, Hit, Region};
-pub(crate) use query::{Height, Overlap, ScaledDistance, Sweep};
+pub use query::{Cast, Flow, Hit, HitLists, Region};
+pub(crate) use query::{Height, Overlap, ScaledDistance, Sweep, answer_each, with_gaps};
 pub(crate) use still_octree::{JoinStack, StillOctree, TriangleBlock};

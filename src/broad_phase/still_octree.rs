@@ -1,7 +1,6 @@
 //! The same tree over boxes that never change: what meshes are searched by.
 
 mod join;
-mod split;
 mod triangle_block;
 
 use std::ops::ControlFlow;
@@ -11,6 +10,7 @@ use fearless_simd::{Level, f32x8, prelude::*};
 
 use super::{
     block::{Block, WIDTH},
+    halving,
     linear_octree::{
         levels::Levels,
         query::{self, Blocks, Visit},
@@ -40,7 +40,7 @@ impl StillOctree {
     /// Puts boxes in the order of space, and blocks around them. None may be inverted or infinite.
     pub(crate) fn new(boxes: &[Aabb3d]) -> Self {
         let level = Level::new();
-        let owners = split::order(boxes);
+        let owners = halving::order(boxes);
         let mut levels = Levels::default();
         levels.resize(owners.len());
         for (slot, owner) in owners.iter().enumerate() {

@@ -16,9 +16,8 @@ use crate::{broad_phase::PairFilter, filters::LayerMask, worlds};
 /// | [`in_world`](Self::in_world), [`in_any_world`](Self::in_any_world) | another world, or all of them |
 /// | [`on`](Self::on) | only what is on one of some layers |
 /// | [`except`](Self::except), [`excluding`](Self::excluding) | all but one entity, all but some |
+/// | [`without_sensors`](Self::without_sensors) | all but what is a [`Sensor`](crate::filters::Sensor), which is seen like all others by default |
 /// | [`only`](Self::only) | what a function of yours says |
-///
-/// Sensors are seen like all others.
 ///
 /// ```
 /// use bevy::{ecs::entity::EntityHashSet, prelude::*};
@@ -37,6 +36,7 @@ pub struct SpatialQueryFilter<'a> {
     layers: Option<LayerMask>,
     except: Option<Entity>,
     excluded: Option<&'a EntityHashSet>,
+    skips_sensors: bool,
     predicate: Option<Predicate<'a>>,
 }
 
@@ -56,6 +56,7 @@ impl<'a> SpatialQueryFilter<'a> {
         layers: None,
         except: None,
         excluded: None,
+        skips_sensors: false,
         predicate: None,
     };
 
@@ -116,6 +117,17 @@ impl<'a> SpatialQueryFilter<'a> {
         }
     }
 
+    /// Leaves out entities that are a [`Sensor`](crate::filters::Sensor) at the moment of the query:
+    /// for what is solid.
+    #[must_use]
+    #[doc(alias("trigger", "solid"))]
+    pub const fn without_sensors(self) -> Self {
+        Self {
+            skips_sensors: true,
+            ..self
+        }
+    }
+
     /// Lets only those pass for which `predicate` holds. Replaces an earlier predicate.
     ///
     /// It is asked before the exact tests, about no more entities than these would look at.
@@ -127,7 +139,13 @@ impl<'a> SpatialQueryFilter<'a> {
         }
     }
 
-    /// Returns `true` if an entity passes that the broad phase knows as `object`. The cheapest
+    /// Are sensors left out?
+    pub(super) const fn skips_sensors(&self) -> bool {
+        self.skips_sensors
+    }
+
+    /// Returns `true` if an entity passes that the broad phase knows as `object`, as long as it is
+    /// not about [sensors](Self::without_sensors), which the entity alone can tell. The cheapest
     /// questions come first.
     #[must_use]
     pub fn accepts(&self, entity: Entity, object: &PairFilter) -> bool {
@@ -150,6 +168,7 @@ impl fmt::Debug for SpatialQueryFilter<'_> {
             .field("layers", &self.layers)
             .field("except", &self.except)
             .field("excluded", &self.excluded)
+            .field("skips_sensors", &self.skips_sensors)
             .field("has_predicate", &self.predicate.is_some())
             .finish()
     }

@@ -16,7 +16,10 @@ pub use flush::update_spatial_index;
 pub use nearest::PointHit;
 pub use pairs::PairHit;
 pub use query::SpatialQuery;
-pub use rays::{RayHit, RayPassage};
+pub use rays::{BatchRay, RayHit, RayPassage};
+
+#[doc(inline)]
+pub use crate::broad_phase::HitLists;
 
 #[doc(inline)]
 pub use crate::narrow_phase::{RayCastOptions, ShapeCastOptions};

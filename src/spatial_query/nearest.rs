@@ -7,10 +7,13 @@ use bevy::prelude::*;
 use super::{
     best::{Best, BestFew},
     filter::SpatialQueryFilter,
-    query::SpatialQuery,
+    query::{SpatialQuery, flow},
     scratch,
 };
-use crate::{broad_phase::Hit, collision_index::Body};
+use crate::{
+    broad_phase::{Flow, Hit, HitLists, answer_each},
+    collision_index::Body,
+};
 
 /// An entity near a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +27,7 @@ pub struct PointHit {
 }
 
 /// # What is near
-impl SpatialQuery<'_> {
+impl SpatialQuery<'_, '_> {
     /// Returns the entity whose shape is nearest to a point, no farther than `max_distance`, which
     /// may be infinite.
     #[must_use]
@@ -59,6 +62,82 @@ impl SpatialQuery<'_> {
         hits: &mut Vec<PointHit>,
     ) {
         hits.clear();
+        self.append_nearest(point, k, max_distance, filter, hits);
+    }
+
+    /// Calls `found` with every entity whose shape is no farther from a point than `max_distance`,
+    /// with the distance and the closest point, in no particular order; it may return a
+    /// [`ControlFlow`](std::ops::ControlFlow) to stop.
+    ///
+    /// ```
+    /// use bevy::prelude::*;
+    /// use bevy_octree::prelude::*;
+    ///
+    /// /// A blast hurts what is near, the less the farther away it is, and throws it outwards.
+    /// fn blast(center: Vec3, radius: f32, spatial: &SpatialQuery, mut hurt: impl FnMut(Entity, f32, Vec3)) {
+    ///     spatial.for_each_within(center, radius, &SpatialQueryFilter::DEFAULT.without_sensors(), |hit| {
+    ///         hurt(hit.entity, 1.0 - hit.distance / radius, hit.point - center);
+    ///     });
+    /// }
+    /// ```
+    #[doc(alias("radius", "range search", "blast", "explosion", "overlap sphere"))]
+    pub fn for_each_within<F: Flow>(
+        &self,
+        point: Vec3,
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+        mut found: impl FnMut(PointHit) -> F,
+    ) {
+        self.index
+            .index()
+            .for_each_within(point, max_distance, |hit| {
+                let body = self.candidate(hit.proxy, filter);
+                let hit = body
+                    .and_then(|body| self.point_hit(body, point))
+                    .filter(|hit| hit.distance <= max_distance);
+                flow(hit.is_none_or(|hit| found(hit).goes_on()))
+            });
+    }
+
+    /// Finds the entities whose shapes are no farther from a point than `max_distance`: nearest
+    /// first, those as near by ascending [`Entity`]. They replace what is in `hits`, which is yours
+    /// to use again.
+    #[doc(alias("radius", "range search", "within distance"))]
+    pub fn within(
+        &self,
+        point: Vec3,
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+        hits: &mut Vec<PointHit>,
+    ) {
+        hits.clear();
+        self.append_within(point, max_distance, filter, hits);
+    }
+
+    fn append_within(
+        &self,
+        point: Vec3,
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+        hits: &mut Vec<PointHit>,
+    ) {
+        let start = hits.len();
+        self.for_each_within(point, max_distance, filter, |hit| hits.push(hit));
+        hits[start..].sort_unstable_by(|a, b| {
+            a.distance
+                .total_cmp(&b.distance)
+                .then(a.entity.cmp(&b.entity))
+        });
+    }
+
+    fn append_nearest(
+        &self,
+        point: Vec3,
+        k: usize,
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+        hits: &mut Vec<PointHit>,
+    ) {
         if k == 0 {
             return;
         }
@@ -112,5 +191,73 @@ impl SpatialQuery<'_> {
             distance,
             point,
         })
+    }
+}
+
+/// # What is near many points
+///
+/// Each point is asked about by itself, side by side on the threads of the
+/// [`ComputeTaskPool`](bevy::tasks::ComputeTaskPool) with the feature `multi_threaded`. The answers
+/// come in the order of the points; they do not depend on the number of threads.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_octree::prelude::*;
+/// fn flock(birds: Query<&Transform>, spatial: SpatialQuery, mut near: Local<HitLists<PointHit>>) {
+///     let points: Vec<_> = birds.iter().map(|bird| bird.translation).collect();
+///     // Each is its own nearest neighbour.
+///     spatial.k_nearest_of_each(&points, 8, 10.0, &SpatialQueryFilter::DEFAULT, &mut near);
+///     for (point, near) in points.iter().zip(near.iter()) {
+///         println!("{} are near {point}", near.len());
+///     }
+/// }
+/// # bevy::ecs::system::assert_is_system(flock);
+/// ```
+impl SpatialQuery<'_, '_> {
+    /// Finds the entity nearest to each of many points, as [`nearest`](Self::nearest). The answers
+    /// replace what is in `hits`.
+    #[doc(alias = "batch")]
+    pub fn nearest_of_each(
+        &self,
+        points: &[Vec3],
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+        hits: &mut Vec<Option<PointHit>>,
+    ) {
+        answer_each(points, hits, |point| {
+            self.nearest(*point, max_distance, filter)
+        });
+    }
+
+    /// Finds the `k` entities nearest to each of many points, as [`k_nearest`](Self::k_nearest).
+    /// The answers replace what is in `hits`.
+    #[doc(alias("knn", "batch"))]
+    pub fn k_nearest_of_each(
+        &self,
+        points: &[Vec3],
+        k: usize,
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+        hits: &mut HitLists<PointHit>,
+    ) {
+        hits.fill(points, |point, hits| {
+            self.append_nearest(*point, k, max_distance, filter, hits);
+        });
+    }
+
+    /// Finds the entities near each of many points, as [`within`](Self::within). The answers replace
+    /// what is in `hits`. For entities that are near each other, see
+    /// [`for_each_pair_among`](Self::for_each_pair_among), which takes a fraction of the time.
+    #[doc(alias = "batch")]
+    pub fn within_of_each(
+        &self,
+        points: &[Vec3],
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+        hits: &mut HitLists<PointHit>,
+    ) {
+        hits.fill(points, |point, hits| {
+            self.append_within(*point, max_distance, filter, hits);
+        });
     }
 }

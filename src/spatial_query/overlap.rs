@@ -40,7 +40,7 @@ use crate::{
 /// }
 /// # bevy::ecs::system::assert_is_system(crowd);
 /// ```
-impl SpatialQuery<'_> {
+impl SpatialQuery<'_, '_> {
     /// Finds the entities whose shapes overlap a box along the world's axes. One that is inverted
     /// overlaps nothing.
     #[doc(alias("aabb", "overlap box"))]

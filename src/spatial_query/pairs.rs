@@ -1,4 +1,4 @@
-//! Entities of two groups that are near each other.
+//! Entities that are near each other: of two groups, or of one.
 
 use bevy::prelude::*;
 
@@ -8,16 +8,21 @@ use super::{
     scratch,
 };
 use crate::{
-    broad_phase::{Flow, ProxyId},
+    broad_phase::{Flow, Gap, ProxyId, with_gaps},
+    collision_index::Body,
     narrow_phase::Proximity,
+    parallel,
 };
+
+/// So many pairs of boxes are looked at by one job.
+const PAIRS_PER_JOB: usize = 256;
 
 /// Two entities near each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairHit {
-    /// The one that the first filter lets pass.
+    /// The first: of pairs of two groups, the one that the first filter lets pass.
     pub a: Entity,
-    /// The one that the second filter lets pass.
+    /// The second.
     pub b: Entity,
     /// How far their shapes are apart, in a straight line; 0 if they overlap.
     pub distance: f32,
@@ -26,7 +31,7 @@ pub struct PairHit {
 }
 
 /// # Pairs of two groups
-impl SpatialQuery<'_> {
+impl SpatialQuery<'_, '_> {
     /// Calls `found` with every pair of an entity that the first filter lets pass, and one that the
     /// second does, whose shapes are no farther apart than `distance`; it may return a
     /// [`ControlFlow`](std::ops::ControlFlow) to stop. Exact: see
@@ -90,15 +95,117 @@ impl SpatialQuery<'_> {
     ) {
         pairs.clear();
         self.for_each_pair_within(distance, first, second, |near| pairs.push(near));
-        pairs.sort_unstable_by(|a, b| {
-            a.distance
-                .total_cmp(&b.distance)
-                .then((a.a, a.b).cmp(&(b.a, b.b)))
+        sort(pairs);
+    }
+}
+
+/// # Pairs of one group
+impl SpatialQuery<'_, '_> {
+    /// Calls `found` with every pair of entities that the filter lets pass, whose shapes are no
+    /// farther apart than `distance`; it may return a [`ControlFlow`](std::ops::ControlFlow) to
+    /// stop. Exact: see [`NarrowPhase::closest_points`](crate::narrow_phase::NarrowPhase::closest_points).
+    ///
+    /// Each pair is told once, the lower handle in the
+    /// [`CollisionIndex`](crate::collision_index::CollisionIndex) first. Entities without an end
+    /// make none. Layers and ignore lists are not asked: the filter is, once about each entity.
+    ///
+    /// In an order that depends on the history of the index alone. One join of the index with
+    /// itself, and the exact test where boxes are within the distance, both side by side on all
+    /// threads with the feature `multi_threaded`: this is the way to find the neighbours of
+    /// thousands. A distance that is negative or NaN finds nothing.
+    ///
+    /// ```
+    /// # use bevy::prelude::*;
+    /// # use bevy_octree::prelude::*;
+    /// # #[derive(Component)]
+    /// # struct Unit;
+    /// /// Units that stand close to each other step aside.
+    /// fn keep_apart(mut units: Query<&mut Transform, With<Unit>>, spatial: SpatialQuery) {
+    ///     spatial.for_each_pair_among(0.5, &SpatialQueryFilter::DEFAULT, |near| {
+    ///         let Ok([mut a, mut b]) = units.get_many_mut([near.a, near.b]) else { return };
+    ///         let aside = (b.translation - a.translation).normalize_or(Vec3::X) * (0.5 - near.distance);
+    ///         a.translation -= aside * 0.1;
+    ///         b.translation += aside * 0.1;
+    ///     });
+    /// }
+    /// # bevy::ecs::system::assert_is_system(keep_apart);
+    /// ```
+    #[doc(alias(
+        "neighbors",
+        "boids",
+        "flocking",
+        "separation",
+        "spatial hash",
+        "self-join"
+    ))]
+    pub fn for_each_pair_among<F: Flow>(
+        &self,
+        distance: f32,
+        filter: &SpatialQueryFilter,
+        mut found: impl FnMut(PairHit) -> F,
+    ) {
+        with_gaps(|gaps| {
+            let index = self.index.index();
+            index.find_gaps(distance, |id| self.candidate(id, filter).is_some(), gaps);
+            let near = |gap: &Gap| {
+                self.near(gap.a, gap.b)
+                    .filter(|near| near.distance <= distance)
+            };
+            if !parallel::is_on() || gaps.len() <= PAIRS_PER_JOB {
+                let mut pairs = gaps.iter().filter_map(near);
+                while pairs.next().is_some_and(|near| found(near).goes_on()) {}
+                return;
+            }
+            let chunks = gaps.chunks(PAIRS_PER_JOB);
+            let mut jobs = vec![Vec::new(); chunks.len()];
+            parallel::for_each(chunks.zip(&mut jobs), |(gaps, pairs)| {
+                pairs.extend(gaps.iter().filter_map(near));
+            });
+            let mut pairs = jobs.into_iter().flatten();
+            while pairs.next().is_some_and(|near| found(near).goes_on()) {}
         });
     }
 
+    /// Fills a vector as [`for_each_pair_among`](Self::for_each_pair_among) calls back: nearest
+    /// first, those as near by ascending entities. They replace what is in `pairs`, which is yours
+    /// to use again.
+    pub fn pairs_among(
+        &self,
+        distance: f32,
+        filter: &SpatialQueryFilter,
+        pairs: &mut Vec<PairHit>,
+    ) {
+        pairs.clear();
+        self.for_each_pair_among(distance, filter, |near| pairs.push(near));
+        sort(pairs);
+    }
+}
+
+/// # Two entities
+impl SpatialQuery<'_, '_> {
+    /// Returns how far the shapes of two entities are apart, and where they are closest. `None` if
+    /// one has no shape in the index, or of shapes of which no distance is known, such as two
+    /// half-spaces. Exact: see
+    /// [`NarrowPhase::closest_points`](crate::narrow_phase::NarrowPhase::closest_points).
+    ///
+    /// ```
+    /// # use bevy::prelude::*;
+    /// # use bevy_octree::prelude::*;
+    /// fn is_in_reach(hand: Entity, handle: Entity, spatial: &SpatialQuery) -> bool {
+    ///     spatial.distance_between(hand, handle).is_some_and(|near| near.distance < 0.1)
+    /// }
+    /// ```
+    #[must_use]
+    #[doc(alias("closest points", "gap"))]
+    pub fn distance_between(&self, a: Entity, b: Entity) -> Option<PairHit> {
+        self.proximity(self.body_of(a)?, self.body_of(b)?)
+    }
+
     fn near(&self, a: ProxyId, b: ProxyId) -> Option<PairHit> {
-        let (a, b) = (self.index.body(a)?, self.index.body(b)?);
+        self.proximity(self.index.body(a)?, self.index.body(b)?)
+    }
+
+    fn proximity(&self, a: &Body, b: &Body) -> Option<PairHit> {
         let closest = |scratch: &mut scratch::Scratch| {
             self.tests()
                 .closest_points(a.placed(), b.placed(), &mut scratch.workspace)
@@ -113,4 +220,13 @@ impl SpatialQuery<'_> {
             points,
         })
     }
+}
+
+/// Nearest first, those as near by ascending entities.
+fn sort(pairs: &mut [PairHit]) {
+    pairs.sort_unstable_by(|a, b| {
+        a.distance
+            .total_cmp(&b.distance)
+            .then((a.a, a.b).cmp(&(b.a, b.b)))
+    });
 }

@@ -8,6 +8,8 @@ use super::filter::SpatialQueryFilter;
 use crate::{
     broad_phase::ProxyId,
     collision_index::{Body, CollisionIndex},
+    components::BroadPhaseProxy,
+    filters::Sensor,
     narrow_phase::{NarrowPhase, Shape},
 };
 
@@ -60,12 +62,14 @@ use crate::{
     "overlap",
     "spatial query pipeline"
 ))]
-pub struct SpatialQuery<'w> {
+pub struct SpatialQuery<'w, 's> {
     pub(super) index: Res<'w, CollisionIndex>,
     tests: Res<'w, NarrowPhase>,
+    entries: Query<'w, 's, &'static BroadPhaseProxy>,
+    sensors: Query<'w, 's, (), With<Sensor>>,
 }
 
-impl SpatialQuery<'_> {
+impl SpatialQuery<'_, '_> {
     /// Returns the index that is asked: its boxes, by handle.
     #[must_use]
     pub fn index(&self) -> &CollisionIndex {
@@ -79,9 +83,16 @@ impl SpatialQuery<'_> {
     /// What is behind a handle, if the filter lets it pass.
     pub(super) fn candidate(&self, id: ProxyId, filter: &SpatialQueryFilter) -> Option<&Body> {
         let object = self.index.index().proxies().filter(id);
-        self.index
-            .body(id)
-            .filter(|body| filter.accepts(body.entity, &object))
+        self.index.body(id).filter(|body| {
+            filter.accepts(body.entity, &object)
+                && !(filter.skips_sensors() && self.sensors.contains(body.entity))
+        })
+    }
+
+    /// What is behind the handle of an entity.
+    pub(super) fn body_of(&self, entity: Entity) -> Option<&Body> {
+        let id = self.entries.get(entity).ok()?.id()?;
+        self.index.body(id).filter(|body| body.entity == entity)
     }
 }
 

@@ -8,14 +8,10 @@ use super::{
     query::{SpatialQuery, flow},
 };
 use crate::{
-    broad_phase::Flow,
+    broad_phase::{Flow, answer_each},
     collision_index::Body,
     narrow_phase::{Impact, Passage, RayCastOptions},
-    parallel,
 };
-
-/// So many rays are cast by one job.
-const RAYS_PER_JOB: usize = 64;
 
 /// Where a ray meets an entity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,11 +95,41 @@ impl RayPassage {
     }
 }
 
+/// A ray of a batch: a [`Ray3d`], which is as long as the batch says, or a `Ray3d` and the most that
+/// it may be long by itself.
+///
+/// These two, and no others: the trait is sealed.
+pub trait BatchRay: Limited + Sync {}
+
+impl BatchRay for Ray3d {}
+impl BatchRay for (Ray3d, f32) {}
+
+/// What a batch reads from a [`BatchRay`].
+pub trait Limited {
+    /// The ray, and its length, given that of the batch.
+    fn up_to(&self, max_distance: f32) -> (Ray3d, f32);
+}
+
+impl Limited for Ray3d {
+    fn up_to(&self, max_distance: f32) -> (Ray3d, f32) {
+        (*self, max_distance)
+    }
+}
+
+impl Limited for (Ray3d, f32) {
+    fn up_to(&self, max_distance: f32) -> (Ray3d, f32) {
+        let &(ray, own) = self;
+        // NaN stays NaN, and meets nothing.
+        let is_longer = own > max_distance || max_distance.is_nan();
+        (ray, if is_longer { max_distance } else { own })
+    }
+}
+
 /// # Rays
 ///
 /// Each question has a form that takes [`RayCastOptions`]: which faces are met, whether solids are
 /// hollow, and whether what the ray starts on counts.
-impl SpatialQuery<'_> {
+impl SpatialQuery<'_, '_> {
     /// Returns the first entity that a ray meets within `max_distance`.
     #[must_use]
     #[doc(alias("raycast", "ray cast", "intersect ray", "line of sight"))]
@@ -208,13 +234,55 @@ impl SpatialQuery<'_> {
         });
     }
 
+    /// Returns `true` if a ray meets any entity within `max_distance`. The first that is found to be
+    /// met ends the search, whether or not there is a nearer one: for lines of sight, shadows, and
+    /// whatever else is free or not.
+    ///
+    /// ```
+    /// use bevy::prelude::*;
+    /// use bevy_octree::prelude::*;
+    ///
+    /// fn sees(from: Vec3, to: Vec3, spatial: &SpatialQuery) -> bool {
+    ///     let Ok((direction, distance)) = Dir3::new_and_length(to - from) else { return true };
+    ///     let solid = SpatialQueryFilter::DEFAULT.without_sensors();
+    ///     !spatial.ray_meets_any(Ray3d::new(from, direction), distance, &solid)
+    /// }
+    /// ```
+    #[must_use]
+    #[doc(alias("line of sight", "occlusion", "shadow ray", "any hit", "linecast"))]
+    pub fn ray_meets_any(
+        &self,
+        ray: Ray3d,
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+    ) -> bool {
+        self.ray_meets_any_with(ray, max_distance, filter, &RayCastOptions::DEFAULT)
+    }
+
+    /// Returns `true` if a ray meets any entity, as [`ray_meets_any`](Self::ray_meets_any), by these
+    /// options.
+    #[must_use]
+    pub fn ray_meets_any_with(
+        &self,
+        ray: Ray3d,
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+        options: &RayCastOptions,
+    ) -> bool {
+        let cast = RayCast3d::from_ray(ray, max_distance);
+        self.index.index().meets_any(&cast, |id, _| {
+            self.candidate(id, filter)
+                .is_some_and(|body| self.ray_hit(body, ray, max_distance, options).is_some())
+        })
+    }
+
     /// Casts many rays at once, each as [`cast_ray`](Self::cast_ray), side by side on the threads
     /// of the [`ComputeTaskPool`](bevy::tasks::ComputeTaskPool), with the feature `multi_threaded`.
     /// The answers replace what is in `hits`, in the order of the rays; they do not depend on the
-    /// number of threads.
+    /// number of threads. Each ray may have a length of its own: see [`BatchRay`].
     pub fn cast_rays(
         &self,
-        rays: &[Ray3d],
+        rays: &[impl BatchRay],
         max_distance: f32,
         filter: &SpatialQueryFilter,
         hits: &mut Vec<Option<RayHit>>,
@@ -225,22 +293,32 @@ impl SpatialQuery<'_> {
     /// Casts many rays at once, as [`cast_rays`](Self::cast_rays), by these options.
     pub fn cast_rays_with(
         &self,
-        rays: &[Ray3d],
+        rays: &[impl BatchRay],
         max_distance: f32,
         filter: &SpatialQueryFilter,
         options: &RayCastOptions,
         hits: &mut Vec<Option<RayHit>>,
     ) {
-        hits.clear();
-        hits.resize(rays.len(), None);
-        parallel::for_each(
-            rays.chunks(RAYS_PER_JOB).zip(hits.chunks_mut(RAYS_PER_JOB)),
-            |(rays, hits)| {
-                for (ray, hit) in rays.iter().zip(hits) {
-                    *hit = self.cast_ray_with(*ray, max_distance, filter, options);
-                }
-            },
-        );
+        answer_each(rays, hits, |ray| {
+            let (ray, max_distance) = ray.up_to(max_distance);
+            self.cast_ray_with(ray, max_distance, filter, options)
+        });
+    }
+
+    /// Tells of many rays whether they meet anything, each as
+    /// [`ray_meets_any`](Self::ray_meets_any), side by side as [`cast_rays`](Self::cast_rays). The
+    /// answers replace what is in `are_met`, in the order of the rays.
+    pub fn rays_meet_any(
+        &self,
+        rays: &[impl BatchRay],
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+        are_met: &mut Vec<bool>,
+    ) {
+        answer_each(rays, are_met, |ray| {
+            let (ray, max_distance) = ray.up_to(max_distance);
+            self.ray_meets_any(ray, max_distance, filter)
+        });
     }
 
     fn ray_hit(
@@ -277,7 +355,7 @@ impl SpatialQuery<'_> {
 ///
 /// Where a ray enters a solid, and where it leaves it: see
 /// [`NarrowPhase::cast_ray_through`](crate::narrow_phase::NarrowPhase::cast_ray_through).
-impl SpatialQuery<'_> {
+impl SpatialQuery<'_, '_> {
     /// Returns where a ray passes through the first entity that it meets within `max_distance`.
     ///
     /// A ray that is to go on from `leave.point` starts on what it has left, and so would meet the

@@ -36,7 +36,7 @@ pub struct ShapeHit {
 }
 
 /// # Moving shapes
-impl SpatialQuery<'_> {
+impl SpatialQuery<'_, '_> {
     /// Returns the first entity that a shape touches as it moves from `start` along `direction`,
     /// for `max_distance` at most: the first time of impact, at one unit of length per unit of
     /// time. The shape does not turn on its way.

@@ -26,6 +26,7 @@ mod manifolds;
 mod mesh_floors;
 #[cfg(feature = "mesh")]
 mod mesh_shapes;
+mod neighbors;
 #[cfg(feature = "picking")]
 mod picking;
 mod plugin;

@@ -24,10 +24,10 @@ use bevy_octree::{
 use common::*;
 use fastrand::Rng;
 
-const ALL: SpatialQueryFilter = SpatialQueryFilter::DEFAULT;
+pub const ALL: SpatialQueryFilter = SpatialQueryFilter::DEFAULT;
 
 /// Asks something of an app.
-fn ask<T: 'static>(
+pub fn ask<T: 'static>(
     app: &mut App,
     question: impl FnMut(SpatialQuery) -> T + Send + Sync + 'static,
 ) -> T {
@@ -36,11 +36,11 @@ fn ask<T: 'static>(
         .expect("the plugins are there")
 }
 
-fn vector(rng: &mut Rng, reach: f32) -> Vec3 {
+pub fn vector(rng: &mut Rng, reach: f32) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|_| (rng.f32() * 2.0 - 1.0) * reach))
 }
 
-fn direction(rng: &mut Rng) -> Dir3 {
+pub fn direction(rng: &mut Rng) -> Dir3 {
     Dir3::new(vector(rng, 1.0)).unwrap_or(Dir3::X)
 }
 
@@ -82,7 +82,7 @@ fn random_shape(rng: &mut Rng) -> CollisionShape {
 }
 
 /// An app with `count` random shapes within ten units of the origin, after a tick.
-fn random_app(rng: &mut Rng, method: BroadPhaseMethod, count: usize) -> App {
+pub fn random_app(rng: &mut Rng, method: BroadPhaseMethod, count: usize) -> App {
     let mut app = app(method);
     for _ in 0..count {
         let place = Transform::from_translation(vector(rng, 10.0)).with_rotation(rotation(rng));
@@ -95,7 +95,7 @@ fn random_app(rng: &mut Rng, method: BroadPhaseMethod, count: usize) -> App {
 }
 
 /// All shapes and where they are, in the order of their entities.
-fn everything(app: &mut App) -> Vec<(Entity, Shape, Transform)> {
+pub fn everything(app: &mut App) -> Vec<(Entity, Shape, Transform)> {
     let mut shapes = app
         .world_mut()
         .query::<(Entity, &CollisionShape, &Transform)>();
@@ -105,7 +105,7 @@ fn everything(app: &mut App) -> Vec<(Entity, Shape, Transform)> {
         .collect()
 }
 
-fn methods() -> [BroadPhaseMethod; 3] {
+pub fn methods() -> [BroadPhaseMethod; 3] {
     ["linear", "object", "exhaustive"].map(|name| name.parse().expect("a method"))
 }
 

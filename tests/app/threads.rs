@@ -1,5 +1,5 @@
-//! Everything is the same at any number of threads, its order included: pairs, contacts, messages,
-//! where bodies are and how they move.
+//! Everything is the same at any number of threads, its order included: pairs, answers of queries,
+//! contacts, messages, where bodies are and how they move.
 //!
 //! A process has one pool of threads. So the test runs itself, in a process of its own for each
 //! number.
@@ -11,11 +11,12 @@ use std::{
 
 use bevy::{
     ecs::message::MessageCursor,
+    math::bounding::RayCast3d,
     prelude::*,
     tasks::{ComputeTaskPool, TaskPoolBuilder},
 };
 use bevy_octree::{
-    broad_phase::SpatialIndex,
+    broad_phase::{HitLists, SpatialIndex},
     prelude::*,
     scene::stress::{StressScene, StressSimulation},
 };
@@ -48,7 +49,40 @@ fn run(scene: StressScene) -> u64 {
             index.set(*id, aabb).unwrap();
         }
     }
+    index.update();
+    ask(&index, &mut hasher);
     hasher.finish()
+}
+
+/// Queries for many, whose answers come in an order too.
+fn ask(index: &SpatialIndex, hasher: &mut DefaultHasher) {
+    let mut pairs = 0;
+    index.for_each_pair_among(
+        0.4,
+        |id| id.get() % 9 != 0,
+        |a, b, distance| {
+            pairs += 1;
+            (a, b, distance.to_bits()).hash(hasher);
+        },
+    );
+    assert!(pairs > 5000, "{pairs}");
+    let points: Vec<Vec3> = index
+        .proxies()
+        .iter()
+        .map(|(_, aabb)| (aabb.max + 1.0).into())
+        .collect();
+    let (mut nearest, mut first) = (HitLists::default(), vec![]);
+    index.k_nearest_of_each(&points, 3, 5.0, &mut nearest);
+    let casts: Vec<_> = points
+        .iter()
+        .map(|point| RayCast3d::new(*point, Dir3::X, 20.0))
+        .collect();
+    index.cast_each(&casts, &mut first);
+    for (near, first) in nearest.iter().zip(&first) {
+        for hit in near.iter().chain(first) {
+            (hit.proxy, hit.distance.to_bits()).hash(hasher);
+        }
+    }
 }
 
 /// An app in which much happens: bodies of all kinds that move, turn, bounce and rest, some of them

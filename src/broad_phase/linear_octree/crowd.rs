@@ -4,7 +4,7 @@ use bevy::math::bounding::Aabb3d;
 use fearless_simd::Level;
 
 use super::{
-    join::JoinBuffers,
+    join::{JoinBuffers, Touching},
     levels::Levels,
     list::{List, Packed, unpack},
     order,
@@ -49,7 +49,13 @@ impl Crowd {
         }
         tree.refit();
         found.clear();
-        tree.self_join(level, work, found, Some(&|a, b| keep(index(a), index(b))));
+        tree.self_join(
+            level,
+            &Touching,
+            work,
+            found,
+            Some(&|a, b| keep(index(a), index(b))),
+        );
         found
             .as_slice()
             .iter()

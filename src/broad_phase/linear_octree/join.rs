@@ -35,7 +35,7 @@ use super::{
     list::{FIRST, List, Packed, SECOND, pack, unpack},
 };
 use crate::{
-    broad_phase::block::{ALL, WIDTH},
+    broad_phase::block::{ALL, Block, WIDTH},
     parallel,
 };
 
@@ -81,17 +81,44 @@ impl Job {
     }
 }
 
+/// Which boxes make a pair.
+pub(super) trait Reach: Sync {
+    /// Which of the eight of a block are in reach of the box in a lane of another.
+    fn hits<S: Simd>(&self, simd: S, block: &Block, other: &Block, lane: usize) -> u32;
+}
+
+/// Those that overlap.
+pub(super) struct Touching;
+
+impl Reach for Touching {
+    #[inline(always)]
+    fn hits<S: Simd>(&self, simd: S, block: &Block, other: &Block, lane: usize) -> u32 {
+        block.overlaps_lane(simd, other, lane)
+    }
+}
+
+/// Those that are within a distance along each axis.
+pub(super) struct Within(pub f32);
+
+impl Reach for Within {
+    #[inline(always)]
+    fn hits<S: Simd>(&self, simd: S, block: &Block, other: &Block, lane: usize) -> u32 {
+        block.within_lane(simd, other, lane, self.0)
+    }
+}
+
 impl Levels {
-    /// Appends the slots of each pair of overlapping boxes that is to be kept, the lower slot
+    /// Appends the slots of each pair of boxes in reach of each other that is to be kept, the lower slot
     /// first.
     ///
-    /// From the top down: pairs of boxes that overlap on one level are the pairs of blocks to look
+    /// From the top down: pairs of boxes in reach on one level are the pairs of blocks to look
     /// at on the next. Only the boxes of the one block that reach into the bounds of the other are
     /// compared with it; most pairs of blocks have none. Whether a pair is to be kept is asked
     /// before the list has grown by more than a batch.
     pub(super) fn self_join(
         &self,
         level: Level,
+        reach: &impl Reach,
         work: &mut JoinBuffers,
         found: &mut List,
         keep: Option<&(impl Fn(u32, u32) -> bool + Sync)>,
@@ -106,7 +133,7 @@ impl Levels {
         while height > 0 && pairs.as_slice().len() <= PAIRS_OF_JOB {
             next.clear();
             let rows = &mut jobs[0].rows;
-            dispatch!(level, simd => self.join_blocks(simd, height, pairs.as_slice(), rows, next));
+            dispatch!(level, simd => self.join_blocks(simd, reach, height, pairs.as_slice(), rows, next));
             std::mem::swap(pairs, next);
             height -= 1;
         }
@@ -114,7 +141,7 @@ impl Levels {
         // The order of what is found does not depend on how the work is divided.
         if !parallel::is_on() || pairs.len() <= PAIRS_OF_JOB {
             let (rows, below) = jobs[0].lists(height);
-            return self.join(level, height, pairs, rows, below, found, keep);
+            return self.join(level, reach, height, pairs, rows, below, found, keep);
         }
         jobs.resize_with(
             jobs.len().max(pairs.len().div_ceil(PAIRS_OF_JOB)),
@@ -126,7 +153,7 @@ impl Levels {
                 let mut found = std::mem::take(&mut job.found);
                 found.clear();
                 let (rows, below) = job.lists(height);
-                self.join(level, height, pairs, rows, below, &mut found, keep);
+                self.join(level, reach, height, pairs, rows, below, &mut found, keep);
                 job.found = found;
             },
         );
@@ -143,6 +170,7 @@ impl Levels {
     fn join(
         &self,
         level: Level,
+        reach: &impl Reach,
         height: usize,
         pairs: &[Packed],
         rows: &mut List,
@@ -154,25 +182,35 @@ impl Levels {
             match below.split_last_mut() {
                 None => {
                     let start = found.as_slice().len();
-                    dispatch!(level, simd => self.join_blocks(simd, height, batch, rows, found));
+                    dispatch!(level, simd => self.join_blocks(simd, reach, height, batch, rows, found));
                     if let Some(keep) = keep {
                         found.retain_from(start, keep);
                     }
                 }
                 Some((next, below)) => {
                     next.clear();
-                    dispatch!(level, simd => self.join_blocks(simd, height, batch, rows, next));
-                    self.join(level, height - 1, next.as_slice(), rows, below, found, keep);
+                    dispatch!(level, simd => self.join_blocks(simd, reach, height, batch, rows, next));
+                    self.join(
+                        level,
+                        reach,
+                        height - 1,
+                        next.as_slice(),
+                        rows,
+                        below,
+                        found,
+                        keep,
+                    );
                 }
             }
         }
     }
 
-    /// Appends all pairs of overlapping boxes in pairs of blocks, in two passes without branches.
+    /// Appends all pairs of boxes in reach of each other in pairs of blocks, in two passes without branches.
     #[inline(always)]
     fn join_blocks<S: Simd>(
         &self,
         simd: S,
+        reach: &impl Reach,
         height: usize,
         pairs: &[Packed],
         rows: &mut List,
@@ -184,8 +222,9 @@ impl Levels {
         for pair in pairs {
             let [a, b] = unpack(*pair);
             let reaching = match self.as_slice().get(height + 1) {
-                Some(above) => blocks[a as usize].overlaps_lane(
+                Some(above) => reach.hits(
                     simd,
+                    &blocks[a as usize],
                     &above[b as usize / WIDTH],
                     b as usize % WIDTH,
                 ),
@@ -198,7 +237,7 @@ impl Levels {
         for row in rows {
             let [slot, b] = unpack(*row);
             let (a, lane) = block_and_lane(slot);
-            let hits = blocks[b as usize].overlaps_lane(simd, &blocks[a as usize], lane);
+            let hits = reach.hits(simd, &blocks[b as usize], &blocks[a as usize], lane);
             let same_block = all_if(a == b);
             let after_self = (!0 << lane) << u32::from(height == 0);
             found.push_lanes(

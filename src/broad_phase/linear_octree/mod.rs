@@ -33,6 +33,9 @@
 //!   have become so loose that searching them has cost as much as sorting would are all objects put
 //!   in order anew. Each block is compared with itself as it was after the last sort, so that a few
 //!   objects of any size, anywhere, do not hide what has become of all others.
+//! - **Halved where it lasts.** Along the curve, blocks high up are of odd forms, into which all
+//!   queries go. What has come and rests is halved again and again instead, which takes longer, once;
+//!   of what moves within skins, blocks are halved, which are an eighth as many.
 //! - **No branches.** The tree is joined with itself level by level, and objects that left their
 //!   skins go down the tree side by side. One comparison gives the verdict on eight boxes as a
 //!   mask; a table turns the mask into a list of those to look at next. Branches on single verdicts
@@ -56,6 +59,7 @@ pub(super) mod levels;
 mod list;
 mod looseness;
 mod near;
+mod neighbors;
 mod octree;
 pub(super) mod order;
 pub(super) mod query;
@@ -69,4 +73,5 @@ mod outlier_tests;
 mod tests;
 
 pub(super) use crowd::Crowd;
+pub(super) use neighbors::NeighborBuffers;
 pub use octree::LinearOctree;

@@ -3,7 +3,7 @@
 use fearless_simd::Level;
 
 use super::{
-    join::JoinBuffers,
+    join::{JoinBuffers, Touching},
     levels::Levels,
     list::{List, Packed},
     skin::REFRESH_SHARE,
@@ -187,12 +187,14 @@ impl NearPairs {
         match admits {
             Some(admits) => tree.self_join(
                 level,
+                &Touching,
                 work,
                 pairs,
                 Some(&|a, b| is_watched(a, b) && admits(a, b)),
             ),
             None => tree.self_join(
                 level,
+                &Touching,
                 work,
                 pairs,
                 (!*all_are_watched).then_some(&is_watched),

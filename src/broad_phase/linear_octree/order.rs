@@ -9,7 +9,12 @@ use super::{
     list::{Packed, pack},
     skin::Anchor,
 };
-use crate::broad_phase::{block::WIDTH, proxy::Proxies};
+use crate::broad_phase::{
+    block::WIDTH,
+    boxes::NOWHERE,
+    halving::{self, Item},
+    proxy::Proxies,
+};
 
 /// The order, what it was like when it was made, and the lists that it is made with.
 #[derive(Clone, Debug, Default)]
@@ -19,11 +24,15 @@ pub(super) struct Order {
     for_skins: bool,
     /// How many objects came or went since it was made.
     changes: usize,
+    /// In which update it was made, and whether that was because so many came or went.
+    made: u32,
+    was_for_others: bool,
     /// How much looser than at first the tree was, summed over the times at which it was searched
     /// as a whole since.
     excess: f64,
     items: Vec<Packed>,
     scratch: Vec<Packed>,
+    halves: Vec<Item>,
     /// A list to put anchors in order with.
     pub(super) spare_anchors: Vec<Anchor>,
 }
@@ -32,6 +41,9 @@ impl Order {
     /// Searching a loose tree costs more, and so does putting it in order. Once the first has cost
     /// about as much as the second would have, it is time.
     const WORTH_A_SORT: f64 = 1.0;
+
+    /// An order that lasts for so many ticks may take several times as long to make.
+    const LONG: u32 = 256;
 
     /// One in so many may come or go.
     const CHANGED_SHARE: usize = 8;
@@ -49,6 +61,23 @@ impl Order {
         self.is_known = false;
     }
 
+    /// Returns `true` if a new order is made because so many of the objects came or went, or is the
+    /// first after such a one; or if the last has lasted for long.
+    pub(super) fn is_worth_care(&self, new: usize, all: usize, tick: u32) -> bool {
+        self.is_for_others(new, all)
+            || self.was_for_others
+            || tick.wrapping_sub(self.made) >= Self::LONG
+    }
+
+    fn is_for_others(&self, new: usize, all: usize) -> bool {
+        (self.changes + new) * Self::CHANGED_SHARE > all
+    }
+
+    /// Notes when an order is made, and for how many objects that are new.
+    pub(super) fn note_sort(&mut self, new: usize, all: usize, tick: u32) {
+        (self.was_for_others, self.made) = (self.is_for_others(new, all), tick);
+    }
+
     /// Notes that an object came or went.
     pub(super) fn note_change(&mut self) {
         self.changes += 1;
@@ -60,18 +89,47 @@ impl Order {
     }
 
     /// Sorts all objects: their indices are the second numbers of the items.
-    pub(super) fn sort(&mut self, level: Level, proxies: &Proxies, for_skins: bool) -> &[Packed] {
+    pub(super) fn sort(
+        &mut self,
+        level: Level,
+        proxies: &Proxies,
+        for_skins: bool,
+        detail: Detail,
+    ) -> &[Packed] {
         (self.is_known, self.for_skins, self.changes) = (true, for_skins, 0);
         self.excess = 0.0;
-        let objects = proxies.iter().map(|(id, _)| id.get());
-        order(
-            level,
-            proxies.boxes(),
-            objects,
-            &mut self.items,
-            &mut self.scratch,
-        );
-        &self.items
+        let boxes = proxies.boxes();
+        let Self {
+            items,
+            scratch,
+            halves,
+            ..
+        } = self;
+        items.clear();
+        items.extend(proxies.iter().map(|(id, _)| u64::from(id.get())));
+        dispatch!(level, simd => set_keys(simd, boxes, items));
+        sort(items, scratch);
+        let groups = groups(items);
+        match detail {
+            Detail::Boxes => {
+                sort_runs(level, boxes, items, |key| key == FAR);
+                // Not kept: it is as large as all else here, and seldom needed.
+                let mut halves = Vec::new();
+                for group in groups {
+                    halve(boxes, &mut items[group.clone()], group.start, &mut halves);
+                }
+            }
+            Detail::Curve => sort_runs(level, boxes, items, |_| true),
+            Detail::Blocks => {
+                sort_runs(level, boxes, items, |_| true);
+                scratch.clear();
+                scratch.extend_from_slice(items);
+                for group in groups {
+                    halve_blocks(boxes, scratch, group, items, halves);
+                }
+            }
+        }
+        items
     }
 
     /// Puts some objects in order, as [`sort`](Self::sort) does all.
@@ -93,8 +151,22 @@ impl Order {
 
     pub(super) fn memory_bytes(&self) -> usize {
         (self.items.capacity() + self.scratch.capacity()) * size_of::<Packed>()
+            + self.halves.capacity() * size_of::<Item>()
             + self.spare_anchors.capacity() * size_of::<Anchor>()
     }
+}
+
+/// With how much care an order is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Detail {
+    /// Along the curve, and no more.
+    Curve,
+    /// Along the curve, and then the blocks are halved: above them, halves are more compact than
+    /// what follows each other on the curve. Takes half as long again.
+    Blocks,
+    /// All boxes of about the same size are halved: takes four times as long, and queries half as
+    /// long.
+    Boxes,
 }
 
 /// Sorts by the key in the upper half: three passes of a radix sort, stable.
@@ -147,8 +219,16 @@ pub(super) fn order(
     items.extend(objects.map(u64::from));
     dispatch!(level, simd => set_keys(simd, boxes, items));
     sort(items, scratch);
-    // Where objects are apart by more than cells can tell, many share one.
-    let mut long_runs: Vec<Range<usize>> = runs(items, 0);
+    sort_runs(level, boxes, items, |_| true);
+}
+
+/// Puts long runs of objects with the same key in order among themselves: where objects are apart
+/// by more than cells can tell, many share one. Of the keys, only those that are wanted.
+fn sort_runs(level: Level, boxes: &[Aabb3d], items: &mut [u64], wanted: impl Fn(u32) -> bool) {
+    let mut long_runs: Vec<Range<usize>> = runs(items, 0)
+        .into_iter()
+        .filter(|run| wanted((items[run.start] >> 32) as u32))
+        .collect();
     while let Some(run) = long_runs.pop() {
         let items = &mut items[run.clone()];
         dispatch!(level, simd => set_keys(simd, boxes, items));
@@ -176,6 +256,68 @@ fn runs(items: &[u64], start: usize) -> Vec<Range<usize>> {
         begin = end;
     }
     runs
+}
+
+/// The groups of items that are of about the same size, and not far away, in their order along the
+/// curve: as indices.
+fn groups(items: &[u64]) -> Vec<Range<usize>> {
+    let class = |item: &u64| item >> (32 + 3 * CELL_BITS);
+    let mut begin = items.partition_point(|item| item >> 32 == u64::from(FAR));
+    let mut groups = Vec::new();
+    for group in items[begin..].chunk_by(|a, b| class(a) == class(b)) {
+        groups.push(begin..begin + group.len());
+        begin += group.len();
+    }
+    groups
+}
+
+/// Halves objects that go into the slots from `first` on.
+fn halve(boxes: &[Aabb3d], items: &mut [u64], first: usize, halves: &mut Vec<Item>) {
+    let index = |item: &u64| *item as u32;
+    halves.clear();
+    halves.extend(
+        items
+            .iter()
+            .map(|item| Item::new(&boxes[index(item) as usize], index(item))),
+    );
+    halving::sort(halves, first);
+    for (item, half) in items.iter_mut().zip(&*halves) {
+        *item = u64::from(half.index);
+    }
+}
+
+/// Halves the blocks that are all of one group, given the items of all groups in order.
+fn halve_blocks(
+    boxes: &[Aabb3d],
+    sorted: &[u64],
+    group: Range<usize>,
+    items: &mut [u64],
+    halves: &mut Vec<Item>,
+) {
+    let blocks = group.start.div_ceil(WIDTH)..group.end / WIDTH;
+    if blocks.len() <= 1 {
+        return;
+    }
+    let slots = |block: usize| block * WIDTH..(block + 1) * WIDTH;
+    let bounds = |block: usize| {
+        let boxes = sorted[slots(block)]
+            .iter()
+            .map(|item| &boxes[*item as u32 as usize]);
+        boxes.fold(NOWHERE, |bounds, aabb| Aabb3d {
+            min: bounds.min.min(aabb.min),
+            max: bounds.max.max(aabb.max),
+        })
+    };
+    halves.clear();
+    halves.extend(
+        blocks
+            .clone()
+            .map(|block| Item::new(&bounds(block), block as u32)),
+    );
+    halving::sort(halves, blocks.start);
+    for (block, half) in blocks.zip(&*halves) {
+        items[slots(block)].copy_from_slice(&sorted[slots(half.index as usize)]);
+    }
 }
 
 /// Half the centre of a box: sums of large numbers may overflow.

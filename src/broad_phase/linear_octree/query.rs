@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use bevy::math::bounding::Aabb3d;
-use fearless_simd::{Level, dispatch, f32x8, mask32x8, prelude::*};
+use fearless_simd::{Level, dispatch, f32x8, i32x8, mask32x8, prelude::*};
 
 use super::octree::LinearOctree;
 use crate::broad_phase::{
@@ -102,19 +102,28 @@ impl LinearOctree {
         limit: f32,
         mut visit: impl FnMut(ProxyId, f32) -> ControlFlow<(), f32>,
     ) {
-        let blocks = Skins {
-            octree: self,
-            proxies,
-        };
+        let blocks = Skins::of(self, proxies);
         let mut visit = |id: u32, distance: f32| visit(ProxyId::new(id), distance);
         search(self.level, &blocks, measure, limit, &mut visit);
     }
 }
 
 /// The skins of the octree, and the boxes in them.
-struct Skins<'a> {
+pub(super) struct Skins<'a> {
     octree: &'a LinearOctree,
     proxies: &'a Proxies,
+}
+
+impl<'a> Skins<'a> {
+    pub(super) const fn of(octree: &'a LinearOctree, proxies: &'a Proxies) -> Self {
+        Self { octree, proxies }
+    }
+
+    /// The box of who is in a slot.
+    #[inline(always)]
+    pub(super) fn box_in(&self, slot: u32) -> Option<Aabb3d> {
+        self.box_of(self.owner(slot)?, slot)
+    }
 }
 
 impl Blocks for Skins<'_> {
@@ -289,10 +298,11 @@ fn nearest<M: Measure, S: Simd>(simd: S, lanes: u32, nearness: f32x8<S>) -> u32 
     if !M::ORDERED || lanes.is_power_of_two() {
         return lanes.trailing_zeros();
     }
-    let far = f32x8::splat(simd, f32::INFINITY);
+    // Numbers that are not negative are in the order of their bits, of which the last are the lane.
+    // Minus zero comes first of all.
+    let numbers = i32x8::from_slice(simd, &[0, 1, 2, 3, 4, 5, 6, 7]);
+    let keys = nearness.bitcast::<i32x8<S>>() & !7 | numbers;
     let mask = mask32x8::from_bitmask(simd, u64::from(lanes));
-    let least = f32x8::splat(simd, mask.select(nearness, far).reduce_min());
-    let nearest = nearness.simd_le(least).to_bitmask() as u32 & lanes;
-    debug_assert!(nearest != 0, "nothing is NaN");
-    nearest.trailing_zeros()
+    let least = mask.select(keys, i32x8::splat(simd, i32::MAX)).reduce_min();
+    least as u32 & 7
 }

@@ -4,12 +4,16 @@
 use super::{
     list::unpack,
     octree::{LinearOctree, NONE},
+    order::Detail,
     skin::REFRESH_SHARE,
 };
 use crate::broad_phase::proxy::Proxies;
 
 /// A tree that has become looser than this is not searched as a whole.
 pub(super) const TOO_LOOSE: f64 = 3.0;
+
+/// Few objects move, if no more than one in so many does.
+const MOVERS_SHARE: usize = 8;
 
 /// How far the upkeep of a tick has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,14 +150,37 @@ impl LinearOctree {
         }
     }
 
+    /// With how much care the objects are put in order. The first condition that holds counts.
+    ///
+    /// | if | then | for |
+    /// |---|---|---|
+    /// | few of those that were there move, and many came or went since the last order but one, or the last is old | the boxes are halved | the order lasts, and costs each that comes or goes about as much as to spawn it |
+    /// | they move within skins | the blocks are halved | it lasts for some ticks |
+    /// | | along the curve alone | it will be looser in a few ticks |
+    fn detail(&mut self, proxies: &Proxies, for_skins: bool) -> Detail {
+        let all = proxies.len();
+        let new = all.saturating_sub(self.owned);
+        let movers = proxies.moved().len().saturating_sub(new);
+        let is_worth_care = self.order.is_worth_care(new, all, self.tick);
+        self.order.note_sort(new, all, self.tick);
+        if is_worth_care && movers * MOVERS_SHARE <= all {
+            Detail::Boxes
+        } else if for_skins {
+            Detail::Blocks
+        } else {
+            Detail::Curve
+        }
+    }
+
     /// Puts all objects in order.
     fn sort(&mut self, proxies: &Proxies, for_skins: bool) {
+        let detail = self.detail(proxies, for_skins);
         self.slot_of.resize(proxies.capacity(), NONE);
         let mut old_anchors = std::mem::take(&mut self.order.spare_anchors);
         std::mem::swap(&mut self.anchors, &mut old_anchors);
         self.anchors.clear();
         self.owners.clear();
-        for (slot, item) in (0..).zip(self.order.sort(self.level, proxies, for_skins)) {
+        for (slot, item) in (0..).zip(self.order.sort(self.level, proxies, for_skins, detail)) {
             let [_, id] = unpack(*item);
             let old = std::mem::replace(&mut self.slot_of[id as usize], slot);
             self.anchors

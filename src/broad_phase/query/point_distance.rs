@@ -1,20 +1,13 @@
-//! Distances from a point, and between boxes.
+//! Distances from a point.
 
 use bevy::math::{Vec3A, bounding::Aabb3d};
 use fearless_simd::{f32x8, prelude::*};
 
 use crate::broad_phase::{
     block::Block,
+    boxes::distance,
     measure::{Bound, Measure},
 };
-
-/// Returns how far two boxes are from each other, in a straight line. In double precision, in which
-/// no square overflows.
-#[inline(always)]
-pub fn distance(a: &Aabb3d, b: &Aabb3d) -> f32 {
-    let gap = (a.min - b.max).max(b.min - a.max).max(Vec3A::ZERO);
-    gap.as_dvec3().length() as f32
-}
 
 /// How far boxes are from a point: 0 for those that hold it.
 #[derive(Clone, Copy)]

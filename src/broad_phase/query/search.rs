@@ -2,9 +2,16 @@
 
 use std::{any::Any, ops::ControlFlow};
 
-use bevy::math::{Vec3A, bounding::Aabb3d};
+use bevy::math::{Vec3, Vec3A, bounding::Aabb3d};
 
-use super::{cast::Cast, flow::Flow, hit::Hit, point_distance::PointDistance, region::Region};
+use super::{
+    cast::Cast,
+    flow::Flow,
+    hit::Hit,
+    lists::{self, HitLists},
+    point_distance::PointDistance,
+    region::Region,
+};
 use crate::broad_phase::{
     boxes::ProxyId, engine::Visitor, index::SpatialIndex, linear_octree::LinearOctree,
     measure::Measure,
@@ -115,6 +122,47 @@ impl SpatialIndex {
         });
     }
 
+    /// Returns `true` if a cast meets anything that `is_met` says it meets, given an object and the
+    /// distance of its box. The first that is met ends the search: for a line of sight, this takes
+    /// less than to find what is first.
+    #[doc(alias("occlusion", "shadow ray", "line of sight", "intersects"))]
+    #[must_use]
+    pub fn meets_any(
+        &self,
+        cast: &impl Cast,
+        mut is_met: impl FnMut(ProxyId, f32) -> bool,
+    ) -> bool {
+        let mut found = false;
+        self.for_each_hit(cast, |hit| {
+            found = is_met(hit.proxy, hit.distance);
+            if found {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        });
+        found
+    }
+
+    /// Calls `found` with every box that is no farther from a point than `max_distance`, each once,
+    /// in no particular order. None if the point is not finite, or `max_distance` negative or NaN.
+    #[doc(alias("radius", "range search", "within distance"))]
+    pub fn for_each_within<F: Flow>(
+        &self,
+        point: impl Into<Vec3A>,
+        max_distance: f32,
+        mut found: impl FnMut(Hit) -> F,
+    ) {
+        let (measure, limit) = PointDistance::<false>::new(point.into(), max_distance);
+        self.search(&measure, limit, |proxy, distance| {
+            if found(Hit { proxy, distance }).goes_on() {
+                ControlFlow::Continue(limit)
+            } else {
+                ControlFlow::Break(())
+            }
+        });
+    }
+
     /// Returns the box nearest to a point, no farther than `max_distance`; of several as near, that
     /// of the lowest handle. `None` too if the point is not finite, or `max_distance` negative or
     /// NaN.
@@ -160,29 +208,80 @@ impl SpatialIndex {
         k: usize,
         max_distance: f32,
         hits: &mut Vec<Hit>,
-        mut distance: impl FnMut(ProxyId, f32) -> Option<f32>,
+        distance: impl FnMut(ProxyId, f32) -> Option<f32>,
     ) {
         hits.clear();
+        self.append_nearest(point, k, max_distance, hits, distance);
+    }
+
+    /// Appends the nearest `k` objects: see [`k_nearest_with`](Self::k_nearest_with).
+    fn append_nearest(
+        &self,
+        point: impl Into<Vec3A>,
+        k: usize,
+        max_distance: f32,
+        hits: &mut Vec<Hit>,
+        mut distance: impl FnMut(ProxyId, f32) -> Option<f32>,
+    ) {
         if k == 0 {
             return;
         }
+        let start = hits.len();
         let (measure, mut limit) = PointDistance::<true>::new(point.into(), max_distance);
         self.search(&measure, limit, |proxy, bound| {
             if let Some(distance) = distance(proxy, bound)
                 && distance <= limit
             {
                 let hit = Hit { proxy, distance };
-                let rank = hits.partition_point(|other| other.is_before(&hit));
+                let rank = hits[start..].partition_point(|other| other.is_before(&hit));
                 if rank < k {
-                    hits.truncate(k - 1);
-                    hits.insert(rank, hit);
+                    hits.truncate(start.saturating_add(k - 1));
+                    hits.insert(start + rank, hit);
                 }
-                if hits.len() == k {
-                    limit = hits[k - 1].distance;
+                if let Some(last) = hits[start..].get(k - 1) {
+                    limit = last.distance;
                 }
             }
             ControlFlow::Continue(limit)
         });
+    }
+
+    /// Casts many at once, each as [`cast`](Self::cast), side by side on the threads of the
+    /// [`ComputeTaskPool`](bevy::tasks::ComputeTaskPool) with the feature `multi_threaded`. The
+    /// answers replace what is in `hits`, in the order of the casts, whatever the number of threads.
+    #[doc(alias = "batch")]
+    pub fn cast_each(&self, casts: &[impl Cast + Sync], hits: &mut Vec<Option<Hit>>) {
+        lists::answer_each(casts, hits, |cast| self.cast(cast));
+    }
+
+    /// Finds the box nearest to each of many points, as [`nearest`](Self::nearest), side by side as
+    /// [`cast_each`](Self::cast_each).
+    #[doc(alias = "batch")]
+    pub fn nearest_of_each(&self, points: &[Vec3], max_distance: f32, hits: &mut Vec<Option<Hit>>) {
+        lists::answer_each(points, hits, |point| self.nearest(*point, max_distance));
+    }
+
+    /// Finds the `k` boxes nearest to each of many points, as [`k_nearest`](Self::k_nearest), side
+    /// by side as [`cast_each`](Self::cast_each).
+    #[doc(alias("knn", "batch"))]
+    pub fn k_nearest_of_each(
+        &self,
+        points: &[Vec3],
+        k: usize,
+        max_distance: f32,
+        hits: &mut HitLists<Hit>,
+    ) {
+        hits.fill(points, |point, hits| {
+            self.append_nearest(*point, k, max_distance, hits, |_, distance| Some(distance));
+        });
+    }
+
+    /// The linear octree, if that is at work.
+    pub(super) fn linear(&self) -> Option<&LinearOctree> {
+        // The engine, or the one that it hands its work to.
+        let engine = self.engine();
+        let engine: &dyn Any = engine.inner().unwrap_or(engine);
+        engine.downcast_ref()
     }
 
     /// The object with the smallest distance.
@@ -226,10 +325,7 @@ impl SpatialIndex {
                 ControlFlow::Break(()) => return,
             }
         }
-        // The engine, or the one that it hands its work to.
-        let engine = self.engine();
-        let engine: &dyn Any = engine.inner().unwrap_or(engine);
-        match engine.downcast_ref::<LinearOctree>() {
+        match self.linear() {
             Some(linear) => linear.search(self.proxies(), measure, limit, visit),
             None => self.traverse(&mut Walk {
                 measure,

@@ -13,12 +13,12 @@ use super::*;
 use crate::broad_phase::{BroadPhaseMethod, ProxyId, SpatialIndex, overlap};
 
 /// Places are in units of a quarter, so that sides are met exactly, and often.
-fn place() -> impl Strategy<Value = Vec3> {
+pub fn place() -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(-24_i8..24).prop_map(|at| Vec3::from(at.map(f32::from)) * 0.25)
 }
 
 /// A box; flat ones and points among them.
-fn a_box() -> impl Strategy<Value = Aabb3d> {
+pub fn a_box() -> impl Strategy<Value = Aabb3d> {
     let half = prop::array::uniform3(prop::sample::select(vec![
         0.0_f32, 0.25, 0.5, 0.5, 1.0, 4.0,
     ]));
@@ -26,7 +26,7 @@ fn a_box() -> impl Strategy<Value = Aabb3d> {
 }
 
 /// A direction, often along an axis or a diagonal.
-fn direction() -> impl Strategy<Value = Dir3> {
+pub fn direction() -> impl Strategy<Value = Dir3> {
     prop_oneof![
         prop::array::uniform3(-1_i8..=1).prop_map(|d| d.map(f32::from)),
         prop::array::uniform3(-1.0_f32..1.0),
@@ -38,14 +38,14 @@ fn direction() -> impl Strategy<Value = Dir3> {
 
 /// What happens to the boxes before they are queried, tick by tick.
 #[derive(Clone, Debug)]
-enum Change {
+pub enum Change {
     Move(usize, Vec3),
     Drift(Vec3),
     Remove(usize),
     Tick,
 }
 
-fn change() -> impl Strategy<Value = Change> {
+pub fn change() -> impl Strategy<Value = Change> {
     prop_oneof![
         4 => (any::<usize>(), place()).prop_map(|(which, to)| Change::Move(which, to)),
         2 => place().prop_map(|by| Change::Drift(by / 64.0)),
@@ -55,7 +55,7 @@ fn change() -> impl Strategy<Value = Change> {
 }
 
 /// The same boxes by all methods.
-fn worlds(boxes: &[Aabb3d], changes: &[Change]) -> Vec<SpatialIndex> {
+pub fn worlds(boxes: &[Aabb3d], changes: &[Change]) -> Vec<SpatialIndex> {
     let methods = ["auto", "linear", "object", "exhaustive"];
     let world = |name: &str| {
         let mut index = SpatialIndex::new(&name.parse::<BroadPhaseMethod>().unwrap());
@@ -117,7 +117,7 @@ fn expected(index: &SpatialIndex, test: impl Fn(&Aabb3d) -> bool) -> Vec<ProxyId
 }
 
 /// Objects by distance, as far as they have one.
-fn by_distance(index: &SpatialIndex, distance: impl Fn(&Aabb3d) -> Option<f32>) -> Vec<Hit> {
+pub fn by_distance(index: &SpatialIndex, distance: impl Fn(&Aabb3d) -> Option<f32>) -> Vec<Hit> {
     let hit = |(proxy, aabb)| distance(aabb).map(|distance| Hit { proxy, distance });
     let mut hits: Vec<Hit> = index.proxies().iter().filter_map(hit).collect();
     hits.sort_by(|a, b| {
@@ -129,7 +129,7 @@ fn by_distance(index: &SpatialIndex, distance: impl Fn(&Aabb3d) -> Option<f32>) 
 }
 
 /// The interval of the way during which a box that moves is in another, axis by axis.
-fn meets(cast: &AabbCast3d, aabb: &Aabb3d) -> Option<f32> {
+pub fn meets(cast: &AabbCast3d, aabb: &Aabb3d) -> Option<f32> {
     let (mut enter, mut leave) = (0.0_f32, cast.ray.max);
     for axis in 0..3 {
         let (origin, d) = (cast.ray.origin[axis], cast.ray.direction[axis]);
@@ -147,7 +147,7 @@ fn meets(cast: &AabbCast3d, aabb: &Aabb3d) -> Option<f32> {
     (enter <= leave).then_some(enter)
 }
 
-fn distance(point: Vec3, aabb: &Aabb3d) -> f32 {
+pub fn distance(point: Vec3, aabb: &Aabb3d) -> f32 {
     let point = Vec3A::from(point);
     (point.clamp(aabb.min, aabb.max) - point)
         .as_dvec3()

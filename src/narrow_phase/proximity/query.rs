@@ -1,5 +1,7 @@
 //! Distances of placed shapes, from a point and from each other.
 
+use std::ops::RangeInclusive;
+
 use bevy::math::{Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
@@ -52,6 +54,10 @@ impl NarrowPhase {
                 .then(|| parry::closest_point(target, point))
                 .flatten();
             return closest.filter(|closest| closest.is_finite());
+        }
+        if let Some(closest) = closest_on_sphere(target, point) {
+            let closest = point + Vec3::from(closest);
+            return closest.is_finite().then_some(closest);
         }
         let (at_point, here) = (
             Shape::Sphere { radius: 0.0 },
@@ -112,6 +118,9 @@ impl NarrowPhase {
             return found;
         }
         let (first, second, swapped) = in_order(a, b);
+        if let Some(points) = spheres(first, second) {
+            return found(first, points, swapped);
+        }
         let points = match PlacedPair::new(first, second, self.tolerance()) {
             Ok(pair) if pair.is_wide() => match Smaller::of(&pair, self) {
                 Some(smaller) => {
@@ -128,19 +137,67 @@ impl NarrowPhase {
             Err(BoundsError::Unbounded) => unbounded(first, second),
             Err(BoundsError::NonFinite) => None,
         };
-        let [mut from, mut to] = points?;
-        if swapped {
-            std::mem::swap(&mut from, &mut to);
-        }
-        let (origin, offset) = (first.transform.translation, to - from);
-        let points = [from, to].map(|point| origin + Vec3::from(point));
-        Proximity {
-            distance: length(offset),
-            points,
-            offset: offset.into(),
-        }
-        .if_finite()
+        found(first, points?, swapped)
     }
+}
+
+/// What was found in the frame of the first, by the order in which it was asked for.
+fn found(first: Placed, [mut from, mut to]: [Vec3A; 2], swapped: bool) -> Option<Proximity> {
+    if swapped {
+        std::mem::swap(&mut from, &mut to);
+    }
+    let (origin, offset) = (first.transform.translation, to - from);
+    let points = [from, to].map(|point| origin + Vec3::from(point));
+    Proximity {
+        distance: length(offset),
+        points,
+        offset: offset.into(),
+    }
+    .if_finite()
+}
+
+/// Numbers with which spheres are quick to look at.
+const FAIR: RangeInclusive<f32> = 1e-8..=1e8;
+
+/// The radius of a sphere; `None` of another shape, or where a number is so large or so small, or so
+/// wrong, that it had better be looked at as all others are.
+#[inline]
+fn fair_radius(placed: Placed) -> Option<f32> {
+    let Shape::Sphere { radius } = placed.shape else {
+        return None;
+    };
+    let Transform {
+        rotation, scale, ..
+    } = placed.transform;
+    let radius = radius.abs() * scale.abs().max_element();
+    let is_fair =
+        FAIR.contains(&radius) && scale.is_finite() && FAIR.contains(&rotation.length_squared());
+    is_fair.then_some(radius)
+}
+
+/// The point of a sphere that is closest to the origin, which is the same as
+/// [`closest_to_center`] finds, to the last bit, in a fraction of the steps.
+#[inline]
+fn closest_on_sphere(sphere: Placed, origin: Vec3) -> Option<Vec3A> {
+    let radius = fair_radius(sphere)?;
+    let offset = Vec3A::from(sphere.transform.translation - origin);
+    let is_fair = offset.is_finite() && offset.abs().max_element() <= *FAIR.end();
+    is_fair.then(|| offset * (1.0 - (radius / offset.length()).min(1.0)))
+}
+
+/// The closest points of two spheres, in the frame of the first: the same as [`sphere_other`] finds,
+/// to the last bit.
+#[inline]
+fn spheres(first: Placed, second: Placed) -> Option<[Vec3A; 2]> {
+    let radius = fair_radius(first)?;
+    let on_second = closest_on_sphere(second, first.transform.translation)?;
+    let distance = on_second.length();
+    let on_first = if distance > radius {
+        on_second * (radius / distance)
+    } else {
+        on_second
+    };
+    Some([on_first, on_second])
 }
 
 /// What was found at a smaller scale, by the order in which it was asked for.
@@ -218,4 +275,47 @@ fn closest_to_center(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec
 fn unbounded(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
     let is_finite = a.transform.is_finite() && b.transform.is_finite();
     is_finite.then(|| parry::closest_points(a, b)).flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spheres_are_as_near_as_any_two_shapes() {
+        let mut random = fastrand::Rng::with_seed(5);
+        let mut vector = |reach: f32| {
+            Vec3::from_array(std::array::from_fn(|_| (random.f32() * 2.0 - 1.0) * reach))
+        };
+        let mut workspace = Workspace::default();
+        for round in 0..3000 {
+            let size = 10_f32.powi(round % 30 - 15);
+            let mut ball = || {
+                let radius = [vector(size).x, size, 0.0][round as usize / 7 % 3];
+                let turn = bevy::math::Quat::from_vec4(vector(1.0).extend(0.4));
+                let at = Transform::from_translation(vector(3.0 * size)).with_rotation(turn);
+                (Shape::Sphere { radius }, at.with_scale(vector(2.0)))
+            };
+            let ((a, at_a), (b, mut at_b)) = (ball(), ball());
+            if round % 11 == 0 {
+                at_b.translation = at_a.translation;
+            }
+            let (a, b) = (Placed::new(&a, &at_a), Placed::new(&b, &at_b));
+            if let Some(points) = spheres(a, b) {
+                let pair = PlacedPair::new(a, b, 1e-6).unwrap();
+                assert!(!pair.is_wide());
+                assert_eq!(local_points(&pair, &mut workspace), Some(points));
+            }
+            let point = at_a.translation;
+            if let Some(closest) = closest_on_sphere(b, point) {
+                let (sphere, here) = (
+                    Shape::Sphere { radius: 0.0 },
+                    Transform::from_translation(point),
+                );
+                let at_point = Placed::new(&sphere, &here);
+                let pair = PlacedPair::of_point(at_point, b, 1e-6).unwrap();
+                assert_eq!(closest_to_center(&pair, &mut workspace), Some(closest));
+            }
+        }
+    }
 }

@@ -1,11 +1,13 @@
 //! Measures the crate by itself: `cargo run --release -p study --
-//! timing|growth|scaling|stress|swept|record|replay`; beside others, that is what `peers` is for.
+//! timing|growth|scaling|stress|swept|neighbors|record|replay`; beside others, that is what `peers`
+//! is for.
 //!
 //! - `timing`: the timing study of the 1994 report, with statistics. See [`timing`].
 //! - `growth`: time and memory of the broad phase, from a thousand objects to a million.
 //! - `scaling`: each stage on one thread and on two, and what follows for more.
 //! - `stress`: a stress scene in a headless app, by stage.
 //! - `swept`: what continuous detection costs, in a crowd and in free flight.
+//! - `neighbors`: units that ask who is near, against a grid. See [`neighbors`].
 //! - `record`, `replay`: traces of boxes, written and put through the broad phase.
 //!
 //! `--help` after any of them explains its arguments. `cargo bench -p study` measures one thing at
@@ -14,6 +16,7 @@
 #[path = "../../../tests/common/brute_force.rs"]
 mod brute_force;
 mod growth;
+mod neighbors;
 #[path = "../../../examples/common/outcome.rs"]
 mod outcome;
 #[path = "../../common/plot.rs"]
@@ -51,6 +54,7 @@ enum Verb {
     Scaling(scaling::Arguments),
     Stress(stress::Arguments),
     Swept(swept::Arguments),
+    Neighbors(neighbors::Arguments),
     Record(record::Arguments),
     Replay(replay::Arguments),
 }
@@ -62,6 +66,7 @@ fn main() -> ExitCode {
         Verb::Scaling(arguments) => scaling::run(arguments),
         Verb::Stress(arguments) => stress::run(&arguments),
         Verb::Swept(arguments) => swept::run(&arguments),
+        Verb::Neighbors(arguments) => neighbors::run(&arguments),
         Verb::Record(arguments) => record::run(&arguments),
         Verb::Replay(arguments) => replay::run(&arguments),
     })
