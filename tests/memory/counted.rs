@@ -147,7 +147,8 @@ fn a_crowd_takes_as_much_as_ever_and_all_of_it_is_counted() {
     for method in METHODS {
         let before = live();
         let mut crowd = Crowd::new(method, 300);
-        assert_flat(method, 4000, 4000, || crowd.tick());
+        // Some lists are seldom as long as they can be.
+        assert_flat(method, 16_000, 16_000, || crowd.tick());
         let taken = live() - before - crowd.objects.capacity() * size_of::<(ProxyId, Vec3, Vec3)>();
         let told = crowd.index.memory_bytes();
         assert!(
