@@ -229,7 +229,7 @@ fn it_meets_what_one_that_goes_on_meets_up_to_the_first_solid() {
     };
     let (mut stopped, mut passed) = (0, 0);
     for (stops, goes_on) in scene(Swept::stopping()).iter().zip(scene(Swept::default())) {
-        let is_solid = |number: usize| number % 4 != 0;
+        let is_solid = |number: usize| !number.is_multiple_of(4);
         let first = goes_on.iter().position(|(number, _)| is_solid(*number));
         let expected = &goes_on[..first.map_or(goes_on.len(), |first| first + 1)];
         let numbers = |met: &[(usize, f32)]| met.iter().map(|met| met.0).collect::<Vec<_>>();

@@ -36,7 +36,8 @@ impl Moments<'_> {
             far.max(pose.translation.abs().max_element())
         });
         let radii = radius_a + radius_b;
-        if !(radii + far < LARGE) {
+        let extent = radii + far;
+        if extent.is_nan() || extent >= LARGE {
             return false;
         }
         // What counts as contact anywhere, and what rounding makes of positions and times.

@@ -104,7 +104,7 @@ impl Body {
     /// The share of the cube around it that it fills.
     fn volume(self) -> f32 {
         match self {
-            Self::Ball => 0.5236,
+            Self::Ball => std::f32::consts::FRAC_PI_6,
             Self::Upright | Self::Turned | Self::Turning => 1.0,
             Self::Convex => 1.0 / 6.0,
             Self::Icosahedron => 0.3170,

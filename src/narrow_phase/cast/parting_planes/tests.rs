@@ -21,8 +21,7 @@ fn solids() -> Vec<Shape> {
     let around = [[2, 4], [4, 3], [3, 5], [5, 2]];
     let sides = around.map(|[a, b]| [0, a, b]).into_iter();
     let sides: Vec<_> = sides.chain(around.map(|[a, b]| [1, b, a])).collect();
-    let corners = (0..7u16)
-        .map(|corner| Vec3::from(Quat::from_rotation_y(0.9 * f32::from(corner)) * Vec3::X));
+    let corners = (0..7u16).map(|corner| Quat::from_rotation_y(0.9 * f32::from(corner)) * Vec3::X);
     let ring: Vec<_> = corners
         .clone()
         .chain(corners.map(|corner| corner + Vec3::Y))
