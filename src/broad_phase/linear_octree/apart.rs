@@ -15,10 +15,7 @@ impl LinearOctree {
         let mut escaped = std::mem::take(&mut self.escaped);
         for slot in &mut escaped {
             let index = *slot as usize;
-            let id = self.owners[index];
-            if index < self.sorted
-                && self.anchors[index].is_fast(self.tick, &proxies.boxes()[id as usize])
-            {
+            if index < self.sorted && self.anchors[index].is_fast(self.tick, &self.boxes[index]) {
                 *slot = self.move_to_end(*slot);
             }
         }

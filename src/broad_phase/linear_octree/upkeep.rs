@@ -206,9 +206,10 @@ impl LinearOctree {
                 self.owners[index], NONE,
                 "nothing is in an empty slot to leave it"
             );
-            let aabb = &proxies.boxes()[self.owners[index] as usize];
-            let skin = self.anchors[index].renew(self.tick, aabb, horizon);
-            self.tree.set(index, &skin.unwrap_or(*aabb));
+            // As it was gathered, near those of the slots around.
+            let aabb = self.boxes[index];
+            let skin = self.anchors[index].renew(self.tick, &aabb, horizon);
+            self.tree.set(index, &skin.unwrap_or(aabb));
             if one_by_one {
                 self.tree.refit_above(index);
             }
