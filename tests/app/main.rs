@@ -9,6 +9,7 @@ mod cast_options;
 mod common;
 mod conservation;
 mod contact_events;
+mod contact_histories;
 mod contacts;
 #[cfg(feature = "debug_draw")]
 mod debug_draw;

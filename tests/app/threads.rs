@@ -137,7 +137,9 @@ impl Crowd {
             1 => world.spawn((shape, turned, Spinning)).id(),
             2 => world.spawn((shape, at, velocity, Bounce::Reverse)).id(),
             3 => world.spawn((shape, at, velocity, reflect)).id(),
-            4 if number % 70 == 4 => world.spawn((shape, at, velocity, reflect, Swept::default())).id(),
+            4 if number % 70 == 4 => world
+                .spawn((shape, at, velocity, reflect, Swept::default()))
+                .id(),
             5 if number % 20 == 5 => {
                 let parent = world.spawn((shape.clone(), at, velocity)).id();
                 let arm = Transform::from_xyz(0.0, 0.8, 0.0);
