@@ -20,7 +20,7 @@ use crate::{
     schedule::{CollisionSystems, add_to_tick},
     settings::BroadPhaseSettings,
     shear::{self, Sheared},
-    swept,
+    swept::{self, Swept},
     way::SweptWay,
 };
 
@@ -96,7 +96,7 @@ fn maintain(
     (settings, tests, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhase>, Res<Upkeep>),
     mut boxes: Query<Boxed, With<BroadPhaseProxy>>,
     newcomers: Query<(&Archetype, FilterParts)>,
-    sheared: Query<&Sheared>,
+    (sheared, swept): (Query<&Sheared>, Query<(), With<Swept>>),
     mut counters: ResMut<CollisionCounters>,
     (mut jobs, mut left): (Local<Vec<Job>>, Local<Vec<Entity>>),
 ) {
@@ -104,6 +104,9 @@ fn maintain(
     index.set_method(&settings.method, settings.pair_kinds);
     if tests.is_changed() {
         index.search_all();
+    }
+    if swept.is_empty() {
+        index.forget_starts();
     }
     left.clear();
     match boxes.contiguous_iter() {

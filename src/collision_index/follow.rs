@@ -122,6 +122,11 @@ impl CollisionIndex {
         self.index.note_moved(moved);
     }
 
+    /// Takes note that nobody is on a way.
+    pub(crate) fn forget_starts(&mut self) {
+        self.starts.clear();
+    }
+
     /// Makes room for the starts of ways of all that are in the index.
     pub(crate) fn make_room_for_starts(&mut self) {
         self.starts

@@ -326,7 +326,11 @@ impl Contacts {
         let mut found = verdicts.geometry().iter().peekable();
         let mut impacts = self.impacts.iter().peekable();
         let mut last = last.iter().peekable();
-        for contact in self.all.iter().filter(|contact| watch.wants(&contact.key)) {
+        for contact in self
+            .all
+            .iter()
+            .filter(|contact| watch.wants(contact.key.ids))
+        {
             let key = &contact.key;
             let on_the_way =
                 seek(&mut impacts, key, |impact| impact.key).map(|impact| impact.met.contact);

@@ -9,6 +9,7 @@ use super::{
     pair::{ContactKey, SweptContact, reversed},
     settings::{CollisionEventSettings, CollisionEventsEnabled},
     verdicts::Verdicts,
+    watched::Watch,
 };
 use crate::{
     broad_phase::{EVERYWHERE, Pair},
@@ -76,6 +77,9 @@ const GATHERED: usize = 64;
 #[derive(Default)]
 struct Job {
     workspace: Workspace,
+    /// Pairs of which more is to be found out than whether they are in contact at the end of the
+    /// tick.
+    aside: Vec<Pair>,
 }
 
 /// The memory of the exact tests.
@@ -112,56 +116,27 @@ fn test_candidates(
     if memory.jobs.len() < needed {
         memory.jobs.resize_with(needed, Job::default);
     }
-    if verdicts.watch.is_idle() && !index.has_swept() {
-        let buckets = if parallel::is_on() {
-            Buckets::up_to(index.highest_entity())
-        } else {
-            Buckets::ONE
-        };
-        let found = verdicts.begin_jobs(candidates.len().div_ceil(CANDIDATES), buckets);
-        let jobs = memory.jobs.iter_mut().zip(found);
-        let jobs = candidates.chunks(CANDIDATES).zip(jobs);
-        parallel::for_each(jobs, |(candidates, (job, found))| {
-            for candidates in candidates.chunks(GATHERED) {
-                test_some(&index, &tests, candidates, &mut job.workspace, found);
-            }
-            found.divide(buckets);
-        });
+    let buckets = if parallel::is_on() {
+        Buckets::up_to(index.highest_entity())
     } else {
-        let workspace = &mut memory.jobs[0].workspace;
-        for pair in candidates.iter().copied().filter_map(in_order) {
-            // One may be gone.
-            if ![pair.a, pair.b].iter().all(|id| index.body(*id).is_some()) {
-                continue;
-            }
-            // Which of the two comes first, is not up to their handles.
-            let key = ContactKey::of(pair, &index);
-            let contact = match index.candidate(key.ids) {
-                None => continue,
-                Some(Candidate::OnTheWay([a, b])) => {
-                    if let Some(met) = tests.time_of_impact(&a, &b, workspace) {
-                        let met = if key.is_reversed() {
-                            reversed(met)
-                        } else {
-                            met
-                        };
-                        verdicts.meet(SweptContact { pair, met });
-                    }
-                    continue;
-                }
-                Some(Candidate::AtTheEnd([a, b])) if verdicts.watch.wants(&key) => {
-                    tests.contact(a, b, workspace).map(Some)
-                }
-                Some(Candidate::AtTheEnd([a, b])) => {
-                    tests.intersects(a, b, workspace).then_some(None)
-                }
-            };
-            if let Some(geometry) = contact {
-                verdicts.touch(key, geometry);
-            }
+        Buckets::ONE
+    };
+    let (watch, found) = verdicts.begin_jobs(candidates.len().div_ceil(CANDIDATES), buckets);
+    let jobs = memory.jobs.iter_mut().zip(found);
+    let jobs = candidates.chunks(CANDIDATES).zip(jobs);
+    parallel::for_each(jobs, |(candidates, (job, found))| {
+        for candidates in candidates.chunks(GATHERED) {
+            test_some((&index, &tests, watch), candidates, job, found);
         }
-        verdicts.sort_impacts();
+        found.divide(buckets);
+    });
+    for job in &mut memory.jobs[..needed] {
+        let Job { workspace, aside } = job;
+        for pair in aside.drain(..).filter_map(in_order) {
+            test_with_care(&index, &tests, pair, workspace, verdicts);
+        }
     }
+    verdicts.sort_impacts();
     counters.tick.stages = StageCounters::default();
     for job in &mut memory.jobs {
         counters.tick.stages += std::mem::take(&mut job.workspace.counters);
@@ -177,13 +152,46 @@ fn test_candidates(
     }
 }
 
-/// Lists those of some candidates that are in contact at the end of the tick, of which nobody is
-/// swept and nobody asked where.
-fn test_some(
+/// Finds out when and how two met of which one is swept, or where two touch of which somebody asked.
+fn test_with_care(
     index: &CollisionIndex,
     tests: &NarrowPhase,
-    candidates: &[Pair],
+    pair: Pair,
     workspace: &mut Workspace,
+    verdicts: &mut Verdicts,
+) {
+    // One may be gone.
+    if ![pair.a, pair.b].iter().all(|id| index.body(*id).is_some()) {
+        return;
+    }
+    // Which of the two comes first, is not up to their handles.
+    let key = ContactKey::of(pair, index);
+    match index.candidate(key.ids) {
+        None => {}
+        Some(Candidate::OnTheWay([a, b])) => {
+            if let Some(met) = tests.time_of_impact(&a, &b, workspace) {
+                let met = if key.is_reversed() {
+                    reversed(met)
+                } else {
+                    met
+                };
+                verdicts.meet(SweptContact { pair, met });
+            }
+        }
+        Some(Candidate::AtTheEnd([a, b])) => {
+            if let Some(geometry) = tests.contact(a, b, workspace) {
+                verdicts.touch(key, geometry);
+            }
+        }
+    }
+}
+
+/// Lists those of some candidates that are in contact at the end of the tick, and puts those aside
+/// of which one is swept, or somebody asked where they touch.
+fn test_some(
+    (index, tests, watch): (&CollisionIndex, &NarrowPhase, &Watch),
+    candidates: &[Pair],
+    Job { workspace, aside }: &mut Job,
     found: &mut Found,
 ) {
     let mut boxes = [[EVERYWHERE; GATHERED]; 2];
@@ -199,11 +207,17 @@ fn test_some(
     }
     let mut touching = [0; GATHERED];
     let mut count = 0;
+    let some_aside = index.has_swept() || !watch.is_idle();
     for (number, pair) in candidates.iter().enumerate() {
+        let ids = [pair.a, pair.b];
+        if some_aside && (watch.wants(ids) || ids.iter().any(|id| index.is_on_its_way(*id))) {
+            aside.push(*pair);
+            continue;
+        }
         let [a, b] = [0, 1].map(|side| (fits[side][number], &boxes[side][number]));
         let touch = tests.certainly_intersect(a, b, &mut workspace.counters)
             || index
-                .placed([pair.a, pair.b])
+                .placed(ids)
                 .is_some_and(|[a, b]| tests.intersects(a, b, workspace));
         touching[count] = number;
         count += usize::from(touch);

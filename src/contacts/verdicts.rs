@@ -62,21 +62,20 @@ impl Verdicts {
 
     /// Where so many jobs are to put those that are in contact, of which nobody asked where, each
     /// divided into these buckets.
-    pub(super) fn begin_jobs(&mut self, jobs: usize, buckets: Buckets) -> &mut [Found] {
+    pub(super) fn begin_jobs(&mut self, jobs: usize, buckets: Buckets) -> (&Watch, &mut [Found]) {
         (self.jobs, self.buckets) = (jobs, buckets);
         if self.found_by_job.len() < jobs {
             self.found_by_job.resize_with(jobs, Found::default);
         }
         let found = &mut self.found_by_job[..jobs];
         found.iter_mut().for_each(Found::clear);
-        found
+        (&self.watch, found)
     }
 
-    /// These two are in contact.
-    pub(super) fn touch(&mut self, key: ContactKey, geometry: Option<Contact>) {
+    /// These two are in contact, and somebody asked where.
+    pub(super) fn touch(&mut self, key: ContactKey, geometry: Contact) {
         self.found.push(key);
-        self.geometry
-            .extend(geometry.map(|geometry| (key, geometry)));
+        self.geometry.push((key, geometry));
     }
 
     /// These two met on the way.
@@ -120,6 +119,7 @@ impl Verdicts {
         if self.displaced.is_empty() {
             return;
         }
+        self.collect();
         let displaced = &self.displaced;
         self.found.retain(|key| !is_one_of(displaced, key.ids));
         self.geometry
@@ -137,18 +137,24 @@ impl Verdicts {
 
     /// What jobs have found, in these buckets, if that is all there is.
     pub(super) fn by_job(&self) -> Option<(&[Found], Buckets)> {
-        debug_assert!(self.jobs == 0 || (self.found.is_empty() && self.impacts.is_empty()));
-        let is_all = self.jobs > 0 && !self.may_repeat && self.found_later.is_empty();
+        let no_others =
+            self.found.is_empty() && self.impacts.is_empty() && self.found_later.is_empty();
+        let is_all = self.jobs > 0 && !self.may_repeat && no_others;
         is_all.then(|| (&self.found_by_job[..self.jobs], self.buckets))
+    }
+
+    /// Puts what jobs have found to all else.
+    fn collect(&mut self) {
+        for found in &self.found_by_job[..self.jobs] {
+            self.found.extend_from_slice(found.all());
+        }
+        self.jobs = 0;
     }
 
     /// Puts all in the order of keys: those in contact once each, those that met on the way among
     /// them. Returns these, the first time of each, which replace those of the last tick.
     pub(super) fn sort(&mut self, index: &CollisionIndex, impacts: &mut Vec<KeyedImpact>) {
-        for found in &self.found_by_job[..self.jobs] {
-            self.found.extend_from_slice(found.all());
-        }
-        self.jobs = 0;
+        self.collect();
         for (pair, contact) in self.found_later.drain(..) {
             let key = ContactKey::of(pair, index);
             let contact = if key.is_reversed() {

@@ -78,14 +78,14 @@ impl Watch {
 
     /// Has somebody asked about the contact of these two?
     #[inline]
-    pub(super) fn wants(&self, key: &ContactKey) -> bool {
-        self.all || self.enabled(key).contains(&true)
+    pub(super) fn wants(&self, ids: [ProxyId; 2]) -> bool {
+        self.all || self.enabled(ids).contains(&true)
     }
 
     /// The contact, with all that is to be known of it.
     pub(super) fn watched(&self, contact: ContactPair, geometry: Contact) -> WatchedContact {
         let hears = contact.hears();
-        let asks = self.enabled(&contact.key);
+        let asks = self.enabled(contact.key.ids);
         let enabled = [asks[0] && hears[0], asks[1] && hears[1]];
         let observed = if self.all_observed { hears } else { enabled };
         WatchedContact {
@@ -97,8 +97,7 @@ impl Watch {
     }
 
     #[inline]
-    fn enabled(&self, key: &ContactKey) -> [bool; 2] {
-        key.ids
-            .map(|id| self.enabled.get(id.index()).is_some_and(|enabled| *enabled))
+    fn enabled(&self, ids: [ProxyId; 2]) -> [bool; 2] {
+        ids.map(|id| self.enabled.get(id.index()).is_some_and(|enabled| *enabled))
     }
 }

@@ -35,10 +35,12 @@ struct Meeting {
     versions: [u32; 2],
     /// Is neither on a way? Then they touch at the end of the tick, if nothing happens before.
     at_end: bool,
+    /// The two entities, the lower index first: handles do not decide who answers first.
+    entities: [(u32, u32); 2],
 }
 
 /// By time; where times are equal, those first that come nearer to each other the least, and then
-/// by pair. What slides into a corner, or falls a little while it slides, thus answers to what it
+/// by entities. What slides into a corner, or falls a little while it slides, thus answers to what it
 /// is on before it answers to what it is up against.
 impl Ord for Meeting {
     fn cmp(&self, other: &Self) -> Ordering {
@@ -46,9 +48,19 @@ impl Ord for Meeting {
             .time
             .total_cmp(&other.met.time)
             .then(self.closing.total_cmp(&other.closing))
+            .then(self.entities.cmp(&other.entities))
             .then(self.pair.cmp(&other.pair))
             .then(self.versions.cmp(&other.versions))
     }
+}
+
+/// The entities of a pair, by index and generation, the lower first.
+fn in_order(index: &CollisionIndex, pair: Pair) -> [(u32, u32); 2] {
+    let mut both = index
+        .entities(pair)
+        .map(|entity| (entity.index_u32(), entity.generation().to_bits()));
+    both.sort_unstable();
+    both
 }
 
 impl PartialOrd for Meeting {
@@ -185,6 +197,7 @@ impl Resolver {
                 pair,
                 met,
                 closing,
+                entities: in_order(index, pair),
                 versions: [0; 2],
                 at_end: false,
             }))
@@ -438,6 +451,7 @@ impl Resolver {
                 closing,
                 versions,
                 at_end: false,
+                entities: in_order(index, pair),
             });
         }
         let (at_a, at_b) = (a.at(1.0), b.at(1.0));
@@ -452,6 +466,7 @@ impl Resolver {
             closing: 0.0,
             versions,
             at_end: true,
+            entities: in_order(index, pair),
         })
     }
 

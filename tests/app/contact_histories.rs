@@ -503,11 +503,12 @@ const PLAIN: Kind = Kind {
 const SEEDS: u64 = 150;
 
 #[test]
-fn plain() {
+fn all_is_as_if_looked_at_anew() {
     check(PLAIN, 0..SEEDS);
 }
+
 #[test]
-fn with_bounces() {
+fn all_is_as_if_looked_at_anew_with_bounces() {
     check(
         Kind {
             bounces: true,
@@ -516,18 +517,9 @@ fn with_bounces() {
         0..SEEDS,
     );
 }
+
 #[test]
-fn with_candidates() {
-    check(
-        Kind {
-            candidates: true,
-            ..PLAIN
-        },
-        0..SEEDS,
-    );
-}
-#[test]
-fn with_boxes() {
+fn all_is_as_if_looked_at_anew_where_boxes_are_enlarged() {
     check(
         Kind {
             boxes: true,
@@ -536,18 +528,9 @@ fn with_boxes() {
         0..SEEDS,
     );
 }
+
 #[test]
-fn with_flushes() {
-    check(
-        Kind {
-            flush: true,
-            ..PLAIN
-        },
-        0..SEEDS,
-    );
-}
-#[test]
-fn with_skips() {
+fn all_is_as_if_looked_at_anew_where_sets_are_skipped() {
     check(
         Kind {
             skips: true,
@@ -556,37 +539,14 @@ fn with_skips() {
         0..SEEDS,
     );
 }
+
 #[test]
-fn with_replaced() {
-    check(
-        Kind {
-            replaces: true,
-            ..PLAIN
-        },
-        0..SEEDS,
-    );
-}
-#[test]
-fn with_flushes_and_bounces() {
+fn all_is_as_if_looked_at_anew_with_bounces_and_updates_between_sets() {
     check(
         Kind {
             flush: true,
             bounces: true,
             ..PLAIN
-        },
-        0..SEEDS,
-    );
-}
-#[test]
-fn with_all() {
-    check(
-        Kind {
-            candidates: true,
-            boxes: true,
-            flush: true,
-            skips: true,
-            replaces: true,
-            bounces: false,
         },
         0..SEEDS,
     );
