@@ -400,8 +400,7 @@ type Seen = (Vec<[usize; 2]>, Vec<[usize; 2]>, Vec<[usize; 2]>, Vec<Vec3>);
 /// A random history in which things change before ticks, with or without updates of the index
 /// anywhere in them.
 ///
-/// Where things come and go, nothing bounces, for the order of contacts is that of handles, and an
-/// update may have a handle used again earlier.
+/// Where things come and go, nothing bounces: `contact_histories` has both.
 fn history(seed: u64, flush: bool, bounces: bool) -> Vec<Seen> {
     const COUNT: usize = 16;
     let mut rng = Rng::with_seed(seed);
