@@ -61,7 +61,7 @@ fn memory_stays_flat() {
             _ => ball(&mut many, center, velocity, ()),
         }
     }
-    let [early, late] = early_and_late(&mut many, 4_000);
+    let [early, late] = early_and_late(&mut many, 10_000);
     assert!(
         late <= early * 1.01,
         "a room of balls: {early} bytes, then {late}"
