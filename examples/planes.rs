@@ -39,7 +39,7 @@ Usage: planes [OPTIONS]
 
 Options:
   --rings <RINGS>    Rings of cubes around the central cube of each plane; r rings make 2·(2r + 1)² cubes [default: 10]
-  --max-objects <N>  How many objects a leaf of the octree may list before it splits [default: 64]
+  --max-objects <N>  How many objects a leaf of the octree may list before it splits [default: 256]
   --steps <STEPS>    How many ticks to run [default: 200]
   --method <METHOD>  How overlapping boxes are searched for: `auto`, `linear`, `object` or `exhaustive`. The last two, one
                      after the other, if not given
