@@ -9,7 +9,7 @@ use bevy::{
 };
 
 use crate::{
-    change_ticks::SinceLastRun,
+    change_ticks::{GROUP, ROWS, SinceLastRun},
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     hierarchy::{self, Hierarchy},
     narrow_phase::{BoundsError, NarrowPhase, Placed, Shape},
@@ -107,11 +107,6 @@ fn update_roots(
         aabb.set_if_neq(WorldAabb::NONE);
     }
 }
-
-/// So many rows of a table make a job of their own.
-const ROWS: usize = 4096;
-/// So many rows are passed over at once where nothing changed.
-const GROUP: usize = 64;
 
 type Table<'a> = (
     &'a [Entity],

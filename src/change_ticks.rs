@@ -2,6 +2,11 @@
 
 use bevy::ecs::change_detection::{ContiguousMut, ContiguousRef, Tick};
 
+/// So many rows of a table make a job of their own.
+pub(crate) const ROWS: usize = 4096;
+/// So many rows are passed over at once where none of them changed.
+pub(crate) const GROUP: usize = 64;
+
 /// The time since a system last ran.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SinceLastRun {

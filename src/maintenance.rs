@@ -89,6 +89,15 @@ fn mend(
     upkeep.done(&index);
 }
 
+/// Lists that are worked with, kept for the next tick.
+#[derive(Default)]
+struct Memory {
+    jobs: Vec<Job>,
+    /// Who is decided about one by one.
+    left: Vec<Entity>,
+    moved: Vec<ProxyId>,
+}
+
 /// What is in the index already and has moved is brought up to date table by table, side by side;
 /// all else, which comes, goes, or has another shape by now, is left, and decided about one by one.
 fn maintain(
@@ -98,8 +107,9 @@ fn maintain(
     newcomers: Query<(&Archetype, FilterParts)>,
     (sheared, swept): (Query<&Sheared>, Query<(), With<Swept>>),
     mut counters: ResMut<CollisionCounters>,
-    (mut jobs, mut left): (Local<Vec<Job>>, Local<Vec<Entity>>),
+    mut memory: Local<Memory>,
 ) {
+    let Memory { jobs, left, moved } = &mut *memory;
     let index = &mut *index;
     index.set_method(&settings.method, settings.pair_kinds);
     if tests.is_changed() {
@@ -110,7 +120,7 @@ fn maintain(
     }
     left.clear();
     match boxes.contiguous_iter() {
-        Ok(tables) => tables.for_each(|table| tables::follow(index, table, &mut jobs, &mut left)),
+        Ok(tables) => tables.for_each(|table| tables::follow(index, table, jobs, left)),
         // What disables entities may not be in tables.
         Err(_) => {
             let changed = boxes.iter().filter(|(_, aabb, ..)| aabb.is_changed());
@@ -122,18 +132,21 @@ fn maintain(
             continue;
         };
         let shape = shear::shape(&own, sheared.get(entity).ok());
-        let now = Following {
-            entity,
-            id: proxy.id().unwrap_or(ProxyId::new(0)),
-            aabb: &aabb.0,
-            pose: proxy.pose(),
-            fit: proxy.fit(aabb.last_changed(), own.last_changed()),
-            reshaped: own.last_changed(),
-            start: tables::start(way, entity, &proxy),
-        };
+        let reshaped = own.last_changed();
+        let fit = proxy.fit(aabb.last_changed(), reshaped);
+        let start = tables::start(way, entity, &proxy);
         if let Some(id) = proxy.id() {
-            index.reshape((id, entity), shape, now.reshaped);
-            if index.follow(&now) {
+            let now = Following {
+                entity,
+                id,
+                aabb: &aabb.0,
+                pose: proxy.pose(),
+                fit,
+                reshaped,
+                start,
+            };
+            index.reshape((id, entity), shape, reshaped);
+            if index.follow(&now, moved) {
                 continue;
             }
         }
@@ -143,12 +156,11 @@ fn maintain(
             .map(|(_, parts)| filters::filter(parts));
         let body = Body {
             entity,
-            pose: *now.pose,
+            pose: *proxy.pose(),
             shape: shape.clone(),
-            reshaped: now.reshaped,
+            reshaped,
         };
-        let (start, fit) = (now.start.copied(), now.fit);
-        let extent = extent(&aabb, &body, start.as_ref(), &tests);
+        let extent = extent(&aabb, &body, start, &tests);
         let seen = Seen {
             body,
             extent,
@@ -158,7 +170,7 @@ fn maintain(
         let id = index.upsert(proxy.id(), seen);
         BroadPhaseProxy::note_id(&mut proxy, id);
         if let Some(id) = id {
-            index.set_start(id, start);
+            index.set_start(id, start.copied());
         }
     }
     index.update();

@@ -101,19 +101,20 @@ impl CollisionIndex {
             })
     }
 
-    /// Brings one entity up to date, [as among others](Followers::follow).
-    pub(crate) fn follow(&mut self, now: &Following<'_>) -> bool {
+    /// Brings one entity up to date, [as among others](Followers::follow), with memory
+    /// that is lent.
+    pub(crate) fn follow(&mut self, now: &Following<'_>, moved: &mut Vec<ProxyId>) -> bool {
         if now.start.is_some() {
             self.make_room_for_starts();
         }
         let index = now.id.index();
-        let mut moved = Vec::new();
+        moved.clear();
         let mut alone = self.followers(std::iter::once(index..index + 1));
         let follows = alone
             .next()
-            .is_some_and(|mut alone| alone.follow(now, &mut moved));
+            .is_some_and(|mut alone| alone.follow(now, moved));
         drop(alone);
-        self.note_moved(&moved);
+        self.note_moved(moved);
         follows
     }
 

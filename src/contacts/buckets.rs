@@ -1,6 +1,6 @@
 //! Contacts in buckets, by their first entity: for jobs that sort and enter them side by side.
 
-use super::pair::ContactKey;
+use super::{order::sort_by_place, pair::ContactKey};
 
 /// No more buckets than this, so that what each job of the exact tests found is cut into few pieces.
 const MOST: u32 = 64;
@@ -71,24 +71,9 @@ impl Found {
 
     /// Brings together what is in one bucket.
     pub(super) fn divide(&mut self, buckets: Buckets) {
-        self.ends.clear();
-        if buckets.count() == 1 {
-            return;
-        }
-        self.ends.resize(buckets.count(), 0);
-        for key in &self.keys {
-            self.ends[buckets.of(key)] += 1;
-        }
-        let mut start = 0;
-        for end in &mut self.ends {
-            start += std::mem::replace(end, start);
-        }
-        self.divided.clear();
-        self.divided.extend_from_slice(&self.keys);
-        for key in &self.keys {
-            let end = &mut self.ends[buckets.of(key)];
-            self.divided[*end as usize] = *key;
-            *end += 1;
+        if buckets.count() > 1 {
+            let places = (buckets.count(), |key: &ContactKey| buckets.of(key));
+            sort_by_place(&self.keys, places, &mut self.ends, &mut self.divided);
         }
     }
 

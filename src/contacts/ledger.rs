@@ -136,11 +136,9 @@ impl Ledger {
 
     /// All contacts, each with whether it was found in this tick, in the order of keys.
     pub(super) fn with_found(&self) -> impl Iterator<Item = (&ContactPair, bool)> {
-        let mut merged = self.iter();
-        std::iter::from_fn(move || {
-            let is_resting = merged.next_is_resting()?;
-            Some((merged.next()?, !is_resting))
-        })
+        let first_at_rest = self.moving.len() as u32;
+        self.numbered()
+            .map(move |(number, contact)| (contact, number < first_at_rest))
     }
 
     /// Enters the contacts of a tick: those that were `found`, in the order of keys, and of those of

@@ -6,7 +6,7 @@ use super::{
     buckets::{Buckets, Found},
     find_manifolds::{find_manifolds, wants_manifolds},
     list::Contacts,
-    pair::{ContactKey, SweptContact, reversed},
+    pair::{ContactKey, SweptContact},
     settings::{CollisionEventSettings, CollisionEventsEnabled},
     verdicts::Verdicts,
     watched::Watch,
@@ -17,7 +17,7 @@ use crate::{
     components::BroadPhaseProxy,
     counters::CollisionCounters,
     maintenance::find_candidates,
-    narrow_phase::{Fit, NarrowPhase, StageCounters, Workspace},
+    narrow_phase::{Fit, NarrowPhase, StageCounters, TimedContact, Workspace},
     parallel,
     schedule::{CollisionSystems, ImpactSystems, add_to_tick},
 };
@@ -85,7 +85,6 @@ struct Job {
 /// The memory of the exact tests.
 #[derive(Default)]
 struct Jobs {
-    /// The first does what is not divided into jobs, too.
     jobs: Vec<Job>,
     /// Was it told that there are shapes about which nothing can be said?
     #[cfg(feature = "rapier")]
@@ -112,7 +111,7 @@ fn test_candidates(
     );
     let may_repeat = !index.has_listed(&candidates);
     verdicts.begin(index.search(), may_repeat);
-    let needed = candidates.len().div_ceil(CANDIDATES).max(1);
+    let needed = candidates.len().div_ceil(CANDIDATES);
     if memory.jobs.len() < needed {
         memory.jobs.resize_with(needed, Job::default);
     }
@@ -121,7 +120,7 @@ fn test_candidates(
     } else {
         Buckets::ONE
     };
-    let (watch, found) = verdicts.begin_jobs(candidates.len().div_ceil(CANDIDATES), buckets);
+    let (watch, found) = verdicts.begin_jobs(needed, buckets);
     let jobs = memory.jobs.iter_mut().zip(found);
     let jobs = candidates.chunks(CANDIDATES).zip(jobs);
     parallel::for_each(jobs, |(candidates, (job, found))| {
@@ -170,11 +169,8 @@ fn test_with_care(
         None => {}
         Some(Candidate::OnTheWay([a, b])) => {
             if let Some(met) = tests.time_of_impact(&a, &b, workspace) {
-                let met = if key.is_reversed() {
-                    reversed(met)
-                } else {
-                    met
-                };
+                let contact = key.turned(met.contact);
+                let met = TimedContact { contact, ..met };
                 verdicts.meet(SweptContact { pair, met });
             }
         }

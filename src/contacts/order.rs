@@ -31,22 +31,7 @@ impl Sorter {
             keys.sort_unstable();
             return;
         }
-        self.ends.clear();
-        self.ends.resize(entities, 0);
-        for key in &*keys {
-            self.ends[place(key)] += 1;
-        }
-        let mut start = 0;
-        for end in &mut self.ends {
-            start += std::mem::replace(end, start);
-        }
-        self.sorted.clear();
-        self.sorted.extend_from_slice(keys);
-        for key in &*keys {
-            let end = &mut self.ends[place(key)];
-            self.sorted[*end as usize] = *key;
-            *end += 1;
-        }
+        sort_by_place(keys, (entities, place), &mut self.ends, &mut self.sorted);
         for of_one in self
             .sorted
             .chunk_by_mut(|one, other| place(one) == place(other))
@@ -56,6 +41,32 @@ impl Sorter {
             }
         }
         std::mem::swap(keys, &mut self.sorted);
+    }
+}
+
+/// Puts keys in the order of their places, of which there are so many, by counting; those of one
+/// place stay in their order. `ends` tells where each place ends.
+pub(super) fn sort_by_place(
+    keys: &[ContactKey],
+    (places, place): (usize, impl Fn(&ContactKey) -> usize),
+    ends: &mut Vec<u32>,
+    sorted: &mut Vec<ContactKey>,
+) {
+    ends.clear();
+    ends.resize(places, 0);
+    for key in keys {
+        ends[place(key)] += 1;
+    }
+    let mut start = 0;
+    for end in &mut *ends {
+        start += std::mem::replace(end, start);
+    }
+    sorted.clear();
+    sorted.extend_from_slice(keys);
+    for key in keys {
+        let end = &mut ends[place(key)];
+        sorted[*end as usize] = *key;
+        *end += 1;
     }
 }
 

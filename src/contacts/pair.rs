@@ -43,7 +43,7 @@ impl ContactKey {
     /// # Panics
     /// If the pair is not of this index.
     #[inline]
-    pub(super) fn of(pair: Pair, index: &CollisionIndex) -> Self {
+    pub(crate) fn of(pair: Pair, index: &CollisionIndex) -> Self {
         let [a, b] = index.entities(pair);
         let ids = [pair.a, pair.b];
         if rank(a) <= rank(b) {
@@ -57,10 +57,14 @@ impl ContactKey {
         }
     }
 
-    /// Are the two handles the other way round in the pairs of the broad phase?
-    #[inline]
-    pub(super) fn is_reversed(&self) -> bool {
-        self.ids[0] > self.ids[1]
+    /// Turns a contact from the order of entities to that of handles, as pairs of the broad phase
+    /// have them, or back.
+    pub(super) fn turned(&self, contact: Contact) -> Contact {
+        if self.ids[0] > self.ids[1] {
+            contact.reversed()
+        } else {
+            contact
+        }
     }
 
     /// Where it stands to the contact of two entities, in any order.
@@ -74,20 +78,12 @@ impl SweptContact {
     /// In the order of their entities.
     pub(super) fn keyed(&self, index: &CollisionIndex) -> KeyedImpact {
         let key = ContactKey::of(self.pair, index);
-        let met = if key.is_reversed() {
-            reversed(self.met)
-        } else {
-            self.met
+        let contact = key.turned(self.met.contact);
+        let met = TimedContact {
+            contact,
+            ..self.met
         };
         KeyedImpact { key, met }
-    }
-}
-
-/// As seen from the other of the two.
-pub(super) fn reversed(met: TimedContact) -> TimedContact {
-    TimedContact {
-        contact: met.contact.reversed(),
-        ..met
     }
 }
 

@@ -24,7 +24,7 @@ pub(crate) struct Verdicts {
     search: Option<u64>,
     /// Those in contact at the end of the tick, in any order.
     found: Vec<ContactKey>,
-    /// Those that jobs have found, which are all where there are any jobs.
+    /// Those that jobs have found, until they are put to the others.
     found_by_job: Vec<Found>,
     jobs: usize,
     buckets: Buckets,
@@ -155,15 +155,9 @@ impl Verdicts {
     /// them. Returns these, the first time of each, which replace those of the last tick.
     pub(super) fn sort(&mut self, index: &CollisionIndex, impacts: &mut Vec<KeyedImpact>) {
         self.collect();
-        for (pair, contact) in self.found_later.drain(..) {
+        for (pair, contact) in std::mem::take(&mut self.found_later) {
             let key = ContactKey::of(pair, index);
-            let contact = if key.is_reversed() {
-                contact.reversed()
-            } else {
-                contact
-            };
-            self.found.push(key);
-            self.geometry.push((key, contact));
+            self.touch(key, key.turned(contact));
             self.may_repeat = true;
         }
         impacts.clear();

@@ -9,7 +9,7 @@ use bevy::{
 
 use crate::{
     broad_phase::ProxyId,
-    change_ticks::SinceLastRun,
+    change_ticks::{GROUP, ROWS, SinceLastRun},
     collision_index::{
         CollisionIndex,
         follow::{Followers, Following},
@@ -39,11 +39,6 @@ pub(super) type Table<'a> = (
     (bool, Option<&'a [SweptWay]>),
     bool,
 );
-
-/// So many rows of a table make a job of their own.
-const ROWS: usize = 4096;
-/// So many rows are passed over at once where none of them changed.
-const GROUP: usize = 64;
 
 /// What a job has found out: memory that outlives the tick.
 #[derive(Debug, Default)]

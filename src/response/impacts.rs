@@ -17,7 +17,7 @@ use crate::{
     },
     collision_index::CollisionIndex,
     components::BroadPhaseProxy,
-    contacts::{SweptContact, Verdicts},
+    contacts::{ContactKey, SweptContact, Verdicts},
     filters,
     motion::MotionSettings,
     narrow_phase::{Contact, Moving, NarrowPhase, Placed, TimedContact, Workspace, approach},
@@ -35,8 +35,8 @@ struct Meeting {
     versions: [u32; 2],
     /// Is neither on a way? Then they touch at the end of the tick, if nothing happens before.
     at_end: bool,
-    /// The two entities, the lower index first: handles do not decide who answers first.
-    entities: [(u32, u32); 2],
+    /// The two entities in their order: handles do not decide who answers first.
+    key: ContactKey,
 }
 
 /// By time; where times are equal, those first that come nearer to each other the least, and then
@@ -48,19 +48,9 @@ impl Ord for Meeting {
             .time
             .total_cmp(&other.met.time)
             .then(self.closing.total_cmp(&other.closing))
-            .then(self.entities.cmp(&other.entities))
-            .then(self.pair.cmp(&other.pair))
+            .then(self.key.cmp(&other.key))
             .then(self.versions.cmp(&other.versions))
     }
-}
-
-/// The entities of a pair, by index and generation, the lower first.
-fn in_order(index: &CollisionIndex, pair: Pair) -> [(u32, u32); 2] {
-    let mut both = index
-        .entities(pair)
-        .map(|entity| (entity.index_u32(), entity.generation().to_bits()));
-    both.sort_unstable();
-    both
 }
 
 impl PartialOrd for Meeting {
@@ -197,7 +187,7 @@ impl Resolver {
                 pair,
                 met,
                 closing,
-                entities: in_order(index, pair),
+                key: ContactKey::of(pair, index),
                 versions: [0; 2],
                 at_end: false,
             }))
@@ -451,7 +441,7 @@ impl Resolver {
                 closing,
                 versions,
                 at_end: false,
-                entities: in_order(index, pair),
+                key: ContactKey::of(pair, index),
             });
         }
         let (at_a, at_b) = (a.at(1.0), b.at(1.0));
@@ -466,7 +456,7 @@ impl Resolver {
             closing: 0.0,
             versions,
             at_end: true,
-            entities: in_order(index, pair),
+            key: ContactKey::of(pair, index),
         })
     }
 

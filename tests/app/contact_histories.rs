@@ -8,8 +8,6 @@ use bevy::{
     prelude::*,
 };
 use bevy_octree::{
-    broad_phase::{Pair, ProxyId},
-    collision_index::{CandidatePairs, CollisionIndex},
     components::WorldAabb,
     motion::{MotionSettings, Step},
     narrow_phase::NarrowPhase,
@@ -25,7 +23,6 @@ const REACH: f32 = 2.5;
 #[derive(Resource, Default)]
 struct Tricks {
     rng: Option<Rng>,
-    candidates: bool,
     boxes: bool,
     flush: bool,
 }
@@ -58,51 +55,6 @@ fn follow(
         told.open.push(pair);
         told.last
             .push(format!("+ {} {} {}", message.a, message.b, message.time));
-    }
-}
-
-fn change_candidates(
-    mut tricks: ResMut<Tricks>,
-    index: Res<CollisionIndex>,
-    mut candidates: ResMut<CandidatePairs>,
-) {
-    if !tricks.candidates {
-        return;
-    }
-    let Some(rng) = &mut tricks.rng else { return };
-    match rng.u8(0..6) {
-        0 if !candidates.is_empty() => {
-            for _ in 0..3 {
-                let pair = candidates[rng.usize(0..candidates.len())];
-                candidates.push(pair);
-                candidates.push(Pair {
-                    a: pair.b,
-                    b: pair.a,
-                });
-            }
-        }
-        1 => {
-            let resting = index.index().pairs().resting().to_vec();
-            for pair in &resting {
-                candidates.push(*pair);
-            }
-            candidates.extend(resting.iter().map(|pair| Pair {
-                a: pair.b,
-                b: pair.a,
-            }));
-        }
-        2 => {
-            let capacity = index.index().proxies().capacity() as u32;
-            for _ in 0..20 {
-                let [a, b] = [0; 2].map(|_| ProxyId::new(rng.u32(0..capacity)));
-                let proxies = index.index().proxies();
-                if !(proxies.contains(a) && proxies.contains(b)) || a == b {
-                    candidates.push(Pair { a, b });
-                }
-            }
-        }
-        3 => rng.shuffle(&mut candidates),
-        _ => {}
     }
 }
 
@@ -168,9 +120,6 @@ fn make_app(method: BroadPhaseMethod) -> App {
     app.add_systems(
         Update,
         (
-            change_candidates
-                .after(CollisionSystems::BroadPhase)
-                .before(CollisionSystems::NarrowPhase),
             enlarge
                 .after(CollisionSystems::Bounds)
                 .before(CollisionSystems::Maintenance),
@@ -404,11 +353,9 @@ fn outdate_all(app: &mut App) {
 #[derive(Clone, Copy, Debug, Default)]
 struct Kind {
     bounces: bool,
-    candidates: bool,
     boxes: bool,
     flush: bool,
     skips: bool,
-    replaces: bool,
 }
 
 fn check(kind: Kind, seeds: std::ops::Range<u64>) {
@@ -418,7 +365,6 @@ fn check(kind: Kind, seeds: std::ops::Range<u64>) {
         let mut other = History::new(BroadPhaseMethod::Exhaustive, seed, kind.bounces);
         *one.app.world_mut().resource_mut::<Tricks>() = Tricks {
             rng: Some(Rng::with_seed(seed + 77)),
-            candidates: kind.candidates,
             boxes: kind.boxes,
             flush: kind.flush,
         };
@@ -427,10 +373,6 @@ fn check(kind: Kind, seeds: std::ops::Range<u64>) {
             one.edit_some();
             other.edit_some();
             outdate_all(&mut other.app);
-            if kind.replaces && rng.u8(0..6) == 0 {
-                one.app.insert_resource(CollisionIndex::default());
-                one.log.push("replaced".to_string());
-            }
             let mut skipped: Vec<CollisionSystems> = Vec::new();
             if kind.skips && rng.bool() {
                 for set in [
@@ -468,7 +410,7 @@ fn check(kind: Kind, seeds: std::ops::Range<u64>) {
                     );
                 }
                 let told = one.app.world().resource::<Told>().clone();
-                if !kind.skips && !kind.replaces {
+                if !kind.skips {
                     assert_eq!(
                         &told.last,
                         &other.app.world().resource::<Told>().last,
@@ -493,11 +435,9 @@ fn check(kind: Kind, seeds: std::ops::Range<u64>) {
 
 const PLAIN: Kind = Kind {
     bounces: false,
-    candidates: false,
     boxes: false,
     flush: false,
     skips: false,
-    replaces: false,
 };
 
 const SEEDS: u64 = 150;
