@@ -17,7 +17,7 @@ use crate::{
     components::BroadPhaseProxy,
     counters::CollisionCounters,
     maintenance::find_candidates,
-    narrow_phase::{Fit, NarrowPhase, StageCounters, TimedContact, Workspace},
+    narrow_phase::{Fit, NarrowPhase, StageCounters, Workspace},
     parallel,
     schedule::{CollisionSystems, ImpactSystems, add_to_tick},
 };
@@ -169,9 +169,7 @@ fn test_with_care(
         None => {}
         Some(Candidate::OnTheWay([a, b])) => {
             if let Some(met) = tests.time_of_impact(&a, &b, workspace) {
-                let contact = key.turned(met.contact);
-                let met = TimedContact { contact, ..met };
-                verdicts.meet(SweptContact { pair, met });
+                verdicts.meet(SweptContact::of(&key, met));
             }
         }
         Some(Candidate::AtTheEnd([a, b])) => {

@@ -57,6 +57,11 @@ impl ContactKey {
         }
     }
 
+    /// The two handles, as the broad phase has them.
+    pub(crate) fn pair(&self) -> Pair {
+        Pair::new(self.ids[0], self.ids[1])
+    }
+
     /// Turns a contact from the order of entities to that of handles, as pairs of the broad phase
     /// have them, or back.
     pub(super) fn turned(&self, contact: Contact) -> Contact {
@@ -75,8 +80,19 @@ impl ContactKey {
 }
 
 impl SweptContact {
+    /// Two in the order of their entities, the lower handle first.
+    pub(crate) fn of(key: &ContactKey, met: TimedContact) -> Self {
+        Self {
+            pair: key.pair(),
+            met: TimedContact {
+                contact: key.turned(met.contact),
+                ..met
+            },
+        }
+    }
+
     /// In the order of their entities.
-    pub(super) fn keyed(&self, index: &CollisionIndex) -> KeyedImpact {
+    pub(crate) fn keyed(&self, index: &CollisionIndex) -> KeyedImpact {
         let key = ContactKey::of(self.pair, index);
         let contact = key.turned(self.met.contact);
         let met = TimedContact {
@@ -158,9 +174,9 @@ pub(crate) struct SweptContact {
 
 /// Two that met on the way, in the order of their entities.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct KeyedImpact {
-    pub(super) key: ContactKey,
-    pub(super) met: TimedContact,
+pub(crate) struct KeyedImpact {
+    pub(crate) key: ContactKey,
+    pub(crate) met: TimedContact,
 }
 
 /// Two entities in contact, as seen from the first.

@@ -17,7 +17,7 @@ use crate::{
     },
     collision_index::CollisionIndex,
     components::BroadPhaseProxy,
-    contacts::{ContactKey, SweptContact, Verdicts},
+    contacts::{ContactKey, KeyedImpact, SweptContact, Verdicts},
     filters,
     motion::MotionSettings,
     narrow_phase::{Contact, Moving, NarrowPhase, Placed, TimedContact, Workspace, approach},
@@ -26,7 +26,10 @@ use crate::{
 /// Two bodies meet, if neither changes course before.
 #[derive(Clone, Copy, Debug)]
 struct Meeting {
-    pair: Pair,
+    /// The two, in the order of their entities: handles decide neither who answers first nor how
+    /// numbers are rounded.
+    key: ContactKey,
+    /// When and how, in that order.
     met: TimedContact,
     /// How fast the two come nearer to each other, per tick.
     closing: f32,
@@ -35,8 +38,6 @@ struct Meeting {
     versions: [u32; 2],
     /// Is neither on a way? Then they touch at the end of the tick, if nothing happens before.
     at_end: bool,
-    /// The two entities in their order: handles do not decide who answers first.
-    key: ContactKey,
 }
 
 /// By time; where times are equal, those first that come nearer to each other the least, and then
@@ -132,22 +133,23 @@ pub(super) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) 
     // sub-steps say, plus once.
     while let Some(Reverse(meeting)) = resolver.to_come.pop() {
         let Meeting {
-            pair,
+            key,
             met,
             versions,
             at_end,
             ..
         } = meeting;
-        if [pair.a, pair.b].map(|id| resolver.version(id)) != versions {
+        if key.ids.map(|id| resolver.version(id)) != versions {
             continue;
         }
+        let impact = SweptContact::of(&key, met);
         if at_end {
-            resolver.at_end.push((pair, met.contact));
+            resolver.at_end.push((impact.pair, impact.met.contact));
             continue;
         }
-        resolver.happened.push(SweptContact { pair, met });
+        resolver.happened.push(impact);
         let turns = resolver.answer(world, &meeting, seconds);
-        for (id, turn) in [pair.a, pair.b].into_iter().zip(turns) {
+        for (id, turn) in key.ids.into_iter().zip(turns) {
             if let Turn::Diverts(change) = turn
                 && let Some(entity) = world.resource::<CollisionIndex>().entity(id)
             {
@@ -181,13 +183,13 @@ impl Resolver {
             self.courses.is_empty() && self.to_come.is_empty(),
             "nothing is left of the last tick"
         );
-        let meeting = |&SweptContact { pair, met }: &SweptContact| {
-            let closing = closing(&index.moving(pair.a)?, &index.moving(pair.b)?, &met);
+        let meeting = |impact: &SweptContact| {
+            let KeyedImpact { key, met } = impact.keyed(index);
+            let [a, b] = key.ids.map(|id| index.moving(id));
             Some(Reverse(Meeting {
-                pair,
+                key,
                 met,
-                closing,
-                key: ContactKey::of(pair, index),
+                closing: closing(&a?, &b?, &met),
                 versions: [0; 2],
                 at_end: false,
             }))
@@ -204,24 +206,24 @@ impl Resolver {
     /// Has the two that meet answer.
     fn answer(&mut self, world: &World, meeting: &Meeting, seconds: f32) -> [Turn; 2] {
         let Meeting {
-            pair,
+            key,
             met: TimedContact { time, contact },
             ..
         } = *meeting;
-        if !(self.know(pair.a, world) && self.know(pair.b, world)) {
+        if !key.ids.iter().all(|id| self.know(*id, world)) {
             return [Turn::Keeps; 2];
         }
         let index = world.resource::<CollisionIndex>();
         let proxies = index.index().proxies();
-        let hears = filters::hear([pair.a, pair.b].map(|id| proxies.filter(id).into()));
-        let ways = [pair.a, pair.b].map(|id| self.moving(index, id, time));
+        let hears = filters::hear(key.ids.map(|id| proxies.filter(id).into()));
+        let ways = key.ids.map(|id| self.moving(index, id, time));
         let [Some(way_a), Some(way_b)] = ways else {
             return [Turn::Keeps; 2];
         };
         let normal = self.normal([&way_a, &way_b], meeting, world.resource::<NarrowPhase>());
         let at_point = [&way_a, &way_b].map(|way| way.velocity_at(0.0, contact.point));
         let come_nearer = approach(at_point, normal);
-        match self.courses.get_disjoint_mut([&pair.a, &pair.b]) {
+        match self.courses.get_disjoint_mut(key.ids.each_ref()) {
             [Some(a), Some(b)] => {
                 let contact = Contact { normal, ..contact };
                 meet([a, b], hears, &contact, come_nearer, (time, seconds))
@@ -233,9 +235,9 @@ impl Resolver {
     /// The normal that counts for the velocities of the two: what is left of their ways may be too
     /// short to tell.
     fn normal(&mut self, [a, b]: [&Moving; 2], meeting: &Meeting, tests: &NarrowPhase) -> Vec3 {
-        let Meeting { pair, met, .. } = *meeting;
-        let velocities =
-            [pair.a, pair.b].map(|id| self.courses.get(&id).map_or(Vec3::ZERO, Course::velocity));
+        let Meeting { key, met, .. } = *meeting;
+        let velocity = |id| self.courses.get(&id).map_or(Vec3::ZERO, Course::velocity);
+        let velocities = key.ids.map(velocity);
         let (at_a, at_b) = (a.at(0.0), b.at(0.0));
         let placed = [Placed::new(a.shape(), &at_a), Placed::new(b.shape(), &at_b)];
         let velocity = velocities[0] - velocities[1];
@@ -278,10 +280,10 @@ impl Resolver {
     }
 
     /// Takes note of two that have met, if they part.
-    fn note_parted(&mut self, index: &CollisionIndex, &Meeting { pair, met, .. }: &Meeting) {
-        let [a, b] = [pair.a, pair.b].map(|id| self.moving(index, id, met.time));
+    fn note_parted(&mut self, index: &CollisionIndex, &Meeting { key, met, .. }: &Meeting) {
+        let [a, b] = key.ids.map(|id| self.moving(index, id, met.time));
         let parts = |(a, b): (Moving, Moving)| a.parts_from(&b, met.contact.normal);
-        self.parted = a.zip(b).is_some_and(parts).then_some(pair);
+        self.parted = a.zip(b).is_some_and(parts).then_some(key.pair());
     }
 
     /// Looks for what those meet on their new course that have just changed it.
@@ -418,30 +420,25 @@ impl Resolver {
         from: f32,
         tests: &NarrowPhase,
     ) -> Option<Meeting> {
-        let has_ended = |id| self.courses.get(&id).is_some_and(|course| course.has_ended);
-        if has_ended(pair.a) || has_ended(pair.b) {
+        let key = ContactKey::of(pair, index);
+        let has_ended = |id| self.courses.get(id).is_some_and(|course| course.has_ended);
+        if key.ids.iter().any(has_ended) {
             return None;
         }
-        let (a, b) = (
-            self.moving(index, pair.a, from)?,
-            self.moving(index, pair.b, from)?,
-        );
-        let versions = [pair.a, pair.b].map(|id| self.version(id));
-        if [pair.a, pair.b]
-            .iter()
-            .any(|id| self.is_on_its_way(index, *id))
-        {
+        let [a, b] = key.ids.map(|id| self.moving(index, id, from));
+        let (a, b) = (a?, b?);
+        let versions = key.ids.map(|id| self.version(id));
+        if key.ids.iter().any(|id| self.is_on_its_way(index, *id)) {
             let met = tests.time_of_impact(&a, &b, &mut self.workspace)?;
             // The ways are those of what is left of the tick.
             let left = (1.0 - from).max(f32::MIN_POSITIVE);
             let closing = closing(&a, &b, &met) / left;
             return Some(Meeting {
-                pair,
+                key,
                 met: met.after(from),
                 closing,
                 versions,
                 at_end: false,
-                key: ContactKey::of(pair, index),
             });
         }
         let (at_a, at_b) = (a.at(1.0), b.at(1.0));
@@ -451,12 +448,11 @@ impl Resolver {
             contact: tests.contact(a, b, &mut self.workspace)?,
         };
         Some(Meeting {
-            pair,
+            key,
             met,
             closing: 0.0,
             versions,
             at_end: true,
-            key: ContactKey::of(pair, index),
         })
     }
 

@@ -71,6 +71,13 @@ fn enlarge(mut tricks: ResMut<Tricks>, mut boxes: Query<&mut WorldAabb>) {
     }
 }
 
+/// Without Rapier, there are no half-spaces: a slab takes its place.
+#[cfg(not(feature = "rapier"))]
+fn half_space() -> CollisionShape {
+    CollisionShape::from_half_size(Vec3::new(50.0, 0.5, 50.0))
+}
+
+#[cfg(feature = "rapier")]
 fn half_space() -> CollisionShape {
     let normal = Vec3::new(0.3, 1.0, 0.1).normalize();
     Shape::from(&bevy_rapier3d::prelude::Collider::halfspace(normal).unwrap()).into()
