@@ -36,7 +36,12 @@ use bevy::prelude::*;
 use clap::Args;
 use serde::Serialize;
 
-use crate::{measure::median, outcome::Outcome, progress::Progress, threads::use_threads};
+use crate::{
+    measure::median,
+    outcome::Outcome,
+    progress::Progress,
+    threads::{Caller, use_threads},
+};
 use contestants::{Contestant, Events};
 use scene::Scene;
 
@@ -140,7 +145,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
     if objects + statics == 0 {
         return Err("at least one object is needed".into());
     }
-    use_threads(threads)?;
+    use_threads(threads, Caller::Waits)?;
     let scene = Scene {
         objects,
         statics,

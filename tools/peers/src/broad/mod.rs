@@ -23,7 +23,7 @@ use crate::{
     outcome::Outcome,
     progress::Progress,
     scenes::Case,
-    threads::use_threads,
+    threads::{Caller, use_threads},
 };
 use report::Report;
 
@@ -74,7 +74,7 @@ fn engine(name: &str) -> Result<Entry, String> {
 
 /// Runs the comparison.
 pub fn run(arguments: &Arguments) -> Outcome {
-    use_threads(arguments.threads)?;
+    use_threads(arguments.threads, Caller::Works)?;
     let or_all = |given: &[Case]| {
         if given.is_empty() {
             Case::all()

@@ -21,7 +21,7 @@ use parry3d::{
 };
 use rstar::{AABB, PointDistance, RTree, SelectionFunction};
 
-use super::Ray;
+use super::{Ray, mesh_ray_cast::Meshes};
 use crate::engines::{
     Role,
     obvhs::aabb_of as obvhs_aabb,
@@ -44,7 +44,7 @@ impl Answer {
         self.sum += value;
     }
 
-    fn of(values: impl Iterator<Item = Option<f32>>) -> Option<Self> {
+    pub(super) fn of(values: impl Iterator<Item = Option<f32>>) -> Option<Self> {
         let mut answer = Self::default();
         values
             .flatten()
@@ -90,6 +90,7 @@ pub fn all(boxes: &[Aabb3d]) -> Vec<Entry> {
         entry("obvhs-cwbvh", Role::Peer, Box::new(ObvhsWide::new(boxes))),
         entry("rstar", Role::Peer, Box::new(Rstar::new(boxes))),
         entry("avian", Role::Peer, Box::new(Avian::new(boxes))),
+        entry("mesh-ray-cast", Role::Peer, Box::new(Meshes::new(boxes))),
     ]
 }
 

@@ -12,9 +12,10 @@
 //! `SpatialQuery`, which tests colliders, not boxes: here they are the same, but that Avian makes
 //! the boxes 0.005 larger, so that its regions find a little more. An engine that turns out to be
 //! slower than [`LIMIT_NS`] per query answers a few only; what Avian does for the nearest collider
-//! looks at all of them.
+//! looks at all of them, and so does Bevy's `MeshRayCast`, which asks meshes of cubes, for each ray.
 
 mod engines;
+mod mesh_ray_cast;
 
 use std::{fs, path::PathBuf, time::Instant};
 
