@@ -29,6 +29,9 @@ mod outcome;
 #[path = "common/progress.rs"]
 mod progress;
 
+/// Of the numbers that the report tried, the best on its sets.
+const MAX_OBJECTS: u32 = 50;
+
 const HELP: &str = "
 Two parallel planes of cubes move toward each other and bounce off: the test sets of the 1994 report, or a scene file, in
 a headless app.
@@ -39,7 +42,7 @@ Usage: planes [OPTIONS]
 
 Options:
   --rings <RINGS>    Rings of cubes around the central cube of each plane; r rings make 2·(2r + 1)² cubes [default: 10]
-  --max-objects <N>  How many objects a leaf of the octree may list before it splits [default: 256]
+  --max-objects <N>  How many objects a leaf of the octree may list before it splits [default: 50]
   --steps <STEPS>    How many ticks to run [default: 200]
   --method <METHOD>  How overlapping boxes are searched for: `auto`, `linear`, `object` or `exhaustive`. The last two, one
                      after the other, if not given
@@ -54,9 +57,7 @@ fn main() -> ExitCode {
 
 fn run(mut arguments: Arguments) -> Outcome {
     let rings: Option<u32> = arguments.option("--rings")?;
-    let max_objects = arguments
-        .option("--max-objects")?
-        .unwrap_or(ObjectOctreeSettings::default().max_objects);
+    let max_objects = arguments.option("--max-objects")?.unwrap_or(MAX_OBJECTS);
     let steps = arguments.option("--steps")?.unwrap_or(200);
     let method: Option<BroadPhaseMethod> = arguments.option("--method")?;
     let file: Option<PathBuf> = arguments.option("--scene")?;
