@@ -1,14 +1,13 @@
-//! Rays against shapes of Rapier's by what they are to meet of them, and through them: part by
-//! part.
+//! Rays against shapes by what they are to meet of them, and through them: part by part.
 
 use std::cell::Cell;
 
 use bevy::math::{DVec3, Dir3, Vec3};
 
-use super::cast::ray_by_itself;
-use super::convert::posed;
 use super::convex::Convex;
+use super::foreign::ray_by_itself;
 use super::parts::{self, Part, PosedShape};
+use super::posed::posed;
 use super::probe::Search;
 use crate::narrow_phase::{
     answer::{Impact, Passage, against, slack},
@@ -252,5 +251,5 @@ impl Ray {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "rapier"))]
 mod tests;

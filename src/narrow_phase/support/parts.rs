@@ -1,15 +1,13 @@
-//! Rapier's shapes taken apart: the convex shapes and half-spaces that they consist of, and which
-//! of those of two shapes come near each other.
+//! Shapes taken apart: the convex shapes and half-spaces that they consist of, and which of those
+//! of two shapes come near each other.
 
-use bevy::math::{DVec3, Vec3};
-use bevy_rapier3d::parry::bounding_volume::Aabb;
-use bevy_rapier3d::parry::partitioning::BvhNode;
-use bevy_rapier3d::parry::shape::{self, CompositeShape, HeightField, Voxels};
+use bevy::math::DVec3;
 
 use super::convex::{Convex, Isometry};
+use super::foreign::Foreign;
 use super::gap::Gap;
 use super::gjk;
-use super::own_mesh::OwnMesh;
+use super::posed_mesh::PosedMesh;
 use super::probe::{Probe, Search};
 use super::segment_triangle;
 
@@ -25,16 +23,14 @@ const STEEP: f64 = 1e-9;
 #[derive(Clone, Copy)]
 pub enum PosedShape<'a> {
     Part(Part<'a>),
-    /// What has a tree: a mesh; or a compound, whose parts need not hang together.
-    Tree {
-        parts: &'a dyn CompositeShape,
-        is_compound: bool,
-        at: Isometry,
-    },
     /// A mesh of ours, that is not convex.
-    Mesh(OwnMesh<'a>),
-    HeightField(&'a HeightField, Isometry),
-    Voxels(&'a Voxels, Isometry),
+    Mesh(PosedMesh<'a>),
+    /// What somebody else knows the parts of.
+    #[cfg_attr(
+        not(feature = "rapier"),
+        expect(dead_code, reason = "nobody else is there")
+    )]
+    Foreign(Foreign<'a>),
 }
 
 /// What has no parts.
@@ -49,55 +45,32 @@ pub enum Part<'a> {
 }
 
 impl<'a> PosedShape<'a> {
-    /// A shape of parry's; `None` if nothing can be said about it.
-    pub fn of(shape: &'a dyn shape::Shape, at: Isometry) -> Option<Self> {
-        if let Some(convex) = Convex::of(shape, at) {
-            return Some(Self::Part(Part::Convex(convex)));
-        }
-        if let Some(side) = shape.as_halfspace() {
-            let normal = at.rotation * side.normal.as_dvec3();
-            return Some(Self::Part(Part::HalfSpace {
-                normal,
-                offset: normal.dot(at.translation),
-            }));
-        }
-        if let Some(field) = shape.as_heightfield() {
-            return Some(Self::HeightField(field, at));
-        }
-        if let Some(voxels) = shape.as_voxels() {
-            return Some(Self::Voxels(voxels, at));
-        }
-        let is_compound = shape.as_compound().is_some();
-        shape.as_composite_shape().map(|parts| Self::Tree {
-            parts,
-            is_compound,
-            at,
-        })
-    }
-
     pub fn isometry(&self) -> Isometry {
         match self {
             Self::Part(Part::Convex(convex)) => convex.at,
             Self::Part(Part::HalfSpace { .. }) => Isometry::IDENTITY,
-            Self::Tree { at, .. } | Self::HeightField(_, at) | Self::Voxels(_, at) => *at,
             Self::Mesh(mesh) => mesh.at,
+            Self::Foreign(foreign) => foreign.isometry(),
         }
     }
 
     /// Centre and half extents of the box around the shape, in its own axes; `None` if it has no
     /// end.
     pub fn local_box(&self) -> Option<[DVec3; 2]> {
-        let of = |aabb: Aabb| {
-            let (low, high) = (aabb.mins.as_dvec3(), aabb.maxs.as_dvec3());
-            [(low + high) * 0.5, (high - low) * 0.5]
-        };
         match self {
             Self::Part(Part::Convex(convex)) => Some(convex.local_box()),
             Self::Part(Part::HalfSpace { .. }) => None,
-            Self::Tree { parts, .. } => Some(of(parts.bvh().root_aabb())),
             Self::Mesh(mesh) => Some(mesh.local_box()),
-            Self::HeightField(field, _) => Some(of(field.local_aabb())),
-            Self::Voxels(voxels, _) => Some(of(voxels.local_aabb())),
+            Self::Foreign(foreign) => Some(foreign.local_box()),
+        }
+    }
+
+    /// Is it made of triangles that have numbers?
+    pub fn has_triangles(&self) -> bool {
+        match self {
+            Self::Part(_) => false,
+            Self::Mesh(_) => true,
+            Self::Foreign(foreign) => foreign.has_triangles(),
         }
     }
 
@@ -137,75 +110,16 @@ impl<'a> PosedShape<'a> {
     ) -> bool {
         match *self {
             Self::Part(_) => visit(self),
-            Self::Tree {
-                parts,
-                is_compound,
-                at,
-            } => {
-                let mut is_known = true;
-                let may_be = |node: &BvhNode| {
-                    probe.admits(node.mins().as_dvec3(), node.maxs().as_dvec3(), search)
-                };
-                for index in parts.bvh().leaves(may_be) {
-                    parts.map_part_at(index, &mut |pose, part, _| {
-                        let triangle = part.as_triangle().filter(|_| !is_compound);
-                        search.triangle.set(triangle.map(|_| index));
-                        let part = PosedShape::of(part, at.of_part(pose));
-                        is_known &= part.is_some_and(|part| visit(&part));
-                    });
-                }
-                is_known
-            }
             Self::Mesh(mesh) => {
                 let mut is_known = true;
                 mesh.each(probe, search, &mut |polygon, corners| {
                     search.triangle.set(Some(mesh.mesh.source(polygon)));
-                    let part = Convex::triangle(corners, Isometry::IDENTITY);
+                    let part = Convex::triangle(corners, 0.0, Isometry::IDENTITY);
                     is_known &= visit(&PosedShape::Part(Part::Convex(part)));
                 });
                 is_known
             }
-            Self::HeightField(field, at) => {
-                let cell = f64::from(field.cell_width().max(field.cell_height()));
-                let mut is_known = true;
-                probe.each_piece(field.local_aabb(), cell, search, |piece| {
-                    field.map_elements_in_local_aabb(&piece, &mut |_, part| {
-                        let corners = [part.a, part.b, part.c].map(Vec3::as_dvec3);
-                        let [a, b, c] = corners;
-                        if probe.admits(a.min(b).min(c), a.max(b).max(c), search) {
-                            is_known &= visit(&PosedShape::Part(Part::Convex(Convex::triangle(
-                                corners, at,
-                            ))));
-                        }
-                    });
-                });
-                is_known
-            }
-            Self::Voxels(voxels, at) => {
-                let half = voxels.voxel_size() * 0.5;
-                let mut is_known = true;
-                probe.each_piece(
-                    voxels.local_aabb(),
-                    f64::from(half.max_element()),
-                    search,
-                    |piece| {
-                        for voxel in voxels.voxels_intersecting_local_aabb(&piece) {
-                            let [low, high] =
-                                [voxel.center - half, voxel.center + half].map(Vec3::as_dvec3);
-                            if !voxel.state.is_empty() && probe.admits(low, high, search) {
-                                let at = Isometry {
-                                    translation: at.to_world(voxel.center.as_dvec3()),
-                                    ..at
-                                };
-                                is_known &= visit(&PosedShape::Part(Part::Convex(Convex::cuboid(
-                                    half, at,
-                                ))));
-                            }
-                        }
-                    },
-                );
-                is_known
-            }
+            Self::Foreign(foreign) => foreign.each(probe, search, visit),
         }
     }
 
@@ -216,9 +130,7 @@ impl<'a> PosedShape<'a> {
             Self::Part(Part::Convex(convex)) => visit(convex.furthest(DVec3::X)),
             Self::Part(Part::HalfSpace { .. }) => {}
             // Those of a compound are shapes of their own.
-            Self::Tree {
-                is_compound: true, ..
-            } => {
+            Self::Foreign(foreign) if foreign.is_compound() => {
                 self.each(&Probe::Everywhere, &search, &mut |part| {
                     part.each_point(visit);
                     true
@@ -238,6 +150,15 @@ impl<'a> PosedShape<'a> {
 }
 
 impl Part<'_> {
+    /// All that is behind the plane through where something is, by its normal there.
+    pub fn half_space(normal: DVec3, at: Isometry) -> Self {
+        let normal = at.rotation * normal.normalize_or(DVec3::Y);
+        Self::HalfSpace {
+            normal,
+            offset: normal.dot(at.translation),
+        }
+    }
+
     /// The normal of a triangle.
     pub fn face(&self) -> Option<DVec3> {
         let Self::Convex(convex) = self else {
@@ -270,7 +191,7 @@ pub fn pairs(
     match (a, b) {
         (PosedShape::Part(a), PosedShape::Part(b)) => visit(a, b),
         // A mesh of ours is searched for each part of the other.
-        (PosedShape::Part(_), _) | (PosedShape::Mesh(_), PosedShape::Tree { .. }) => {
+        (PosedShape::Part(_), _) | (PosedShape::Mesh(_), PosedShape::Foreign(_)) => {
             let probe = a.probe(b.isometry(), search.direction);
             b.each(&probe, search, &mut |part| pairs(search, a, part, visit))
         }
