@@ -142,10 +142,10 @@ pub use frame::placed::Placed;
 pub use frame::workspace::Workspace;
 pub use mesh::convex_mesh::ConvexMesh;
 pub use mesh::polygon_mesh::PolygonMesh;
-#[cfg(feature = "rapier")]
-pub use rapier_shape::RapierShape;
 pub use rounded::{Rounded, RoundedCore};
 pub use settings::{Exactness, NarrowPhase};
+#[cfg(feature = "rapier")]
+pub use shape::RapierShape;
 pub use shape::Shape;
 pub use stage::{Stage, StageCount, StageCounters};
 pub(crate) use support::is_known;

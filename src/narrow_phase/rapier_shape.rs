@@ -11,51 +11,13 @@ use bevy_rapier3d::{
 use super::{
     mesh::polygon_mesh::PolygonMesh,
     rounded::{Rounded, RoundedCore},
-    shape::Shape,
+    shape::{RapierShape, Shape},
 };
-
-/// A shape of `bevy_rapier3d`, and what it is of ours: of that, once it is made, all tests are
-/// asked. What is none of ours is taken apart by parry.
-#[derive(Clone)]
-pub struct RapierShape {
-    raw: SharedShape,
-    own: Option<Shape>,
-}
-
-impl std::fmt::Debug for RapierShape {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let kind = self.raw.shape_type();
-        f.debug_tuple("RapierShape").field(&kind).finish()
-    }
-}
-
-impl RapierShape {
-    fn new(raw: SharedShape) -> Self {
-        let own = own(&*raw.0);
-        Self { raw, own }
-    }
-
-    /// Returns Rapier's shape.
-    #[must_use]
-    pub const fn raw(&self) -> &SharedShape {
-        &self.raw
-    }
-
-    /// Returns the shape of ours that it is, if it is one.
-    #[must_use]
-    pub const fn own(&self) -> Option<&Shape> {
-        self.own.as_ref()
-    }
-
-    /// Is it the very same shape of Rapier's?
-    pub(crate) fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.raw.0, &other.raw.0)
-    }
-}
 
 impl From<SharedShape> for Shape {
     fn from(shape: SharedShape) -> Self {
-        Self::Rapier(Arc::new(RapierShape::new(shape)))
+        let own = own(&*shape.0);
+        Self::Rapier(Arc::new(RapierShape::new(shape, own)))
     }
 }
 

@@ -4,14 +4,13 @@ use std::sync::Arc;
 
 use bevy::math::{Vec3, Vec3A};
 
-use super::{error::ShapeError, length::length, mesh::convex_mesh::ConvexMesh, shape::Shape};
+use super::{error::ShapeError, length::length, mesh::convex_mesh::ConvexMesh};
 
 /// A convex core and all that is no further from it than a radius: a cuboid with round edges, a
 /// capsule in any direction; with a radius of zero, the core itself, which may be a segment or a
 /// triangle.
 ///
-/// Made by [`Shape::rounded`], [`Shape::capsule_between`], [`Shape::segment`] and
-/// [`Shape::triangle`]. The core follows a scale along each of its own axes, the radius the largest
+/// Made by [`Shape::rounded`](super::Shape::rounded) and others of the constructors there. The core follows a scale along each of its own axes, the radius the largest
 /// of the three.
 #[derive(Clone, Debug)]
 pub struct Rounded {
@@ -49,14 +48,16 @@ impl Rounded {
     /// Makes the shape of a core and a radius around it.
     ///
     /// # Errors
-    /// [`ShapeError::Length`] if the radius or a size is negative, NaN or infinite;
+    /// [`ShapeError::Length`] or [`ShapeError::HalfSize`] if a size is negative, NaN or infinite;
     /// [`ShapeError::NonFiniteVertex`] if a point is not finite.
     pub fn new(core: RoundedCore, radius: f32) -> Result<Self, ShapeError> {
         let points: &[Vec3] = match &core {
             RoundedCore::Segment(ends) => ends,
             RoundedCore::Triangle(corners) => corners,
             RoundedCore::Cuboid { half_size } => {
-                Shape::try_from_half_size(*half_size)?;
+                if !half_size.is_finite() || half_size.min_element() < 0.0 {
+                    return Err(ShapeError::HalfSize(*half_size));
+                }
                 &[]
             }
             RoundedCore::ConicalFrustum {

@@ -4,13 +4,11 @@ use std::sync::Arc;
 
 use bevy::math::{Vec3, Vec3A};
 #[cfg(feature = "rapier")]
-use bevy_rapier3d::parry::shape::ShapeType;
+use bevy_rapier3d::parry::shape::{ShapeType, SharedShape};
 
 use super::error::BoundsError;
 use super::length::length;
 use super::mesh::{convex_mesh::ConvexMesh, cube::CUBE, polygon_mesh::PolygonMesh};
-#[cfg(feature = "rapier")]
-use super::rapier_shape::RapierShape;
 use super::rounded::{Rounded, frustum_bounds};
 
 /// Half extents beyond this stand for infinity: parry gives unbounded shapes boxes of this order.
@@ -90,6 +88,47 @@ pub enum Shape {
     /// A shape of `bevy_rapier3d`.
     #[cfg(feature = "rapier")]
     Rapier(Arc<RapierShape>),
+}
+
+/// A shape of `bevy_rapier3d`, and what it is of ours: of that, once it is made, all tests are
+/// asked. What is none of ours is taken apart by parry.
+#[cfg(feature = "rapier")]
+#[derive(Clone)]
+pub struct RapierShape {
+    raw: SharedShape,
+    own: Option<Shape>,
+}
+
+#[cfg(feature = "rapier")]
+impl std::fmt::Debug for RapierShape {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let kind = self.raw.shape_type();
+        f.debug_tuple("RapierShape").field(&kind).finish()
+    }
+}
+
+#[cfg(feature = "rapier")]
+impl RapierShape {
+    pub(super) const fn new(raw: SharedShape, own: Option<Shape>) -> Self {
+        Self { raw, own }
+    }
+
+    /// Returns Rapier's shape.
+    #[must_use]
+    pub const fn raw(&self) -> &SharedShape {
+        &self.raw
+    }
+
+    /// Returns the shape of ours that it is, if it is one.
+    #[must_use]
+    pub const fn own(&self) -> Option<&Shape> {
+        self.own.as_ref()
+    }
+
+    /// Is it the very same shape of Rapier's?
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.raw.0, &other.raw.0)
+    }
 }
 
 // All that the exact tests have to know of a kind of shape, but for its row in the table of

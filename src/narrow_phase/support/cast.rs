@@ -7,8 +7,9 @@ use bevy::math::{DVec3, Dir3, Vec3};
 use super::convex::Convex;
 use super::foreign::ray_by_itself;
 use super::gap::Gap;
-use super::parts::{self, Part, PosedShape};
-use super::posed::posed;
+use super::pairs;
+use super::parts::{self, Part};
+use super::posed::{PosedShape, posed};
 use super::probe::Search;
 use crate::narrow_phase::{
     answer::{Impact, against, slack},
@@ -75,7 +76,7 @@ fn impact(
     let mut first: Option<(f64, Gap)> = None;
     let (mut face, mut triangle) = (None, None);
     let has_triangles = target.has_triangles();
-    parts::pairs(&search, moving, target, &mut |a, b| {
+    pairs::pairs(&search, moving, target, &mut |a, b| {
         let Ok(found) =
             parts::first_impact(a, b, way, search.limit.get(), [near.max(touching), near])
         else {

@@ -4,7 +4,7 @@
 use bevy::math::{DMat3, DQuat, DVec3, Vec3};
 use bevy::transform::components::Transform;
 
-use super::foreign::ForeignCore;
+use super::foreign_core::ForeignCore;
 use crate::narrow_phase::{mesh::polygon_mesh::PolygonMesh, rounded::RoundedCore};
 
 /// Where something is, and how it is turned.

@@ -6,8 +6,9 @@ use bevy::math::{DVec3, Dir3, Vec3};
 
 use super::convex::Convex;
 use super::foreign::ray_by_itself;
-use super::parts::{self, Part, PosedShape};
-use super::posed::posed;
+use super::pairs;
+use super::parts::{self, Part};
+use super::posed::{PosedShape, posed};
 use super::probe::Search;
 use crate::narrow_phase::{
     answer::{Impact, Passage, against, slack},
@@ -138,7 +139,7 @@ impl Ray {
             limit: Cell::new(max_distance.into()),
             ..Search::within(near.unwrap_or(0.0).max(self.slack))
         };
-        parts::pairs(&search, &point, body, &mut |_, part| {
+        pairs::pairs(&search, &point, body, &mut |_, part| {
             visit(part, search.triangle.get(), &search.limit);
             true
         });

@@ -7,11 +7,11 @@ use bevy_rapier3d::parry::{
     math::Pose,
     partitioning::BvhNode,
     query,
-    shape::{self, CompositeShape, HeightField, SupportMap, TypedShape, Voxels},
+    shape::{self, CompositeShape, HeightField, TypedShape, Voxels},
 };
 
 use super::convex::{Convex, Isometry, wide};
-use super::parts::{Part, PosedShape};
+use super::foreign_core::ForeignCore;
 use super::probe::{Probe, Search, passage};
 use crate::narrow_phase::{
     answer::{Impact, against},
@@ -22,25 +22,13 @@ use crate::narrow_phase::{
 /// In so many pieces is a way over a grid of somebody else's cut at most, to look at what is along it.
 const MOST_PIECES: f64 = 4096.0;
 
-/// The core of a convex shape.
+/// What a shape is, or a part of one.
 #[derive(Clone, Copy)]
-pub enum ForeignCore<'a> {
-    Hull(&'a [Vec3]),
-    Support(&'a dyn SupportMap),
-}
-
-impl ForeignCore<'_> {
-    /// The point that is furthest along a direction.
-    pub fn furthest(self, direction: DVec3) -> DVec3 {
-        match self {
-            Self::Hull(points) => {
-                let along = |point: &&Vec3| wide(**point).dot(direction);
-                let furthest = points.iter().max_by(|a, b| along(a).total_cmp(&along(b)));
-                furthest.copied().map_or(DVec3::ZERO, wide)
-            }
-            Self::Support(shape) => wide(shape.local_support_point(direction.as_vec3())),
-        }
-    }
+pub enum ForeignPart<'a> {
+    Convex(Convex<'a>),
+    /// By its normal, in its own axes.
+    HalfSpace(DVec3, Isometry),
+    Whole(Foreign<'a>),
 }
 
 /// What consists of parts.
@@ -94,7 +82,7 @@ impl<'a> Foreign<'a> {
         &self,
         probe: &Probe,
         search: &Search,
-        visit: &mut dyn FnMut(&PosedShape) -> bool,
+        visit: &mut dyn FnMut(ForeignPart) -> bool,
     ) -> bool {
         match *self {
             Self::Tree {
@@ -111,7 +99,7 @@ impl<'a> Foreign<'a> {
                         let triangle = part.as_triangle().filter(|_| !is_compound);
                         search.triangle.set(triangle.map(|_| index));
                         let part = posed(part, of_part(&at, pose));
-                        is_known &= part.is_some_and(|part| visit(&part));
+                        is_known &= part.is_some_and(&mut *visit);
                     });
                 }
                 is_known
@@ -126,7 +114,7 @@ impl<'a> Foreign<'a> {
                         let [a, b, c] = corners;
                         if probe.admits(a.min(b).min(c), a.max(b).max(c), search) {
                             let part = Convex::triangle(corners, 0.0, at);
-                            is_known &= visit(&PosedShape::Part(Part::Convex(part)));
+                            is_known &= visit(ForeignPart::Convex(part));
                         }
                     });
                 });
@@ -147,7 +135,7 @@ impl<'a> Foreign<'a> {
                                 ..at
                             };
                             let part = Convex::cuboid(wide(half), at);
-                            is_known &= visit(&PosedShape::Part(Part::Convex(part)));
+                            is_known &= visit(ForeignPart::Convex(part));
                         }
                     }
                 });
@@ -218,7 +206,7 @@ fn of_part(at: &Isometry, pose: Option<&Pose>) -> Isometry {
 
 /// A shape of Rapier's as something that can be asked; `None` for what parry knows no more of than
 /// its name.
-pub fn posed_foreign<'a>(shape: &'a Shape, at: Isometry) -> Option<PosedShape<'a>> {
+pub fn foreign(shape: &Shape, at: Isometry) -> Option<ForeignPart<'_>> {
     match shape {
         Shape::Rapier(shape) => posed(&*shape.raw().0, at),
         _ => None,
@@ -226,28 +214,25 @@ pub fn posed_foreign<'a>(shape: &'a Shape, at: Isometry) -> Option<PosedShape<'a
 }
 
 /// A shape of parry's in its place; `None` if nothing can be said about it.
-fn posed(shape: &dyn shape::Shape, at: Isometry) -> Option<PosedShape<'_>> {
+fn posed(shape: &dyn shape::Shape, at: Isometry) -> Option<ForeignPart<'_>> {
     if let Some(convex) = convex(shape, at) {
-        return Some(PosedShape::Part(Part::Convex(convex)));
+        return Some(ForeignPart::Convex(convex));
     }
     if let Some(side) = shape.as_halfspace() {
-        return Some(PosedShape::Part(Part::half_space(wide(side.normal), at)));
+        return Some(ForeignPart::HalfSpace(wide(side.normal), at));
     }
-    if let Some(field) = shape.as_heightfield() {
-        return Some(PosedShape::Foreign(Foreign::HeightField(field, at)));
-    }
-    if let Some(voxels) = shape.as_voxels() {
-        return Some(PosedShape::Foreign(Foreign::Voxels(voxels, at)));
-    }
-    let is_compound = shape.as_compound().is_some();
     let tree = |parts| Foreign::Tree {
         parts,
-        is_compound,
+        is_compound: shape.as_compound().is_some(),
         at,
     };
-    shape
-        .as_composite_shape()
-        .map(|parts| PosedShape::Foreign(tree(parts)))
+    let field = shape.as_heightfield();
+    let voxels = || shape.as_voxels().map(|voxels| Foreign::Voxels(voxels, at));
+    field
+        .map(|field| Foreign::HeightField(field, at))
+        .or_else(voxels)
+        .or_else(|| shape.as_composite_shape().map(tree))
+        .map(ForeignPart::Whole)
 }
 
 /// A convex shape of parry's; `None` if it is not convex, or has no end.

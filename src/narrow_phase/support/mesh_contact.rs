@@ -12,7 +12,9 @@ use smallvec::SmallVec;
 use super::convex::{Convex, Isometry};
 use super::gap::Gap;
 use super::gjk;
-use super::parts::{self, Part, PosedShape};
+use super::pairs;
+use super::parts::Part;
+use super::posed::PosedShape;
 use super::posed_mesh::PosedMesh;
 use super::probe::Search;
 use crate::narrow_phase::mesh::topology::NO_NEIGHBOR;
@@ -66,7 +68,7 @@ pub fn from_inside(body: &Convex, mesh: &PosedMesh) -> Option<Gap> {
         PosedShape::Part(Part::Convex(*body)),
         PosedShape::Mesh(*mesh),
     ];
-    let gap = parts::nearest(&body_shape, &mesh_shape)?;
+    let gap = pairs::nearest(&body_shape, &mesh_shape)?;
     let out = gap.normal;
     let depth = gap.points[1].dot(out) - lowest(body, out);
     Some(Gap {

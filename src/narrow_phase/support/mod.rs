@@ -13,10 +13,16 @@ mod foreign;
 #[cfg(not(feature = "rapier"))]
 #[path = "foreign/absent.rs"]
 mod foreign;
+#[cfg(feature = "rapier")]
+mod foreign_core;
+#[cfg(not(feature = "rapier"))]
+#[path = "foreign_core/absent.rs"]
+mod foreign_core;
 mod gap;
 mod gjk;
 mod mesh_contact;
 mod own;
+mod pairs;
 mod parts;
 mod posed;
 mod posed_mesh;

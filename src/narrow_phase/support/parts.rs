@@ -1,14 +1,10 @@
-//! Shapes taken apart: the convex shapes and half-spaces that they consist of, and which of those
-//! of two shapes come near each other.
+//! What shapes consist of: convex shapes and half-spaces, and how two of these are to each other.
 
 use bevy::math::DVec3;
 
 use super::convex::{Convex, Isometry};
-use super::foreign::Foreign;
 use super::gap::Gap;
 use super::gjk;
-use super::posed_mesh::PosedMesh;
-use super::probe::{Probe, Search};
 use super::segment_triangle;
 
 /// So often may one on its way look how far the other is: more often only if they no more than
@@ -19,20 +15,6 @@ const BORDER: f64 = 1e-9;
 /// The least sine of the angle between a ray and a triangle that it crosses.
 const STEEP: f64 = 1e-9;
 
-/// A shape in its place, as something that can be asked.
-#[derive(Clone, Copy)]
-pub enum PosedShape<'a> {
-    Part(Part<'a>),
-    /// A mesh of ours, that is not convex.
-    Mesh(PosedMesh<'a>),
-    /// What somebody else knows the parts of.
-    #[cfg_attr(
-        not(feature = "rapier"),
-        expect(dead_code, reason = "nobody else is there")
-    )]
-    Foreign(Foreign<'a>),
-}
-
 /// What has no parts.
 #[derive(Clone, Copy)]
 pub enum Part<'a> {
@@ -42,111 +24,6 @@ pub enum Part<'a> {
         normal: DVec3,
         offset: f64,
     },
-}
-
-impl<'a> PosedShape<'a> {
-    pub fn isometry(&self) -> Isometry {
-        match self {
-            Self::Part(Part::Convex(convex)) => convex.at,
-            Self::Part(Part::HalfSpace { .. }) => Isometry::IDENTITY,
-            Self::Mesh(mesh) => mesh.at,
-            Self::Foreign(foreign) => foreign.isometry(),
-        }
-    }
-
-    /// Centre and half extents of the box around the shape, in its own axes; `None` if it has no
-    /// end.
-    pub fn local_box(&self) -> Option<[DVec3; 2]> {
-        match self {
-            Self::Part(Part::Convex(convex)) => Some(convex.local_box()),
-            Self::Part(Part::HalfSpace { .. }) => None,
-            Self::Mesh(mesh) => Some(mesh.local_box()),
-            Self::Foreign(foreign) => Some(foreign.local_box()),
-        }
-    }
-
-    /// Is it made of triangles that have numbers?
-    pub fn has_triangles(&self) -> bool {
-        match self {
-            Self::Part(_) => false,
-            Self::Mesh(_) => true,
-            Self::Foreign(foreign) => foreign.has_triangles(),
-        }
-    }
-
-    /// Half the diagonal of that box; infinite without an end.
-    pub fn size(&self) -> f64 {
-        self.local_box()
-            .map_or(f64::INFINITY, |[_, half]| half.length())
-    }
-
-    /// Where it is, and that it goes in a direction, as seen from another.
-    pub fn probe(&self, whole: Isometry, direction: DVec3) -> Probe {
-        if let Self::Part(Part::HalfSpace { normal, offset }) = self {
-            return Probe::HalfSpace {
-                normal: whole.direction_to_local(*normal),
-                offset: offset - normal.dot(whole.translation),
-                approach: normal.dot(direction).max(0.0),
-            };
-        }
-        let Some(bounds) = self.local_box() else {
-            return Probe::Everywhere;
-        };
-        let [center, half] = whole.bounds_to_local(&self.isometry(), bounds);
-        Probe::Box {
-            center,
-            half,
-            direction: whole.direction_to_local(direction),
-        }
-    }
-
-    /// Calls `visit` with all parts that a probe admits, and again with their parts. False if there
-    /// is one about which nothing can be said.
-    pub fn each(
-        &self,
-        probe: &Probe,
-        search: &Search,
-        visit: &mut dyn FnMut(&PosedShape) -> bool,
-    ) -> bool {
-        match *self {
-            Self::Part(_) => visit(self),
-            Self::Mesh(mesh) => {
-                let mut is_known = true;
-                mesh.each(probe, search, &mut |polygon, corners| {
-                    search.triangle.set(Some(mesh.mesh.source(polygon)));
-                    let part = Convex::triangle(corners, 0.0, Isometry::IDENTITY);
-                    is_known &= visit(&PosedShape::Part(Part::Convex(part)));
-                });
-                is_known
-            }
-            Self::Foreign(foreign) => foreign.each(probe, search, visit),
-        }
-    }
-
-    /// A point of the shape, or of each of its parts if these need not hang together.
-    pub fn each_point(&self, visit: &mut dyn FnMut(DVec3)) {
-        let search = Search::within(f64::INFINITY);
-        match self {
-            Self::Part(Part::Convex(convex)) => visit(convex.furthest(DVec3::X)),
-            Self::Part(Part::HalfSpace { .. }) => {}
-            // Those of a compound are shapes of their own.
-            Self::Foreign(foreign) if foreign.is_compound() => {
-                self.each(&Probe::Everywhere, &search, &mut |part| {
-                    part.each_point(visit);
-                    true
-                });
-            }
-            _ => {
-                self.each(&Probe::Everywhere, &search, &mut |part| {
-                    if search.goes_on() {
-                        part.each_point(visit);
-                    }
-                    search.end();
-                    true
-                });
-            }
-        }
-    }
 }
 
 impl Part<'_> {
@@ -168,36 +45,13 @@ impl Part<'_> {
         (b - a).cross(c - a).try_normalize()
     }
 
-    fn moved(&self, by: DVec3) -> Self {
+    pub fn moved(&self, by: DVec3) -> Self {
         match *self {
             Self::Convex(convex) => Self::Convex(convex.moved(by)),
             Self::HalfSpace { normal, offset } => Self::HalfSpace {
                 normal,
                 offset: offset + normal.dot(by),
             },
-        }
-    }
-}
-
-/// Calls `visit` with all pairs of what two shapes consist of that are near each other: the two
-/// boxes, or that of the first on its way and the other. False if there are such about which nothing
-/// can be said.
-pub fn pairs(
-    search: &Search,
-    a: &PosedShape,
-    b: &PosedShape,
-    visit: &mut dyn FnMut(&Part, &Part) -> bool,
-) -> bool {
-    match (a, b) {
-        (PosedShape::Part(a), PosedShape::Part(b)) => visit(a, b),
-        // A mesh of ours is searched for each part of the other.
-        (PosedShape::Part(_), _) | (PosedShape::Mesh(_), PosedShape::Foreign(_)) => {
-            let probe = a.probe(b.isometry(), search.direction);
-            b.each(&probe, search, &mut |part| pairs(search, a, part, visit))
-        }
-        _ => {
-            let probe = b.probe(a.isometry(), -search.direction);
-            a.each(&probe, search, &mut |part| pairs(search, part, b, visit))
         }
     }
 }
@@ -379,50 +233,6 @@ fn ray_triangle(
             between: point,
         },
     )))
-}
-
-/// Where two shapes are closest to each other. `None` if nothing can be said about them, or one is
-/// empty.
-pub fn nearest(a: &PosedShape, b: &PosedShape) -> Option<Gap> {
-    if let (PosedShape::Part(a), PosedShape::Part(b)) = (a, b) {
-        return gap(a, b, f64::INFINITY, false).ok()?;
-    }
-    let sizes = [a.size(), b.size()].map(|size| if size.is_finite() { size } else { 0.0 });
-    let apart = b.probe(a.isometry(), DVec3::ZERO).distance(a.local_box());
-    let everything = apart + 4.0 * (sizes[0] + sizes[1]);
-    // What is found is the closest, if it is closer than where it was looked for: everywhere, where
-    // near parts come first.
-    let mut margin = match (a, b) {
-        (PosedShape::Part(_), PosedShape::Mesh(_)) | (PosedShape::Mesh(_), PosedShape::Part(_)) => {
-            f64::INFINITY
-        }
-        _ => apart + (0.25 * sizes[0].min(sizes[1])).max(1e-3 * sizes[0].max(sizes[1])),
-    };
-    loop {
-        let search = Search::nearest(margin);
-        let mut best: Option<Gap> = None;
-        let is_known = pairs(&search, a, b, &mut |a, b| {
-            let limit = best.map_or(f64::INFINITY, |best| best.distance);
-            let Ok(found) = gap(a, b, limit, false) else {
-                return false;
-            };
-            if let Some(found) = found.filter(|found| found.distance < limit) {
-                best = Some(found);
-                search.margin.set(search.margin.get().min(found.distance));
-                if found.distance <= 0.0 {
-                    search.end();
-                }
-            }
-            true
-        });
-        match best {
-            _ if !is_known => return None,
-            Some(found) if found.distance <= margin => return best,
-            Some(found) => margin = found.distance,
-            None if margin > everything => return None,
-            None => margin *= 4.0,
-        }
-    }
 }
 
 /// Nothing can be said about two shapes.

@@ -6,8 +6,9 @@ use super::convex::Convex;
 use super::foreign::closest_by_itself;
 use super::gap::Gap;
 use super::mesh_contact;
-use super::parts::{self, Part, PosedShape};
-use super::posed::posed;
+use super::pairs;
+use super::parts::{self, Part};
+use super::posed::{PosedShape, posed};
 use super::posed_mesh::PosedMesh;
 use super::probe::Search;
 use crate::narrow_phase::{
@@ -49,7 +50,7 @@ fn touch(a: Placed, b: Placed, tolerance: f32) -> Option<bool> {
     let search = Search::within(tolerance);
     let mut found = false;
     let origin = a.transform.translation;
-    let is_known = parts::pairs(
+    let is_known = pairs::pairs(
         &search,
         &posed(a, origin)?,
         &posed(b, origin)?,
@@ -95,7 +96,7 @@ pub fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalContact> {
 fn deepest(a: &PosedShape, b: &PosedShape, tolerance: f64) -> Option<Gap> {
     let search = Search::within(tolerance);
     let mut deepest: Option<Gap> = None;
-    parts::pairs(&search, a, b, &mut |a, b| {
+    pairs::pairs(&search, a, b, &mut |a, b| {
         let Ok(found) = parts::gap(a, b, tolerance, true) else {
             return false;
         };
@@ -145,7 +146,7 @@ pub fn closest_point(target: Placed, point: Vec3) -> Option<Vec3> {
         return closest_by_itself(target, point);
     };
     let at_point = PosedShape::Part(Part::Convex(Convex::point(DVec3::ZERO)));
-    let gap = parts::nearest(&body, &at_point)?;
+    let gap = pairs::nearest(&body, &at_point)?;
     Some(if gap.distance > 0.0 {
         (point.as_dvec3() + gap.points[0]).as_vec3()
     } else {
@@ -157,7 +158,7 @@ pub fn closest_point(target: Placed, point: Vec3) -> Option<Vec3> {
 /// the two overlap.
 pub fn closest_points(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
     let origin = a.transform.translation;
-    let gap = parts::nearest(&posed(a, origin)?, &posed(b, origin)?)?;
+    let gap = pairs::nearest(&posed(a, origin)?, &posed(b, origin)?)?;
     let points = if gap.distance > 0.0 {
         gap.points
     } else {

@@ -4,18 +4,16 @@ use std::{convert::Infallible, marker::PhantomData};
 
 use bevy::math::{DVec3, Dir3, Vec3};
 
-use super::convex::Isometry;
-use super::parts::PosedShape;
+use super::convex::{Convex, Isometry};
 use super::probe::{Probe, Search};
 use crate::narrow_phase::{answer::Impact, frame::placed::Placed};
 
 #[derive(Clone, Copy)]
-pub struct ForeignCore<'a>(Infallible, PhantomData<&'a ()>);
-
-impl ForeignCore<'_> {
-    pub const fn furthest(self, _: DVec3) -> DVec3 {
-        match self.0 {}
-    }
+#[expect(dead_code, reason = "nobody else is there")]
+pub enum ForeignPart<'a> {
+    Convex(Convex<'a>),
+    HalfSpace(DVec3, Isometry),
+    Whole(Foreign<'a>),
 }
 
 #[derive(Clone, Copy)]
@@ -38,7 +36,7 @@ impl Foreign<'_> {
         match self.0 {}
     }
 
-    pub fn each(&self, _: &Probe, _: &Search, _: &mut dyn FnMut(&PosedShape) -> bool) -> bool {
+    pub fn each(&self, _: &Probe, _: &Search, _: &mut dyn FnMut(ForeignPart) -> bool) -> bool {
         match self.0 {}
     }
 }
