@@ -160,6 +160,13 @@ impl Shape {
         }
     }
 
+    /// Are the support functions asked where a ray meets it?
+    #[inline]
+    pub(super) const fn is_cast_by_support(&self) -> bool {
+        let has_chord = matches!(self, Self::Capsule { .. } | Self::ConicalFrustum { .. });
+        self.kind().is_by_support() && !has_chord
+    }
+
     /// Its mesh, if it is one of ours.
     pub(super) fn own_mesh(&self) -> Option<&PolygonMesh> {
         match self {
@@ -268,6 +275,16 @@ impl Shape {
             let grown = rounded.radius() * largest;
             let half = half * size + grown;
             return Ok((center * scale, half, radius * largest + grown));
+        }
+        if let Self::Capsule {
+            radius,
+            half_length,
+        } = self
+        {
+            // Its ends stay round.
+            let (radius, half_length) = (radius.abs() * size.x, half_length.abs() * size.y);
+            let reach = radius + half_length;
+            return Ok((Vec3A::ZERO, Vec3A::new(radius, reach, radius), reach));
         }
         let (center, half, radius) = self.local_bounds()?;
         Ok((center * scale, half * size, radius * size.max_element()))

@@ -4,14 +4,18 @@ use bevy::math::DVec3;
 
 use super::local_ray::{LocalRay, vertex};
 use crate::narrow_phase::{
-    frame::chord::{Chord, Met},
+    frame::{
+        chord::{Chord, Met},
+        placed::Placed,
+    },
     shape::Shape,
 };
 
 impl LocalRay {
-    /// That of a convex shape of ours.
-    pub fn chord(&self, shape: &Shape) -> Option<Chord> {
-        Some(match shape {
+    /// That of a convex shape of ours, but for those that are known by their support functions alone.
+    pub fn chord(&self, target: Placed) -> Option<Chord> {
+        let wide = |size: f32| f64::from(size.abs());
+        Some(match target.shape {
             Shape::Cuboid { half_size } => {
                 let half = half_size.abs().as_dvec3();
                 let planes = (0..3).flat_map(|axis| {
@@ -29,6 +33,23 @@ impl LocalRay {
                 }))
             }
             Shape::Sphere { radius } => self.chord_of_sphere(f64::from(radius.abs())),
+            Shape::Capsule {
+                radius,
+                half_length,
+            } => {
+                // Its ends stay round.
+                let scale = target.shape.effective_scale(target.transform.scale);
+                let [radius, half_length] = [
+                    radius.abs() * scale.x.abs(),
+                    half_length.abs() * scale.y.abs(),
+                ];
+                self.chord_of_capsule(wide(radius), wide(half_length))
+            }
+            Shape::ConicalFrustum {
+                radius_top,
+                radius_bottom,
+                half_height,
+            } => self.chord_of_frustum([*radius_bottom, *radius_top, *half_height].map(wide)),
             _ => return None,
         })
     }

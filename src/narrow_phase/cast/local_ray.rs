@@ -6,6 +6,7 @@ use crate::narrow_phase::{
     answer::{Impact, against, slack},
     frame::{chord::Met, placed::Placed, surface::winds_around},
     mesh::polygon_mesh::PolygonMesh,
+    shape::Shape,
 };
 
 /// How close to its border a point counts as on a polygon, as a share of the distances at hand:
@@ -58,13 +59,21 @@ impl LocalRay {
             if !target.transform.scale.is_finite() {
                 return None;
             }
+            // That of a capsule is in its sizes.
+            if matches!(target.shape, Shape::Capsule { .. }) {
+                return ray.is_finite().then_some(ray);
+            }
             let scale = target.shape.effective_scale(target.transform.scale);
             let scale = scale.as_dvec3();
             let least = DVec3::splat(FLAT * scale.abs().max_element());
             ray.scale = DVec3::select(scale.abs().cmplt(least), least, scale);
             (ray.origin, ray.direction) = (ray.origin / ray.scale, ray.direction / ray.scale);
         }
-        (ray.origin + ray.direction).is_finite().then_some(ray)
+        ray.is_finite().then_some(ray)
+    }
+
+    fn is_finite(&self) -> bool {
+        (self.origin + self.direction).is_finite()
     }
 
     /// Whether a ray may meet the box of a mesh, quickly. In doubt, it may.

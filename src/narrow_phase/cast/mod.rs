@@ -15,6 +15,7 @@ mod parting_planes;
 mod pass_by;
 mod passage;
 mod ray;
+mod round_chord;
 mod sweep;
 mod sweep_with;
 #[cfg(test)]

@@ -51,7 +51,7 @@ impl NarrowPhase {
         direction: Dir3,
         max_distance: f32,
     ) -> Option<Passage> {
-        if target.shape.kind().is_by_support() {
+        if target.shape.is_cast_by_support() {
             return match support::as_own(target) {
                 Some((own, at)) => {
                     let own = Placed::new(&own, &at);
@@ -75,7 +75,7 @@ impl NarrowPhase {
         if let Shape::Mesh(mesh) = target.shape {
             return ray.through(mesh, limit(max_distance), impact);
         }
-        let chord = ray.chord(target.shape)?;
+        let chord = ray.chord(target)?;
         let is_inside = chord.height < -ray.slack;
         let enter = if is_inside {
             None

@@ -58,7 +58,7 @@ impl NarrowPhase {
         if !(max_distance >= 0.0 && target.shape.is_finite()) {
             return None;
         }
-        if target.shape.kind().is_by_support() {
+        if target.shape.is_cast_by_support() {
             if !is_askable(target, origin, direction, max_distance) {
                 return None;
             }
@@ -82,8 +82,7 @@ impl NarrowPhase {
             Shape::Sphere { radius } => ray.sphere(f64::from(radius.abs())),
             Shape::Convex(mesh) => ray.convex(mesh),
             Shape::Mesh(mesh) => ray.mesh(mesh, limit(max_distance)),
-            // Asked before.
-            _ => None,
+            _ => ray.chord(target)?.met(&RayCastOptions::DEFAULT, ray.slack),
         }?;
         ray.impact(target, (origin, direction), max_distance, met)
     }
@@ -122,7 +121,7 @@ impl NarrowPhase {
         if !is_askable(target, origin, direction, max_distance) {
             return None;
         }
-        if target.shape.kind().is_by_support() {
+        if target.shape.is_cast_by_support() {
             return match support::as_own(target) {
                 Some((own, at)) => {
                     let own = Placed::new(&own, &at);
@@ -138,7 +137,7 @@ impl NarrowPhase {
         let ray = LocalRay::new(target, origin, direction)?;
         let met = match target.shape {
             Shape::Mesh(mesh) => ray.mesh_with(mesh, limit(max_distance), options),
-            shape => ray.chord(shape)?.met(options, ray.slack),
+            _ => ray.chord(target)?.met(options, ray.slack),
         }?;
         ray.impact(target, (origin, direction), max_distance, met)
     }

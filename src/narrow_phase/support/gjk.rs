@@ -17,9 +17,13 @@ use super::segment_triangle;
 /// Where a search for the distance ends that finds no end by itself: it is exact long before.
 const MOST_STEPS: usize = 64;
 /// What is left uncertain of a distance, as a share of it and of the sizes at hand.
-const PRECISION: f64 = 1e-9;
+const PRECISION: f64 = 1e-13;
 /// What counts as flat, or as nothing, as a share of the sizes at hand: more than rounding.
 const FLAT: f64 = 1e-13;
+/// So often does the search for a point of both go from one shape to the other.
+const MOST_WAYS: usize = 8;
+/// Two points that are no further apart count as one, as a share of the sizes at hand.
+const SAME: f64 = 1e-7;
 /// So often is a polytope expanded: enough for the depth of round shapes to be off by less than a
 /// hundredth.
 const MOST_EXPANSIONS: usize = 64;
@@ -103,10 +107,29 @@ pub fn by_steps(a: &Convex, b: &Convex, limit: f64, with_depth: bool) -> Option<
         points: [between; 2],
         between,
     };
-    Some(if with_depth {
-        expand(&simplex, difference, size, overlap)
-    } else {
-        overlap
+    if !with_depth {
+        return Some(overlap);
+    }
+    let deepest = expand(&simplex, difference, size, overlap);
+    Some(Gap {
+        between: common_point(a, b, deepest.between, size).unwrap_or(between),
+        ..deepest
+    })
+}
+
+/// A point of two cores that overlap, near another, by going back and forth between the two; `None`
+/// if that takes too long.
+fn common_point(a: &Convex, b: &Convex, near: DVec3, size: f64) -> Option<DVec3> {
+    let closest = |core: &Convex, point: DVec3| {
+        let gap = by_steps(&Convex::point(point), core, f64::INFINITY, false);
+        gap.filter(|gap| gap.distance > 0.0)
+            .map_or(point, |gap| gap.points[1])
+    };
+    let mut point = near;
+    (0..MOST_WAYS).find_map(|_| {
+        let on_a = closest(a, point);
+        point = closest(b, on_a);
+        (on_a.distance(point) <= SAME * size).then(|| on_a.midpoint(point))
     })
 }
 
