@@ -118,6 +118,36 @@ impl StillOctree {
         query::search(self.level, self, measure, limit, visit);
     }
 
+    /// The number of levels of blocks, of which the lowest is that of the boxes and the highest is
+    /// one block.
+    pub(crate) fn height(&self) -> u32 {
+        self.levels.height()
+    }
+
+    /// Calls `found` with the boxes in a block: each with its slot on the lowest level, which is 0,
+    /// and above with the index of the block one level below that it is around.
+    #[inline]
+    pub(crate) fn for_each_in_block(
+        &self,
+        level: u32,
+        index: u32,
+        mut found: impl FnMut(&Aabb3d, u32),
+    ) {
+        let width = WIDTH as u32;
+        let below = match level {
+            0 => self.owners.len(),
+            _ => self.owners.len().div_ceil(WIDTH.pow(level)),
+        };
+        for child in index * width..(below as u32).min((index + 1) * width) {
+            let (block, lane) = (child / width, child as usize % WIDTH);
+            let aabb = match (level, self.triangles.get(block as usize)) {
+                (0, Some(triangles)) => triangles.get(lane),
+                _ => self.levels()[level as usize][block as usize].get(lane),
+            };
+            found(&aabb, child);
+        }
+    }
+
     /// The indices of all boxes, near ones one after the other.
     pub(crate) fn in_order(&self) -> &[u32] {
         &self.owners

@@ -294,6 +294,14 @@ impl Shape {
         Ok(ConvexMesh::new(mesh)?.into())
     }
 
+    /// Makes the smallest convex solid in which all of some points are. See [`ConvexMesh::hull_of`].
+    ///
+    /// # Errors
+    /// Those of [`ConvexMesh::hull_of`]: less than four points, or all of them in a plane.
+    pub fn convex_hull(points: impl IntoIterator<Item = Vec3>) -> Result<Self, ShapeError> {
+        Ok(ConvexMesh::hull_of(points)?.into())
+    }
+
     /// Makes a mesh of planar polygons, each a list of vertex indices: solid where parts of it are
     /// closed. See [`PolygonMesh::new`], and for rooms [`PolygonMesh::surface_only`].
     ///

@@ -1,6 +1,6 @@
 //! What can be wrong with a shape, and with where it is put.
 
-use bevy::math::Vec3;
+use bevy::math::{Vec2, Vec3};
 use thiserror::Error;
 
 /// Why a shape cannot be built.
@@ -124,6 +124,70 @@ pub enum ShapeError {
         position: Vec3,
         /// How far outside it is.
         distance: f32,
+    },
+    /// A convex hull needs four points at least.
+    #[error("a convex hull needs at least 4 points, got {0}")]
+    FewPoints(usize),
+    /// A compound has no parts.
+    #[error("a compound needs at least one part")]
+    NoParts,
+    /// A part of a compound, or where it is put, has no bounds.
+    #[error("part {part} of a compound cannot be used: {error}")]
+    Part {
+        /// Which part, by its number in the input.
+        part: usize,
+        /// Why it has none.
+        error: BoundsError,
+    },
+    /// A height field has less than two rows or columns of heights.
+    #[error("a height field needs at least 2 rows and 2 columns, got {rows} and {columns}")]
+    FewHeights {
+        /// How many rows.
+        rows: usize,
+        /// How many columns.
+        columns: usize,
+    },
+    /// A height field has not as many heights as rows times columns.
+    #[error("a height field of {rows} rows and {columns} columns cannot have {heights} heights")]
+    HeightCount {
+        /// How many rows.
+        rows: usize,
+        /// How many columns.
+        columns: usize,
+        /// How many heights.
+        heights: usize,
+    },
+    /// A height is NaN or infinite.
+    #[error("the height in row {row} and column {column} is not finite: {height}")]
+    NonFiniteHeight {
+        /// Its row.
+        row: usize,
+        /// Its column.
+        column: usize,
+        /// What it is said to be.
+        height: f32,
+    },
+    /// The size of a cell of a height field is not greater than zero, or makes the field infinite.
+    #[error("cells of a height field must have finite sizes greater than zero, got {0}")]
+    FieldCellSize(Vec2),
+    /// A height field has no such height, or cell.
+    #[error("the height field has nothing in row {row} and column {column}")]
+    OutsideField {
+        /// Which row.
+        row: usize,
+        /// Which column.
+        column: usize,
+    },
+    /// The size of a voxel is not greater than zero, or beyond 10²⁸.
+    #[error("the size of a voxel must be greater than zero and at most 10^28, got {0}")]
+    VoxelSize(f32),
+    /// A point is in no voxel: it is not finite, or so far away that 32 bits cannot number its cell.
+    #[error("point {point} is in no voxel that 32 bits can number: {position}")]
+    VoxelPoint {
+        /// Which point.
+        point: usize,
+        /// Where it is.
+        position: Vec3,
     },
     /// A convex mesh encloses no volume.
     #[error("a convex mesh has to enclose a volume")]

@@ -6,6 +6,7 @@ use bevy::math::{Vec3, Vec3A};
 #[cfg(feature = "rapier")]
 use bevy_rapier3d::parry::shape::{ShapeType, SharedShape};
 
+use super::composite::parts::Parts;
 use super::error::BoundsError;
 use super::length::length;
 use super::mesh::{convex_mesh::ConvexMesh, cube::CUBE, polygon_mesh::PolygonMesh};
@@ -335,6 +336,14 @@ impl Shape {
         }
     }
 }
+
+/// Shapes in poses that are one: what games build of simple shapes, as a table, a tree or a house.
+///
+/// A part is in contact where it would be by itself. Parts may overlap each other. They have a tree,
+/// so that a compound may have very many. See [`Compound::new`].
+// Here, as it and `Shape` name each other.
+#[derive(Clone, Debug)]
+pub struct Compound(pub(super) Parts<Shape>);
 
 /// The kinds of shapes: a [`Shape`] without its data. What is Rapier's is one of them, whatever it
 /// is.

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "mesh")]
 mod bevy_mesh;
+mod convex_hull;
 pub(super) mod convex_mesh;
 pub(super) mod cube;
 mod duplicates;
@@ -10,6 +11,7 @@ mod junctions;
 mod normal;
 pub(super) mod polygon_mesh;
 mod polygons;
+mod quickhull;
 mod solids;
 pub(super) mod topology;
 #[cfg(any(feature = "mesh", test))]

@@ -1,0 +1,85 @@
+//! What shapes of many consist of, for the exact tests: one way to walk all of them.
+
+use bevy::math::Vec3A;
+
+use super::composite::{
+    box_tree::BoxTree,
+    height_field::{FieldTriangle, HeightField},
+    parts::Part,
+    voxels::{Cells, Voxels},
+};
+use super::shape::{Compound, Shape};
+
+/// A shape that consists of many.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Composite<'a> {
+    Compound(&'a Compound),
+    HeightField(&'a HeightField),
+    Voxels(&'a Voxels),
+}
+
+/// One of the many.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Leaf<'a> {
+    /// A shape in its pose.
+    Part(&'a Part<Shape>),
+    /// A triangle.
+    Triangle(FieldTriangle),
+    /// A box of full cells.
+    Cells(Cells),
+}
+
+impl<'a> Composite<'a> {
+    /// Visits all that is in boxes that are admitted, by their lower and upper corners in the
+    /// shape's own coordinates, in no particular order. What is not admitted is skipped with all
+    /// below. Who has found enough admits nothing more.
+    pub(super) fn walk(
+        self,
+        admits: &mut dyn FnMut(Vec3A, Vec3A) -> bool,
+        visit: &mut dyn FnMut(Leaf<'a>),
+    ) {
+        match self {
+            Self::Compound(compound) => {
+                (&compound.0).walk(admits, &mut |part| visit(Leaf::Part(part)));
+            }
+            Self::HeightField(field) => {
+                field.walk(admits, &mut |triangle| visit(Leaf::Triangle(triangle)));
+            }
+            Self::Voxels(voxels) => {
+                voxels.walk(admits, &mut |cells| visit(Leaf::Cells(cells)));
+            }
+        }
+    }
+
+    /// Visits what is in boxes that have a distance, near ones first. It is asked again for what
+    /// waited while others were visited, so that a limit may shrink.
+    pub(super) fn walk_near(
+        self,
+        distance: &mut dyn FnMut(Vec3A, Vec3A) -> Option<f32>,
+        visit: &mut dyn FnMut(Leaf<'a>),
+    ) {
+        match self {
+            Self::Compound(compound) => {
+                (&compound.0).walk_near(distance, &mut |part| visit(Leaf::Part(part)));
+            }
+            Self::HeightField(field) => {
+                field.walk_near(distance, &mut |triangle| visit(Leaf::Triangle(triangle)));
+            }
+            Self::Voxels(voxels) => {
+                voxels.walk_near(distance, &mut |cells| visit(Leaf::Cells(cells)));
+            }
+        }
+    }
+
+    /// Centre, half extents and bounding radius, of its own coordinates.
+    pub(super) fn local_bounds(self) -> (Vec3A, Vec3A, f32) {
+        match self {
+            Self::Compound(compound) => compound.local_bounds(),
+            Self::HeightField(field) => field.local_bounds(),
+            Self::Voxels(voxels) => voxels.local_bounds(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
