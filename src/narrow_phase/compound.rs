@@ -113,8 +113,11 @@ impl PartialEq for Compound {
 }
 
 /// A shape that is a compound.
-const fn nested(_: &Shape) -> Option<&Compound> {
-    None
+fn nested(shape: &Shape) -> Option<&Compound> {
+    match shape {
+        Shape::Compound(compound) => Some(compound),
+        _ => None,
+    }
 }
 
 /// A part with its box.

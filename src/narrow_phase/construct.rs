@@ -5,12 +5,13 @@ use std::{
     sync::Arc,
 };
 
-use bevy::math::{Vec2, Vec3, primitives};
+use bevy::math::{Isometry3d, Vec2, Vec3, primitives};
 
+use super::composite::{height_field::HeightField, voxels::Voxels};
 use super::error::ShapeError;
 use super::mesh::{convex_mesh::ConvexMesh, polygon_mesh::PolygonMesh};
 use super::rounded::{Rounded, RoundedCore};
-use super::shape::Shape;
+use super::shape::{Compound, Shape};
 
 /// # Constructors
 ///
@@ -242,6 +243,16 @@ impl Shape {
             Some(normal) => Ok(Self::HalfSpace { normal }),
             None => Err(ShapeError::Direction(normal)),
         }
+    }
+
+    /// Puts shapes together, each in a pose. See [`Compound::new`].
+    ///
+    /// # Errors
+    /// Those of [`Compound::new`].
+    pub fn compound(
+        parts: impl IntoIterator<Item = (Isometry3d, Self)>,
+    ) -> Result<Self, ShapeError> {
+        Ok(Compound::new(parts)?.into())
     }
 
     /// Puts a radius around a convex shape: all that is no further from it than that.
@@ -532,6 +543,24 @@ impl From<primitives::Extrusion<primitives::ConvexPolygon>> for Shape {
 }
 
 /// # From meshes and what is rounded
+impl From<Compound> for Shape {
+    fn from(compound: Compound) -> Self {
+        Self::Compound(Arc::new(compound))
+    }
+}
+
+impl From<HeightField> for Shape {
+    fn from(field: HeightField) -> Self {
+        Self::HeightField(Arc::new(field))
+    }
+}
+
+impl From<Voxels> for Shape {
+    fn from(voxels: Voxels) -> Self {
+        Self::Voxels(Arc::new(voxels))
+    }
+}
+
 impl From<Rounded> for Shape {
     fn from(rounded: Rounded) -> Self {
         Self::Rounded(Arc::new(rounded))

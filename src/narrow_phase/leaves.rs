@@ -1,6 +1,6 @@
 //! What shapes of many consist of, for the exact tests: one way to walk all of them.
 
-use bevy::math::Vec3A;
+use bevy::math::{DVec3, Vec3A};
 
 use super::composite::{
     box_tree::BoxTree,
@@ -30,6 +30,16 @@ pub(super) enum Leaf<'a> {
 }
 
 impl<'a> Composite<'a> {
+    /// A shape, if it consists of many.
+    pub(super) fn of(shape: &'a Shape) -> Option<Self> {
+        match shape {
+            Shape::Compound(compound) => Some(Self::Compound(compound)),
+            Shape::HeightField(field) => Some(Self::HeightField(field)),
+            Shape::Voxels(voxels) => Some(Self::Voxels(voxels)),
+            _ => None,
+        }
+    }
+
     /// Visits all that is in boxes that are admitted, by their lower and upper corners in the
     /// shape's own coordinates, in no particular order. What is not admitted is skipped with all
     /// below. Who has found enough admits nothing more.
@@ -69,6 +79,16 @@ impl<'a> Composite<'a> {
                 voxels.walk_near(distance, &mut |cells| visit(Leaf::Cells(cells)));
             }
         }
+    }
+
+    /// Centre and half extents at a scale.
+    pub(super) fn box_at(self, scale: DVec3) -> [DVec3; 2] {
+        if let Self::Compound(compound) = self {
+            let (center, half, _) = compound.bounds_at(scale.as_vec3a());
+            return [center.as_dvec3(), half.as_dvec3()];
+        }
+        let (center, half, _) = self.local_bounds();
+        [center.as_dvec3() * scale, half.as_dvec3() * scale.abs()]
     }
 
     /// Centre, half extents and bounding radius, of its own coordinates.

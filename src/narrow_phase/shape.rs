@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use bevy::math::{Vec3, Vec3A};
+use bevy::math::{Quat, Vec3, Vec3A};
 #[cfg(feature = "rapier")]
 use bevy_rapier3d::parry::shape::{ShapeType, SharedShape};
 
-use super::composite::parts::Parts;
+use super::composite::{height_field::HeightField, parts::Parts, voxels::Voxels};
 use super::error::BoundsError;
 use super::length::length;
 use super::mesh::{convex_mesh::ConvexMesh, cube::CUBE, polygon_mesh::PolygonMesh};
@@ -81,6 +81,12 @@ pub enum Shape {
     },
     /// A convex shape with a radius around it, or a segment or triangle.
     Rounded(Arc<Rounded>),
+    /// Shapes in poses that are one.
+    Compound(Arc<Compound>),
+    /// A grid of heights: a surface, without an inside.
+    HeightField(Arc<HeightField>),
+    /// Cubes of one size in a grid.
+    Voxels(Arc<Voxels>),
     /// A convex solid bounded by polygons.
     Convex(Arc<ConvexMesh>),
     /// Any mesh of planar polygons: solid where parts of it are closed, and a surface elsewhere; or a
@@ -144,7 +150,9 @@ impl Shape {
             Self::Convex(_) => Kind::Convex,
             Self::Mesh(_) => Kind::Mesh,
             Self::Capsule { .. } | Self::ConicalFrustum { .. } | Self::Rounded(_) => Kind::Curved,
-            Self::HalfSpace { .. } => Kind::Parts,
+            Self::HalfSpace { .. } | Self::Compound(_) | Self::HeightField(_) | Self::Voxels(_) => {
+                Kind::Parts
+            }
             #[cfg(feature = "rapier")]
             Self::Rapier(_) => Kind::Foreign,
         }
@@ -198,7 +206,12 @@ impl Shape {
                 half_height,
             } => (radius_top + radius_bottom + half_height).is_finite(),
             Self::HalfSpace { normal } => normal.is_finite() && *normal != Vec3::ZERO,
-            Self::Rounded(_) | Self::Convex(_) | Self::Mesh(_) => true,
+            Self::Rounded(_)
+            | Self::Compound(_)
+            | Self::HeightField(_)
+            | Self::Voxels(_)
+            | Self::Convex(_)
+            | Self::Mesh(_) => true,
             #[cfg(feature = "rapier")]
             Self::Rapier(shape) => match shape.own() {
                 Some(own) => own.is_finite(),
@@ -253,6 +266,9 @@ impl Shape {
             Self::ConicalFrustum { .. } => Err(BoundsError::NonFinite),
             Self::HalfSpace { .. } if self.is_finite() => Err(BoundsError::Unbounded),
             Self::HalfSpace { .. } => Err(BoundsError::NonFinite),
+            Self::Compound(compound) => Ok(compound.local_bounds()),
+            Self::HeightField(field) => Ok(field.local_bounds()),
+            Self::Voxels(voxels) => Ok(voxels.local_bounds()),
             Self::Rounded(rounded) => {
                 let (center, half, radius) = rounded.core_bounds();
                 Ok((center, half + rounded.radius(), radius + rounded.radius()))
@@ -287,6 +303,9 @@ impl Shape {
             let reach = radius + half_length;
             return Ok((Vec3A::ZERO, Vec3A::new(radius, reach, radius), reach));
         }
+        if let Self::Compound(compound) = self {
+            return Ok(compound.bounds_at(scale));
+        }
         let (center, half, radius) = self.local_bounds()?;
         Ok((center * scale, half * size, radius * size.max_element()))
     }
@@ -311,6 +330,11 @@ impl Shape {
             } => [5.0, *radius_top, *radius_bottom, *half_height],
             Self::HalfSpace { normal } => [6.0, normal.x, normal.y, normal.z],
             Self::Rounded(rounded) => [7.0, rounded.radius(), rounded.core_bounds().2, 0.0],
+            Self::Compound(compound) => {
+                [8.0, compound.len() as f32, compound.local_bounds().2, 0.0]
+            }
+            Self::HeightField(field) => [9.0, field.local_bounds().2, 0.0, 0.0],
+            Self::Voxels(voxels) => [10.0, voxels.local_bounds().2, 0.0, 0.0],
             #[cfg(feature = "rapier")]
             Self::Rapier(_) => [f32::MAX; 4],
         }
@@ -330,6 +354,9 @@ impl Shape {
                 self.order_key() == other.order_key()
             }
             (Self::Rounded(a), Self::Rounded(b)) => Arc::ptr_eq(a, b),
+            (Self::Compound(a), Self::Compound(b)) => Arc::ptr_eq(a, b),
+            (Self::HeightField(a), Self::HeightField(b)) => Arc::ptr_eq(a, b),
+            (Self::Voxels(a), Self::Voxels(b)) => Arc::ptr_eq(a, b),
             #[cfg(feature = "rapier")]
             (Self::Rapier(a), Self::Rapier(b)) => a.is_same(b),
             _ => false,
@@ -344,6 +371,37 @@ impl Shape {
 // Here, as it and `Shape` name each other.
 #[derive(Clone, Debug)]
 pub struct Compound(pub(super) Parts<Shape>);
+
+impl Compound {
+    /// Centre, half extents and bounding radius at a scale. What of its parts a scale that differs
+    /// by axis would shear, is not sheared, and may stick out of the scaled box: its ball is counted
+    /// in. O(n) then.
+    pub(super) fn bounds_at(&self, scale: Vec3A) -> (Vec3A, Vec3A, f32) {
+        let (center, half, radius) = self.0.local_bounds();
+        let size = scale.abs();
+        let largest = size.max_element();
+        if size == Vec3A::splat(largest) {
+            return (center * scale, half * size, radius * largest);
+        }
+        let (low, high) = self.0.iter().fold(
+            (Vec3A::INFINITY, Vec3A::NEG_INFINITY),
+            |(low, high), part| {
+                let middle = part.center * scale;
+                let is_turned = part.pose.rotation != Quat::IDENTITY;
+                // From the origin of the part, both are no further away than its ball.
+                let from = part.center.distance(part.pose.translation);
+                let reach = if is_turned {
+                    Vec3A::splat((part.radius + 2.0 * from) * largest)
+                } else {
+                    part.half * size
+                };
+                (low.min(middle - reach), high.max(middle + reach))
+            },
+        );
+        let half = (high - low) * 0.5;
+        (low.midpoint(high), half, length(half))
+    }
+}
 
 /// The kinds of shapes: a [`Shape`] without its data. What is Rapier's is one of them, whatever it
 /// is.

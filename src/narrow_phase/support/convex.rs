@@ -5,7 +5,9 @@ use bevy::math::{DMat3, DQuat, DVec3, Vec3};
 use bevy::transform::components::Transform;
 
 use super::foreign_core::ForeignCore;
-use crate::narrow_phase::{mesh::polygon_mesh::PolygonMesh, rounded::RoundedCore};
+use crate::narrow_phase::{
+    composite::voxels::Faces, mesh::polygon_mesh::PolygonMesh, rounded::RoundedCore,
+};
 
 /// Where something is, and how it is turned.
 #[derive(Clone, Copy, Debug)]
@@ -90,9 +92,22 @@ pub struct Convex<'a> {
     /// All that is no further from the core is part of the shape.
     pub radius: f64,
     pub at: Isometry,
+    /// Of a cuboid, the faces that bound the solid which it is part of: beyond the others, that goes
+    /// on.
+    pub faces: Faces,
 }
 
 impl<'a> Convex<'a> {
+    const fn new(core: Core<'a>, radius: f64, at: Isometry) -> Self {
+        let faces = Faces::ALL;
+        Self {
+            core,
+            radius,
+            at,
+            faces,
+        }
+    }
+
     pub fn point(at: DVec3) -> Self {
         Self::ball(
             0.0,
@@ -105,34 +120,22 @@ impl<'a> Convex<'a> {
 
     pub fn ball(radius: f64, at: Isometry) -> Self {
         let core = Core::Point;
-        Self { core, radius, at }
+        Self::new(core, radius, at)
     }
 
     pub fn cuboid(half_size: DVec3, at: Isometry) -> Self {
-        Self {
-            core: Core::Cuboid(half_size.abs()),
-            radius: 0.0,
-            at,
-        }
+        Self::new(Core::Cuboid(half_size.abs()), 0.0, at)
     }
 
     /// A mesh that is convex, at a scale.
     pub fn mesh(mesh: &'a PolygonMesh, scale: DVec3, at: Isometry) -> Self {
-        Self {
-            core: Core::Mesh(mesh, scale),
-            radius: 0.0,
-            at,
-        }
+        Self::new(Core::Mesh(mesh, scale), 0.0, at)
     }
 
     /// Along its second axis.
     pub fn capsule(radius: f64, half_length: f64, at: Isometry) -> Self {
         let end = DVec3::Y * half_length;
-        Self {
-            core: Core::Segment([-end, end]),
-            radius,
-            at,
-        }
+        Self::new(Core::Segment([-end, end]), radius, at)
     }
 
     /// A frustum around its second axis, at a scale: where that differs between the other two, an
@@ -149,7 +152,7 @@ impl<'a> Convex<'a> {
             half_height,
             scale,
         };
-        Self { core, radius, at }
+        Self::new(core, radius, at)
     }
 
     /// A core at a scale, with a radius that has its scale already.
@@ -171,34 +174,22 @@ impl<'a> Convex<'a> {
             }
             RoundedCore::Convex(mesh) => Core::Mesh(mesh, scale),
         };
-        Self { core, radius, at }
+        Self::new(core, radius, at)
     }
 
     /// A core that somebody else knows.
     #[cfg(feature = "rapier")]
     pub fn foreign(core: ForeignCore<'a>, radius: f64, at: Isometry) -> Self {
-        Self {
-            core: Core::Foreign(core),
-            radius,
-            at,
-        }
+        Self::new(Core::Foreign(core), radius, at)
     }
 
     #[cfg(feature = "rapier")]
     pub fn segment(ends: [DVec3; 2], radius: f64, at: Isometry) -> Self {
-        Self {
-            core: Core::Segment(ends),
-            radius,
-            at,
-        }
+        Self::new(Core::Segment(ends), radius, at)
     }
 
     pub fn triangle(corners: [DVec3; 3], radius: f64, at: Isometry) -> Self {
-        Self {
-            core: Core::Triangle(corners),
-            radius,
-            at,
-        }
+        Self::new(Core::Triangle(corners), radius, at)
     }
 
     pub fn moved(mut self, by: DVec3) -> Self {

@@ -19,7 +19,8 @@ pub fn pairs(
     match (a, b) {
         (PosedShape::Part(a), PosedShape::Part(b)) => visit(a, b),
         // A mesh of ours is searched for each part of the other.
-        (PosedShape::Part(_), _) | (PosedShape::Mesh(_), PosedShape::Foreign(_)) => {
+        (PosedShape::Part(_), _)
+        | (PosedShape::Mesh(_), PosedShape::Foreign(_) | PosedShape::Composite { .. }) => {
             let probe = a.probe(b.isometry(), search.direction);
             b.each(&probe, search, &mut |part| pairs(search, a, part, visit))
         }

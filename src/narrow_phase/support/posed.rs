@@ -1,13 +1,20 @@
 //! Shapes in their places as something that can be asked.
 
-use bevy::math::{DVec3, Vec3};
+use bevy::math::{DMat3, DVec3, Isometry3d, Vec3, Vec3A};
 
 use super::convex::{Convex, Isometry};
 use super::foreign::{Foreign, ForeignPart};
 use super::parts::Part;
 use super::posed_mesh::PosedMesh;
 use super::probe::{Probe, Search};
-use crate::narrow_phase::{frame::placed::Placed, shape::Shape};
+use crate::narrow_phase::{
+    frame::placed::Placed,
+    leaves::{Composite, Leaf},
+    shape::Shape,
+};
+
+/// What rounding leaves uncertain of the boxes in a tree, as a share of the whole.
+const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
 /// A shape in its place, as something that can be asked.
 #[derive(Clone, Copy)]
@@ -15,6 +22,12 @@ pub enum PosedShape<'a> {
     Part(Part<'a>),
     /// A mesh of ours, that is not convex.
     Mesh(PosedMesh<'a>),
+    /// What consists of many, at a scale.
+    Composite {
+        shape: Composite<'a>,
+        scale: DVec3,
+        at: Isometry,
+    },
     /// What somebody else knows the parts of.
     Foreign(Foreign<'a>),
 }
@@ -25,6 +38,7 @@ impl<'a> PosedShape<'a> {
             Self::Part(Part::Convex(convex)) => convex.at,
             Self::Part(Part::HalfSpace { .. }) => Isometry::IDENTITY,
             Self::Mesh(mesh) => mesh.at,
+            Self::Composite { at, .. } => *at,
             Self::Foreign(foreign) => foreign.isometry(),
         }
     }
@@ -36,6 +50,7 @@ impl<'a> PosedShape<'a> {
             Self::Part(Part::Convex(convex)) => Some(convex.local_box()),
             Self::Part(Part::HalfSpace { .. }) => None,
             Self::Mesh(mesh) => Some(mesh.local_box()),
+            Self::Composite { shape, scale, .. } => Some(shape.box_at(*scale)),
             Self::Foreign(foreign) => Some(foreign.local_box()),
         }
     }
@@ -45,6 +60,7 @@ impl<'a> PosedShape<'a> {
         match self {
             Self::Part(_) => false,
             Self::Mesh(_) => true,
+            Self::Composite { shape, .. } => matches!(shape, Composite::HeightField(_)),
             Self::Foreign(foreign) => foreign.has_triangles(),
         }
     }
@@ -94,6 +110,9 @@ impl<'a> PosedShape<'a> {
                 });
                 is_known
             }
+            Self::Composite { shape, scale, at } => {
+                each_leaf(shape, (scale, at), probe, search, visit)
+            }
             Self::Foreign(foreign) => foreign.each(probe, search, &mut |part| visit(&part.into())),
         }
     }
@@ -105,6 +124,15 @@ impl<'a> PosedShape<'a> {
             Self::Part(Part::Convex(convex)) => visit(convex.furthest(DVec3::X)),
             Self::Part(Part::HalfSpace { .. }) => {}
             // Those of a compound are shapes of their own.
+            Self::Composite {
+                shape: Composite::Compound(_) | Composite::Voxels(_),
+                ..
+            } => {
+                self.each(&Probe::Everywhere, &search, &mut |part| {
+                    part.each_point(visit);
+                    true
+                });
+            }
             Self::Foreign(foreign) if foreign.is_compound() => {
                 self.each(&Probe::Everywhere, &search, &mut |part| {
                     part.each_point(visit);
@@ -173,6 +201,10 @@ pub fn posed_at(shape: &Shape, scale: DVec3, at: Isometry) -> Option<PosedShape<
             Convex::rounded(rounded.core(), scale, wide(rounded.radius()) * largest, at)
         }
         Shape::Convex(mesh) => Convex::mesh(mesh, scale, at),
+        Shape::Compound(_) | Shape::HeightField(_) | Shape::Voxels(_) => {
+            let shape = Composite::of(shape)?;
+            return Some(PosedShape::Composite { shape, scale, at });
+        }
         Shape::Mesh(mesh) => return Some(PosedShape::Mesh(PosedMesh { mesh, scale, at })),
         #[cfg(feature = "rapier")]
         Shape::Rapier(inner) => {
@@ -183,6 +215,97 @@ pub fn posed_at(shape: &Shape, scale: DVec3, at: Isometry) -> Option<PosedShape<
         }
     };
     Some(PosedShape::Part(Part::Convex(convex)))
+}
+
+/// Calls `visit` with all of what a shape consists of that a probe admits: near ones first on a way,
+/// and where what is nearest is looked for. False if there is one about which nothing can be said.
+fn each_leaf(
+    shape: Composite,
+    (scale, at): (DVec3, Isometry),
+    probe: &Probe,
+    search: &Search,
+    visit: &mut dyn FnMut(&PosedShape) -> bool,
+) -> bool {
+    let boxed = |low: Vec3A, high: Vec3A| {
+        let (one, other) = (low.as_dvec3() * scale, high.as_dvec3() * scale);
+        [one.min(other), one.max(other)]
+    };
+    // Rounding is for the numbers in the tree.
+    let slack = ROUNDING * shape.box_at(scale).map(|side| side.abs().max_element())[1];
+    let mut is_known = true;
+    let mut on_leaf = |leaf: Leaf| {
+        if !search.goes_on() {
+            return;
+        }
+        let part = match leaf {
+            Leaf::Part(part) => {
+                let (pose, scale) = part_at(part.pose, scale, &at);
+                match posed_at(&part.shape, scale, pose) {
+                    Some(posed) => posed,
+                    None => {
+                        is_known = false;
+                        return;
+                    }
+                }
+            }
+            Leaf::Triangle(triangle) => {
+                search.triangle.set(Some(triangle.number));
+                let mut corners = triangle.corners.map(|corner| corner.as_dvec3() * scale);
+                if scale.x * scale.y * scale.z < 0.0 {
+                    corners.swap(1, 2);
+                }
+                PosedShape::Part(Part::Convex(Convex::triangle(corners, 0.0, at)))
+            }
+            Leaf::Cells(cells) => {
+                let [low, high] = boxed(cells.low, cells.high);
+                let at = Isometry {
+                    translation: at.to_world((low + high) * 0.5),
+                    ..at
+                };
+                let mut cuboid = Convex::cuboid((high - low) * 0.5, at);
+                cuboid.faces = cells.faces.mirrored(scale.cmplt(DVec3::ZERO));
+                PosedShape::Part(Part::Convex(cuboid))
+            }
+        };
+        is_known &= visit(&part);
+    };
+    let mut admits = |low: Vec3A, high: Vec3A| {
+        let [low, high] = boxed(low, high);
+        probe.admits(low - slack, high + slack, search)
+    };
+    if search.is_for_nearest || search.limit.get() > 0.0 {
+        let mut distance = |low: Vec3A, high: Vec3A| {
+            let admitted = admits(low, high);
+            let [low, high] = boxed(low, high);
+            admitted.then(|| probe.entry(low - slack, high + slack, search) as f32)
+        };
+        shape.walk_near(&mut distance, &mut on_leaf);
+    } else {
+        shape.walk(&mut admits, &mut on_leaf);
+    }
+    is_known
+}
+
+/// Where a part is, and at what scale, given those of the whole.
+///
+/// A scale that differs by axis shears a part that is turned. That is left away: the part is as long
+/// along each of its own axes as the scale makes it.
+fn part_at(pose: Isometry3d, scale: DVec3, at: &Isometry) -> (Isometry, DVec3) {
+    let turn = DMat3::from_quat(pose.rotation.as_dquat().normalize());
+    let translation = at.to_world(Vec3::from(pose.translation).as_dvec3() * scale);
+    let signs = DMat3::from_diagonal(scale.signum());
+    let size = scale.abs();
+    let part_scale = if size.x == size.y && size.y == size.z {
+        scale
+    } else {
+        let lengths = [turn.x_axis, turn.y_axis, turn.z_axis].map(|axis| (axis * size).length());
+        DVec3::from_array(lengths) * scale.signum()
+    };
+    let pose = Isometry {
+        rotation: at.rotation * (signs * turn * signs),
+        translation,
+    };
+    (pose, part_scale)
 }
 
 /// The normal of a plane through the origin that a scale stretches. A scale that leaves no plane of

@@ -96,6 +96,23 @@ impl Probe {
         }
     }
 
+    /// How far away a box that is [admitted](Self::admits) is: along the way, if there is one.
+    pub fn entry(&self, low: DVec3, high: DVec3, search: &Search) -> f64 {
+        let limit = search.limit.get();
+        match *self {
+            Self::Box {
+                center,
+                half,
+                direction,
+            } if limit > 0.0 => {
+                let reach = half + search.margin.get();
+                let (low, high) = (low - reach - center, high + reach - center);
+                passage(low, high, direction, limit).map_or(limit, |[start, _]| start)
+            }
+            _ => self.distance(Some([(low + high) * 0.5, (high - low) * 0.5])),
+        }
+    }
+
     /// How far a box is from it.
     pub fn distance(&self, bounds: Option<[DVec3; 2]>) -> f64 {
         let Some([center, half]) = bounds else {

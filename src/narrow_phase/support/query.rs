@@ -13,6 +13,7 @@ use super::posed_mesh::PosedMesh;
 use super::probe::Search;
 use crate::narrow_phase::{
     answer::LocalContact,
+    composite::voxels::Faces,
     frame::{
         edge_polygon,
         placed::{Placed, PlacedPair, ROUNDING},
@@ -21,6 +22,7 @@ use crate::narrow_phase::{
     settings::NarrowPhase,
     shape::Shape,
 };
+use crate::octree::Face;
 
 /// A half-space where it is in the world, grown by a margin and by rounding. `None` for other
 /// shapes.
@@ -100,6 +102,7 @@ fn deepest(a: &PosedShape, b: &PosedShape, tolerance: f64) -> Option<Gap> {
         let Ok(found) = parts::gap(a, b, tolerance, true) else {
             return false;
         };
+        let found = found.and_then(|gap| by_border(gap, a, b));
         if let Some(gap) =
             found.filter(|gap| deepest.is_none_or(|deepest| gap.distance < deepest.distance))
         {
@@ -115,6 +118,52 @@ fn deepest(a: &PosedShape, b: &PosedShape, tolerance: f64) -> Option<Gap> {
         true
     });
     deepest
+}
+
+/// The least direction that counts as one to a face of a cuboid.
+const TO_FACE: f64 = 1e-3;
+
+/// A gap whose normal leads out of what parts are part of. One that leads into the next part is
+/// replaced by the least way out through a face that is one of the whole; `None` if there is none.
+fn by_border(gap: Gap, a: &Part, b: &Part) -> Option<Gap> {
+    let (Part::Convex(a), Part::Convex(b)) = (a, b) else {
+        return Some(gap);
+    };
+    if a.faces == Faces::ALL && b.faces == Faces::ALL {
+        return Some(gap);
+    }
+    if a.faces != Faces::ALL {
+        return out_of(gap, a, b);
+    }
+    out_of(gap.reversed(), b, a).map(Gap::reversed)
+}
+
+/// The gap of a cuboid, of which not all faces bound a solid, and another part.
+fn out_of(gap: Gap, cell: &Convex, other: &Convex) -> Option<Gap> {
+    let way = cell.at.direction_to_local(gap.normal);
+    let leads_out = (0..3).all(|axis| {
+        way[axis].abs() < TO_FACE
+            || cell.faces.iter().any(|face| {
+                let out = face.offset().as_dvec3();
+                out[axis] * way[axis] > 0.0
+            })
+    });
+    if leads_out {
+        return Some(gap);
+    }
+    let by_face = |face: Face| {
+        let normal = cell.at.rotation * face.offset().as_dvec3();
+        let on_other = other.furthest(-normal) - normal * other.radius;
+        let distance = on_other.dot(normal) - cell.furthest(normal).dot(normal);
+        Gap {
+            distance,
+            normal,
+            points: [on_other - normal * distance, on_other],
+            between: gap.between,
+        }
+    };
+    let ways = cell.faces.iter().map(by_face);
+    ways.max_by(|one, other| one.distance.total_cmp(&other.distance))
 }
 
 /// Where that part of a shape meets a mesh of ours that is deepest in it.

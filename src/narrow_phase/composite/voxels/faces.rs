@@ -1,5 +1,7 @@
 //! Sets of faces of a cube.
 
+use bevy::math::{BVec3, IVec3};
+
 use crate::octree::Face;
 
 /// A set of the six faces of a cube.
@@ -23,6 +25,19 @@ impl Faces {
     #[inline]
     pub const fn insert(&mut self, face: Face) {
         self.0 |= 1 << face.index();
+    }
+
+    /// The set, mirrored along some axes.
+    pub(in crate::narrow_phase) fn mirrored(self, axes: BVec3) -> Self {
+        if !axes.any() {
+            return self;
+        }
+        let mut mirrored = Self::NONE;
+        for face in self.iter() {
+            let flips = (face.offset().abs().cmpeq(IVec3::ONE) & axes).any();
+            mirrored.insert(if flips { face.opposite() } else { face });
+        }
+        mirrored
     }
 
     /// Returns `true` if no face is in the set.
