@@ -33,16 +33,9 @@ impl Compound {
     /// numbers in a part or in its pose. It is named by its number in the input, also if it is a
     /// compound.
     pub fn new(parts: impl IntoIterator<Item = (Isometry3d, Shape)>) -> Result<Self, ShapeError> {
-        Self::flattened(parts, nested)
-    }
-
-    /// The same; `nested` tells which shapes are compounds.
-    fn flattened(
-        given: impl IntoIterator<Item = (Isometry3d, Shape)>,
-        nested: impl Fn(&Shape) -> Option<&Self>,
-    ) -> Result<Self, ShapeError> {
+        let given = parts.into_iter();
         let mut parts = Vec::new();
-        for (source, (pose, shape)) in given.into_iter().enumerate() {
+        for (source, (pose, shape)) in given.enumerate() {
             let refused = |error: BoundsError| ShapeError::Part {
                 part: source,
                 error,

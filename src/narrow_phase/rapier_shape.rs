@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use bevy::math::Vec3;
+use bevy::math::{Isometry3d, Vec3};
 use bevy_rapier3d::{
     geometry::Collider,
     parry::shape::{self, SharedShape, TypedShape},
 };
 
 use super::{
-    mesh::polygon_mesh::PolygonMesh,
+    mesh::{convex_mesh::ConvexMesh, polygon_mesh::PolygonMesh},
     rounded::{Rounded, RoundedCore},
     shape::{RapierShape, Shape},
 };
@@ -80,6 +80,19 @@ fn own(shape: &dyn shape::Shape) -> Option<Shape> {
         TypedShape::RoundCone(round) => {
             rounded(core(cone(&round.inner_shape)), round.border_radius)
         }
+        TypedShape::ConvexPolyhedron(inner) => Some(hull(inner)?.into()),
+        TypedShape::RoundConvexPolyhedron(round) => {
+            let core = RoundedCore::Convex(Arc::new(hull(&round.inner_shape)?));
+            rounded(core, round.border_radius)
+        }
+        TypedShape::Compound(compound) => {
+            let parts = compound.shapes().iter().map(|(pose, part)| {
+                let pose = Isometry3d::new(pose.translation, pose.rotation);
+                Some((pose, own(&*part.0)?))
+            });
+            let parts: Option<Vec<_>> = parts.collect();
+            Shape::compound(parts?).ok()
+        }
         TypedShape::HalfSpace(side) => Some(Shape::HalfSpace {
             normal: side.normal,
         }),
@@ -91,4 +104,9 @@ fn own(shape: &dyn shape::Shape) -> Option<Shape> {
         }
         _ => None,
     }
+}
+
+/// A hull of parry's, which has gone round its corners more roughly.
+fn hull(hull: &shape::ConvexPolyhedron) -> Option<ConvexMesh> {
+    ConvexMesh::hull_of(hull.points().iter().copied()).ok()
 }
