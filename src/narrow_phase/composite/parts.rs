@@ -94,11 +94,6 @@ impl<S> Parts<S> {
         self.slots.iter().map(|slot| &self.parts[*slot as usize])
     }
 
-    /// All parts, in the order of the tree, and the tree of their boxes.
-    pub fn tree(&self) -> (&[Part<S>], &StillOctree) {
-        (&self.parts, &self.tree)
-    }
-
     /// Centre, half extents and bounding radius.
     pub fn local_bounds(&self) -> (Vec3A, Vec3A, f32) {
         (self.center, self.half, self.radius)

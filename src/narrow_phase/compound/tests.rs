@@ -1,6 +1,6 @@
 //! What compounds are made of.
 
-use std::f32::consts::FRAC_PI_2;
+use std::{f32::consts::FRAC_PI_2, sync::LazyLock};
 
 use super::*;
 
@@ -49,11 +49,13 @@ fn bounds_are_around_all_parts() {
 
 #[test]
 fn compounds_of_compounds_have_all_parts() {
-    let inner = Compound::new([ball(1.0), ball(2.0)]).unwrap();
-    let stands_for_it = |shape: &Shape| matches!(shape, Shape::Cuboid { .. }).then_some(&inner);
+    static INNER: LazyLock<Compound> =
+        LazyLock::new(|| Compound::new([ball(1.0), ball(2.0)]).unwrap());
     let turn = Isometry3d::new(Vec3::Y, Quat::from_rotation_z(FRAC_PI_2));
     let parts = [ball(5.0), (turn, Shape::cuboid(1.0, 1.0, 1.0)), ball(6.0)];
-    let compound = Compound::flattened(parts, stands_for_it).unwrap();
+    // The cuboid stands for it.
+    let nested = |shape: &Shape| matches!(shape, Shape::Cuboid { .. }).then_some(&*INNER);
+    let compound = Compound::flattened(parts, |shape| nested(shape)).unwrap();
     assert_eq!(compound.len(), 4);
     let at = |number: u32| compound.part(number).unwrap().0.translation;
     assert!(at(1).abs_diff_eq(Vec3A::Y * 2.0, 1e-6) && at(2).abs_diff_eq(Vec3A::Y * 3.0, 1e-6));
