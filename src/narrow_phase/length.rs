@@ -2,11 +2,24 @@
 
 use bevy::math::{Dir3, Vec3, Vec3A};
 
+/// Of a length below this, squares have lost digits.
+const UNDERFLOW: f32 = 1e-15;
+
 /// The length of a vector whose squares may overflow.
 #[inline]
 pub(super) fn length(v: Vec3A) -> f32 {
     let length = v.length();
     if length.is_finite() {
+        length
+    } else {
+        safe_length(v)
+    }
+}
+
+/// The length of a vector whose squares may overflow, or underflow.
+pub(super) fn any_length(v: Vec3A) -> f32 {
+    let length = v.length();
+    if length.is_finite() && length > UNDERFLOW || v == Vec3A::ZERO {
         length
     } else {
         safe_length(v)

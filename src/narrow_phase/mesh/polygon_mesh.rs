@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     broad_phase::StillOctree,
-    narrow_phase::{error::ShapeError, length::length},
+    narrow_phase::{error::ShapeError, length::any_length},
 };
 
 mod outwards;
@@ -553,7 +553,7 @@ impl PolygonMesh {
         // Halving first cannot overflow.
         let center = min * 0.5 + max * 0.5;
         let radius = corners()
-            .map(|v| length((v - center).into()))
+            .map(|v| any_length((v - center).into()))
             .fold(0.0, f32::max);
         self.center = center.into();
         // Not (max - min) / 2, so that both ends are inside whatever the rounding.
