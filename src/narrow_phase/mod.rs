@@ -119,13 +119,6 @@ mod decide;
 mod error;
 mod fit;
 mod frame;
-#[cfg_attr(
-    not(test),
-    expect(
-        dead_code,
-        reason = "no exact test asks shapes that consist of many yet"
-    )
-)]
 mod leaves;
 mod length;
 mod mesh;

@@ -7,6 +7,7 @@
 //! - `app`: end to end in headless Bevy apps. See [`app`].
 //! - `queries`: rays, regions and nearest objects. See [`queries`].
 //! - `meshes`: exact tests against meshes. See [`meshes`].
+//! - `shapes`: exact tests of two shapes. See [`shapes`].
 //!
 //! # What is fair
 //!
@@ -33,6 +34,7 @@ mod plot;
 mod progress;
 mod queries;
 mod scenes;
+mod shapes;
 mod threads;
 
 use std::process::ExitCode;
@@ -56,6 +58,8 @@ enum Command {
     Queries(queries::Arguments),
     /// Exact tests against meshes: rays, contacts, sweeps, distances, building.
     Meshes(meshes::Arguments),
+    /// Exact tests of two shapes: contacts, distances, sweeps.
+    Shapes(shapes::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -64,5 +68,6 @@ fn main() -> ExitCode {
         Command::App(arguments) => app::run(&arguments),
         Command::Queries(arguments) => queries::run(&arguments),
         Command::Meshes(arguments) => meshes::run(&arguments),
+        Command::Shapes(arguments) => shapes::run(&arguments),
     })
 }
