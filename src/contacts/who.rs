@@ -94,7 +94,7 @@ who_is_who! {
     ///     for message in started.read() {
     ///         if let Some((player, coin)) = message.between(&players, &coins) {
     ///             players.get_mut(player).unwrap().coins += 1;
-    ///             commands.entity(coin).despawn();
+    ///             commands.entity(coin).try_despawn();
     ///         }
     ///     }
     /// }

@@ -5,6 +5,7 @@
 mod bounce;
 mod bullets;
 mod cast_options;
+mod casters;
 #[path = "../common/mod.rs"]
 mod common;
 mod conservation;
@@ -39,6 +40,7 @@ mod rapier_bodies;
 mod rooms;
 mod schedule;
 mod seams;
+mod shape_contacts;
 mod shapes;
 mod shear;
 mod spaces;
@@ -55,4 +57,5 @@ mod test_sets;
 mod threads;
 mod trace;
 mod upkeep;
+mod who_is_who;
 mod worlds;
