@@ -30,6 +30,9 @@ use crate::{
 /// assert_eq!(store.get(&CollisionDiagnosticsPlugin::OBJECTS).and_then(|objects| objects.value()), Some(0.0));
 /// ```
 ///
+/// Bevy's own overlay (`bevy::dev_tools::diagnostics_overlay`, feature `bevy_dev_tools` of Bevy) shows
+/// them on the screen: see [`overlay`](Self::overlay).
+///
 /// A diagnostic that is disabled is not measured. Any of [`NODES`](Self::NODES),
 /// [`LEAVES`](Self::LEAVES), [`DEPTH`](Self::DEPTH), [`FILL`](Self::FILL) and
 /// [`BYTES`](Self::BYTES) takes a walk over all nodes of the N-objects octree, one per tick for all
@@ -72,23 +75,80 @@ impl CollisionDiagnosticsPlugin {
     ];
 }
 
+impl CollisionDiagnosticsPlugin {
+    /// What is counted anyway.
+    const COUNTS: [DiagnosticPath; 5] = [
+        Self::OBJECTS,
+        Self::MOVED,
+        Self::CANDIDATES,
+        Self::CONTACTS,
+        Self::EVENTS,
+    ];
+    /// What the tree is like.
+    const TREE: [DiagnosticPath; 5] = [
+        Self::NODES,
+        Self::LEAVES,
+        Self::DEPTH,
+        Self::FILL,
+        Self::BYTES,
+    ];
+
+    /// Returns the paths of all diagnostics: what is counted, and then the times of the stages, in
+    /// the order in which they run.
+    pub fn paths() -> impl Iterator<Item = DiagnosticPath> {
+        let [counts, tree] = [Self::COUNTS, Self::TREE].map(IntoIterator::into_iter);
+        counts.chain(tree).chain(Self::STAGE_TIMES)
+    }
+
+    /// Returns the items of an overlay that shows what a game looks at: how many entities there are
+    /// and move, how many pairs are tested and in contact, and how long each stage takes. Not the
+    /// figures of the tree, some of which take a walk over it.
+    ///
+    /// For Bevy's `DiagnosticsOverlay`, whose items are made from paths; so are those of others, and
+    /// nothing that draws is needed to build this crate.
+    ///
+    /// ```
+    /// use bevy::prelude::*;
+    /// use bevy_octree::diagnostics::CollisionDiagnosticsPlugin;
+    /// # mod dev_tools {
+    /// #     use bevy::{diagnostic::DiagnosticPath, prelude::*};
+    /// #     pub struct DiagnosticsOverlayItem(pub DiagnosticPath);
+    /// #     impl From<DiagnosticPath> for DiagnosticsOverlayItem {
+    /// #         fn from(path: DiagnosticPath) -> Self { Self(path) }
+    /// #     }
+    /// #     #[derive(Component)]
+    /// #     pub struct DiagnosticsOverlay(pub &'static str, pub Vec<DiagnosticsOverlayItem>);
+    /// #     impl DiagnosticsOverlay {
+    /// #         pub fn new(title: &'static str, items: Vec<DiagnosticsOverlayItem>) -> Self { Self(title, items) }
+    /// #     }
+    /// # }
+    /// # use dev_tools::DiagnosticsOverlay;
+    ///
+    /// // With `use bevy::dev_tools::diagnostics_overlay::DiagnosticsOverlay`, and its plugin.
+    /// fn show(mut commands: Commands) {
+    ///     commands.spawn(DiagnosticsOverlay::new("Collisions", CollisionDiagnosticsPlugin::overlay()));
+    /// }
+    /// # bevy::ecs::system::assert_is_system(show);
+    /// ```
+    #[must_use]
+    #[doc(alias("DiagnosticsOverlay", "hud"))]
+    pub fn overlay<Item: From<DiagnosticPath>>() -> Vec<Item> {
+        let items = Self::COUNTS.into_iter().chain(Self::STAGE_TIMES);
+        items.map(Item::from).collect()
+    }
+}
+
 impl Plugin for CollisionDiagnosticsPlugin {
     fn build(&self, app: &mut App) {
-        for path in [
-            Self::OBJECTS,
-            Self::MOVED,
-            Self::CANDIDATES,
-            Self::CONTACTS,
-            Self::EVENTS,
-        ]
-        .into_iter()
-        .chain([Self::NODES, Self::LEAVES, Self::DEPTH, Self::FILL])
-        {
-            app.register_diagnostic(Diagnostic::new(path));
-        }
-        app.register_diagnostic(Diagnostic::new(Self::BYTES).with_suffix(" B"));
-        for path in Self::STAGE_TIMES {
-            app.register_diagnostic(Diagnostic::new(path).with_suffix(" ms"));
+        for path in Self::paths() {
+            let suffix = if path == Self::BYTES {
+                " B"
+            } else if Self::STAGE_TIMES.contains(&path) {
+                " ms"
+            } else {
+                ""
+            };
+            app.register_diagnostic(Diagnostic::new(path).with_suffix(suffix));
         }
         app.init_resource::<StageTimes>()
             .register_type::<StageTimes>();

@@ -36,7 +36,7 @@ pub(crate) struct Carrier {
 }
 
 /// Where an entity is in the space of its parent.
-fn local(transform: &Transform) -> DAffine3 {
+pub(crate) fn local(transform: &Transform) -> DAffine3 {
     let Transform {
         translation,
         rotation,

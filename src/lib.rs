@@ -42,6 +42,7 @@
 //! | [`CollisionEventsEnabled`](contacts::CollisionEventsEnabled) | has its observers told of its contacts |
 //! | [`ManifoldsEnabled`](contacts::ManifoldsEnabled) | has the points found at which it lies on others |
 //! | [`CollidingEntities`](contacts::CollidingEntities) | lists the entities that it touches |
+//! | [`RayCaster`](casters::RayCaster), [`ShapeCaster`](casters::ShapeCaster) | cast a ray or a shape in each tick; what they meet is in [`RayHits`](casters::RayHits), [`ShapeHits`](casters::ShapeHits) |
 //! | [`Cube`](scene::Cube) | shape, velocity and bounce in one: a moving cube |
 //!
 //! # What comes out
@@ -81,6 +82,11 @@
 //! | `picking` | the module `picking`: a backend for `bevy_picking` |
 //! | `multi_threaded` | systems and the broad phase on several threads, shapes of mesh assets beside them |
 //!
+//! # Guide
+//!
+//! The [`guide`] has a page for each of some subjects: triggers, bullets, and what is called how
+//! elsewhere.
+//!
 //! # Parts
 //!
 //! [`OctreePlugins`] brings all of it, one of the [`plugins`] for each stage; [`CollisionSystems`]
@@ -95,6 +101,7 @@
 mod ancestors;
 mod bounds;
 pub mod broad_phase;
+pub mod casters;
 mod change_ticks;
 pub mod collision_index;
 pub mod components;
@@ -105,6 +112,7 @@ pub mod debug_draw;
 pub mod diagnostics;
 pub mod filters;
 mod frame;
+pub mod guide;
 mod hierarchy;
 mod maintenance;
 #[cfg(feature = "mesh")]
@@ -139,6 +147,7 @@ pub mod plugins {
     pub use crate::scene::SceneAssetPlugin;
     pub use crate::{
         bounds::BoundsPlugin,
+        casters::CasterPlugin,
         contacts::{NarrowPhasePlugin, ReportPlugin},
         filters::FilterPlugin,
         maintenance::BroadPhasePlugin,
@@ -164,6 +173,7 @@ pub mod prelude {
     pub use crate::rapier::{RapierInteropPlugin, ShapeFromRapier};
     pub use crate::{
         broad_phase::BroadPhaseMethod,
+        casters::{CasterFilter, CasterIgnores, RayCaster, RayHits, ShapeCaster, ShapeHits},
         collision_layers,
         components::CollisionShape,
         contacts::{
@@ -184,7 +194,7 @@ pub mod prelude {
         settings::BroadPhaseSettings,
         spatial_query::{
             HitLists, PairHit, PointHit, RayCastOptions, RayHit, RayPassage, ShapeCastOptions,
-            ShapeHit, SpatialQuery, SpatialQueryFilter, update_spatial_index,
+            ShapeContact, ShapeHit, SpatialQuery, SpatialQueryFilter, update_spatial_index,
         },
         swept::{AtSolid, Swept, SweptWay},
         worlds::{CollisionWorld, InCollisionWorld},

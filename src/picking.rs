@@ -25,6 +25,25 @@
 //! | [`InCollisionWorld`] on a camera | only those in the same world; without it, those of all worlds |
 //! | [`CollisionLayers`] on a camera | only those on a layer that the camera may meet; without it, all |
 //! | [`Pickable`] on an entity | as everywhere: [`Pickable::IGNORE`] is not seen, and `should_block_lower: false` lets what is behind be picked too |
+//!
+//! # What a hit tells
+//!
+//! The `depth` of a [`HitData`] is the distance along the ray, `position` and `normal` are in the
+//! world. All else that is known comes as its `extra`: the [`RayHit`], with the polygon of a mesh
+//! that was met, which is the triangle of a Bevy mesh, and the normal of that face.
+//!
+//! ```no_run
+//! use bevy::prelude::*;
+//! use bevy_octree::prelude::*;
+//!
+//! fn paint(click: On<Pointer<Click>>) {
+//!     let Some(hit) = click.hit.extra_as::<RayHit>() else { return }; // of another backend
+//!     if let Some(triangle) = hit.polygon {
+//!         println!("triangle {triangle} of {}, {} away", hit.entity, hit.distance);
+//!     }
+//! }
+//! App::new().add_observer(paint);
+//! ```
 
 use bevy::{
     camera::Camera,
@@ -138,7 +157,8 @@ fn pick(
             found.truncate(end);
         }
         let picks = found.iter().map(|hit| {
-            let data = HitData::new(id.camera, hit.distance, Some(hit.point), Some(hit.normal));
+            let (point, normal) = (Some(hit.point), Some(hit.normal));
+            let data = HitData::new_with_extra(id.camera, hit.distance, point, normal, *hit);
             (hit.entity, data)
         });
         output.write(PointerHits::new(

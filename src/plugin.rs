@@ -8,6 +8,7 @@ use bevy::{
 
 use crate::{
     bounds::BoundsPlugin,
+    casters::CasterPlugin,
     collision_index, components,
     contacts::{self, NarrowPhasePlugin, ReportPlugin},
     counters,
@@ -46,6 +47,7 @@ use crate::{
 /// | [`SweptPlugin`] | before `Motion`, `Bounds`, after `Response` |
 /// | [`NarrowPhasePlugin`] | `NarrowPhase` |
 /// | [`BouncePlugin`] | `Response` |
+/// | [`CasterPlugin`] | after `Response` |
 /// | [`ReportPlugin`] | `Report` |
 ///
 /// One that is disabled leaves its resources in the app, for others to read; with [`ReportPlugin`],
@@ -123,6 +125,7 @@ impl PluginGroup for OctreePlugins {
             .add(SweptPlugin)
             .add(NarrowPhasePlugin)
             .add(BouncePlugin)
+            .add(CasterPlugin)
             .add(ReportPlugin)
             .add(ScenePlugin);
         #[cfg(feature = "asset")]

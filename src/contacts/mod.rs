@@ -23,6 +23,7 @@ mod report;
 mod settings;
 mod verdicts;
 mod watched;
+mod who;
 
 use bevy::prelude::*;
 

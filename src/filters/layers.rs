@@ -66,24 +66,41 @@ impl CollisionLayers {
     /// # collision_layers! { enum Layer { Ground, Ship, Bullet } }
     /// let ship = CollisionLayers::new(Layer::Ship, [Layer::Ground, Layer::Bullet]);
     /// assert_eq!(ship, CollisionLayers::from_bits(0b010, 0b101));
-    /// let ghost = CollisionLayers::new(Layer::Ship, LayerMask::NONE);
-    /// # assert_eq!(ghost.memberships, ship.memberships);
+    /// let ghost = CollisionLayers::new(Layer::Ship, []);
+    /// assert_eq!(ghost, CollisionLayers::new([Layer::Ship], LayerMask::NONE));
     /// ```
+    ///
+    /// For constants, see [`from_masks`](Self::from_masks).
     #[must_use]
     pub fn new(memberships: impl Into<LayerMask>, filters: impl Into<LayerMask>) -> Self {
+        Self::from_masks(memberships.into(), filters.into())
+    }
+
+    /// Returns the layers of an entity that is on the first, and may meet the second, as
+    /// [`new`](Self::new) does: for constants.
+    ///
+    /// ```
+    /// # use bevy_octree::prelude::*;
+    /// collision_layers! {
+    ///     enum Layer { Ground, Ship, Bullet }
+    /// }
+    ///
+    /// const SOLID: LayerMask = Layer::Ground.mask().union(Layer::Ship.mask());
+    /// const BULLET: CollisionLayers = CollisionLayers::from_masks(Layer::Bullet.mask(), SOLID);
+    /// assert_eq!(BULLET, CollisionLayers::new(Layer::Bullet, [Layer::Ground, Layer::Ship]));
+    /// ```
+    #[must_use]
+    pub const fn from_masks(memberships: LayerMask, filters: LayerMask) -> Self {
         Self {
-            memberships: memberships.into(),
-            filters: filters.into(),
+            memberships,
+            filters,
         }
     }
 
     /// Returns layers by their bits, the lowest for the first layer: for constants.
     #[must_use]
     pub const fn from_bits(memberships: u32, filters: u32) -> Self {
-        Self {
-            memberships: LayerMask(memberships),
-            filters: LayerMask(filters),
-        }
+        Self::from_masks(LayerMask(memberships), LayerMask(filters))
     }
 
     /// May an entity on these layers meet one on others?

@@ -20,6 +20,10 @@ pub struct StaticShape;
 
 /// Marks an entity whose contacts are reported, and that nothing bounces off; nor does it bounce
 /// off anything.
+///
+/// Rays and other queries see it as they see all others, unless their filter is
+/// [`without_sensors`](crate::spatial_query::SpatialQueryFilter::without_sensors). How to make a
+/// trigger or a pickup of it: see the [guide](crate::guide::triggers).
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]

@@ -18,7 +18,7 @@ pub trait CollisionLayer {
 /// A set of layers: a bit for each of 32.
 ///
 /// Layers have numbers, or names by a [`CollisionLayer`]: wherever a mask is expected, a layer, an
-/// array of layers or the bits as a number do as well.
+/// array of up to 32 layers or the bits as a number do as well; `[]` is no layer.
 ///
 /// ```
 /// use bevy_octree::prelude::*;
@@ -61,6 +61,40 @@ impl LayerMask {
         }
     }
 
+    /// Returns the layers that are in either set, as `|` does: for constants.
+    #[must_use]
+    pub const fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Returns the layers that are in both sets, as `&` does: for constants.
+    #[must_use]
+    pub const fn intersection(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+
+    /// Returns the layers of this set that are not in the other: for constants, and for all but
+    /// some.
+    ///
+    /// ```
+    /// # use bevy_octree::prelude::*;
+    /// # collision_layers! { enum Layer { Ground, Player, Ghost } }
+    /// const ALL_BUT_GHOSTS: LayerMask = LayerMask::ALL.difference(Layer::Ghost.mask());
+    /// assert!(ALL_BUT_GHOSTS.contains([Layer::Ground, Layer::Player]));
+    /// assert!(!ALL_BUT_GHOSTS.contains(Layer::Ghost));
+    /// ```
+    #[must_use]
+    #[doc(alias("without", "except"))]
+    pub const fn difference(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
+    /// Returns `true` if no layer is in the set.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
     /// Returns `true` if each of these layers is in the set.
     #[must_use]
     pub fn contains(self, layers: impl Into<Self>) -> bool {
@@ -99,11 +133,29 @@ impl<L: CollisionLayer> From<L> for LayerMask {
     }
 }
 
-impl<L: CollisionLayer, const N: usize> From<[L; N]> for LayerMask {
-    fn from(layers: [L; N]) -> Self {
-        layers.into_iter().collect()
+impl From<[Self; 0]> for LayerMask {
+    /// No layer, by `[]`: that there is no other array of this length leaves its type no choice.
+    fn from(_: [Self; 0]) -> Self {
+        Self::NONE
     }
 }
+
+/// Arrays of so many layers. One implementation for all lengths would take `[]` to be an array of a
+/// type that nobody knows.
+macro_rules! from_layers {
+    ($($length:literal)+) => {
+        $(
+            impl<L: CollisionLayer> From<[L; $length]> for LayerMask {
+                fn from(layers: [L; $length]) -> Self {
+                    layers.into_iter().collect()
+                }
+            }
+        )+
+    };
+}
+
+from_layers!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16);
+from_layers!(17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32);
 
 impl<L: Into<Self>> FromIterator<L> for LayerMask {
     fn from_iter<I: IntoIterator<Item = L>>(layers: I) -> Self {
@@ -189,9 +241,11 @@ impl Not for LayerMask {
 ///
 /// // Red ones meet the blue and what stands around.
 /// let red = CollisionLayers::new(Layer::Red, Layer::Blue | Layer::Scenery);
-/// const BLUE: CollisionLayers =
-///     CollisionLayers { memberships: Layer::Blue.mask(), filters: LayerMask::ALL };
+/// const BLUE: CollisionLayers = CollisionLayers::from_masks(Layer::Blue.mask(), LayerMask::ALL);
 /// assert_eq!((red.memberships, BLUE.memberships), (LayerMask(0b10), LayerMask(0b100)));
+/// // Debris is there to be seen.
+/// let debris = CollisionLayers::new([Layer::Debris], []);
+/// assert!(debris.filters.is_empty());
 /// ```
 ///
 /// ```compile_fail
@@ -314,6 +368,18 @@ mod tests {
         );
         assert_eq!([a, b].into_iter().collect::<LayerMask>(), LayerMask(0b0111));
         assert_eq!(format!("{a:?}"), "LayerMask(0b110)");
+    }
+
+    #[test]
+    fn sets_are_constants() {
+        const A: LayerMask = LayerMask(0b0110);
+        const ALL: [LayerMask; 3] = [
+            A.union(LayerMask(0b0011)),
+            A.intersection(LayerMask(0b0011)),
+            A.difference(LayerMask(0b0011)),
+        ];
+        assert_eq!(ALL, [0b0111, 0b0010, 0b0100].map(LayerMask));
+        assert!(LayerMask::NONE.is_empty() && !A.is_empty());
     }
 
     /// As a scene saves it, and an editor writes it.

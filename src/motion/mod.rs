@@ -9,7 +9,7 @@ use bevy::prelude::*;
 
 pub use clock::CollisionClock;
 pub use step::{MotionSettings, Step};
-pub use track::{Interpolation, Outside, PositionTrack, TrackError};
+pub use track::{Interpolation, Outside, PositionTrack, TrackError, TrackStart};
 pub(crate) use velocity::is_moved_by_velocity;
 pub use velocity::{MovedElsewhere, Velocity};
 

@@ -32,6 +32,22 @@ use super::clock::CollisionClock;
 /// assert_eq!(track.position(99), Vec3::ONE);
 /// # Ok::<(), bevy_octree::motion::TrackError>(())
 /// ```
+///
+/// Ticks are those of the [`CollisionClock`], unless the track [starts](TrackStart) at another one:
+/// what is spawned later in the game begins then.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_octree::{motion::Outside, prelude::*};
+///
+/// /// A lift that goes up and down, from now on.
+/// fn call_a_lift(mut commands: Commands) {
+///     let way = [(0, Vec3::ZERO), (120, Vec3::Y * 6.0), (240, Vec3::ZERO)];
+///     let way = PositionTrack::new(way).unwrap().with_outside(Outside::Loop).starting_now();
+///     commands.spawn((CollisionShape::cuboid(2.0, 0.2, 2.0), way));
+/// }
+/// # bevy::ecs::system::assert_is_system(call_a_lift);
+/// ```
 #[derive(Component, Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Component, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
@@ -42,6 +58,7 @@ pub struct PositionTrack {
     keyframes: Vec<(u64, Vec3)>,
     interpolation: Interpolation,
     outside: Outside,
+    start: TrackStart,
 }
 
 /// The way in which a [`PositionTrack`] gets from one keyframe to the next.
@@ -72,6 +89,26 @@ pub enum Outside {
     /// It repeats. The last keyframe stands for the same moment as the first, and its position is
     /// reached only if it is the same.
     Loop,
+}
+
+/// The tick of the [`CollisionClock`] at which a [`PositionTrack`] starts: its own tick 0. Before
+/// that, it is where it is at its tick 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect, Serialize, Deserialize)]
+#[reflect(Debug, Default, PartialEq)]
+#[type_path = "bevy_octree"]
+#[doc(alias("delay", "offset", "phase"))]
+pub enum TrackStart {
+    /// This one; by default the first of all, so that the track's ticks are those of the clock.
+    At(u64),
+    /// The first tick in which the entity is moved along it: of one that is spawned, the next. By
+    /// then it says [`At`](Self::At).
+    Now,
+}
+
+impl Default for TrackStart {
+    fn default() -> Self {
+        Self::At(0)
+    }
 }
 
 /// What is wrong with the keyframes of a [`PositionTrack`].
@@ -109,6 +146,8 @@ struct UncheckedTrack {
     interpolation: Interpolation,
     #[serde(default)]
     outside: Outside,
+    #[serde(default)]
+    start: TrackStart,
 }
 
 impl PositionTrack {
@@ -141,6 +180,7 @@ impl PositionTrack {
             keyframes,
             interpolation: Interpolation::default(),
             outside: Outside::default(),
+            start: TrackStart::default(),
         })
     }
 
@@ -159,15 +199,62 @@ impl PositionTrack {
         Self { outside, ..self }
     }
 
-    /// Returns the keyframes: ticks, strictly increasing, and positions.
+    /// Returns the same track with another start.
+    #[must_use]
+    pub fn with_start(self, start: TrackStart) -> Self {
+        Self { start, ..self }
+    }
+
+    /// Returns the same track, with a tick of the [`CollisionClock`] as its own tick 0. Until then
+    /// it is where it is at its tick 0; from then on all is as ever, loops included.
+    ///
+    /// ```
+    /// use bevy::math::Vec3;
+    /// use bevy_octree::motion::PositionTrack;
+    ///
+    /// let track = PositionTrack::new([(0, Vec3::ZERO), (10, Vec3::X)])?.starting_at(100);
+    /// assert_eq!(track.position(99), Vec3::ZERO);
+    /// assert_eq!(track.position(105), Vec3::X * 0.5);
+    /// # Ok::<(), bevy_octree::motion::TrackError>(())
+    /// ```
+    #[must_use]
+    #[doc(alias("delay", "offset"))]
+    pub fn starting_at(self, tick: u64) -> Self {
+        self.with_start(TrackStart::At(tick))
+    }
+
+    /// Returns the same track, with the first tick in which an entity is moved along it as its own
+    /// tick 0: for what is spawned later in the game. See [`TrackStart::Now`].
+    ///
+    /// Each entity for itself: of two that are spawned one after the other, the second follows the
+    /// first. A component that is inserted anew starts anew.
+    #[must_use]
+    pub fn starting_now(self) -> Self {
+        self.with_start(TrackStart::Now)
+    }
+
+    /// Returns when the track starts: of one that [starts now](TrackStart::Now), from the first tick
+    /// on, when it did.
+    #[must_use]
+    pub const fn start(&self) -> TrackStart {
+        self.start
+    }
+
+    /// Returns the keyframes: ticks, strictly increasing, and positions. The ticks are those of the
+    /// track, counted from its [start](Self::start).
     #[must_use]
     pub fn keyframes(&self) -> &[(u64, Vec3)] {
         &self.keyframes
     }
 
-    /// Returns the position at a tick, by binary search among the keyframes.
+    /// Returns the position at a tick of the clock, by binary search among the keyframes. One that
+    /// [starts now](TrackStart::Now), and has not started, is where it starts.
     #[must_use]
     pub fn position(&self, tick: u64) -> Vec3 {
+        let tick = match self.start {
+            TrackStart::At(start) => tick.saturating_sub(start),
+            TrackStart::Now => 0,
+        };
         let tick = match self.outside {
             Outside::Hold => tick,
             Outside::Loop => self.wrap(tick),
@@ -256,6 +343,7 @@ impl Default for PositionTrack {
             keyframes: vec![(0, Vec3::ZERO)],
             interpolation: Interpolation::default(),
             outside: Outside::default(),
+            start: TrackStart::default(),
         }
     }
 }
@@ -266,7 +354,8 @@ impl TryFrom<UncheckedTrack> for PositionTrack {
     fn try_from(track: UncheckedTrack) -> Result<Self, TrackError> {
         Ok(Self::new(track.keyframes)?
             .with_interpolation(track.interpolation)
-            .with_outside(track.outside))
+            .with_outside(track.outside)
+            .with_start(track.start))
     }
 }
 
@@ -276,16 +365,20 @@ impl From<PositionTrack> for UncheckedTrack {
             keyframes: track.keyframes,
             interpolation: track.interpolation,
             outside: track.outside,
+            start: track.start,
         }
     }
 }
 
 /// Entities on a track go where the track says, whatever their velocity.
 pub(super) fn follow_tracks(
-    mut followers: Query<(&PositionTrack, &mut Transform)>,
+    mut followers: Query<(&mut PositionTrack, &mut Transform)>,
     clock: Res<CollisionClock>,
 ) {
-    for (track, mut transform) in &mut followers {
+    for (mut track, mut transform) in &mut followers {
+        if track.start == TrackStart::Now {
+            track.start = TrackStart::At(clock.tick());
+        }
         let position = track.position(clock.tick());
         // What does not move must not count as changed.
         if transform.translation != position {

@@ -1,6 +1,6 @@
 //! What casts are told beyond where they go.
 
-use bevy::reflect::Reflect;
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 
 /// Which faces of a shape a ray meets, by the way that they face.
 ///
@@ -8,6 +8,7 @@ use bevy::reflect::Reflect;
 /// it leaves. A polygon of a mesh faces as its [normal](super::PolygonMesh::normals) says,
 /// whether the mesh is closed or not, and mirrored or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Clone, Debug, Default, PartialEq, Hash)]
 #[type_path = "bevy_octree"]
 #[doc(alias("culling", "backface culling", "cull mode"))]
 pub enum Faces {
@@ -50,6 +51,7 @@ pub enum Faces {
 ///
 /// [`cast_ray`]: super::NarrowPhase::cast_ray
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Clone, Debug, Default, PartialEq, Hash)]
 #[type_path = "bevy_octree"]
 pub struct RayCastOptions {
     pub(in crate::narrow_phase) hollow: bool,
@@ -137,6 +139,7 @@ impl RayCastOptions {
 ///
 /// [`sweep`]: super::NarrowPhase::sweep
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Clone, Debug, Default, PartialEq, Hash)]
 #[type_path = "bevy_octree"]
 pub struct ShapeCastOptions {
     pub(in crate::narrow_phase) ignores_start: bool,

@@ -32,7 +32,8 @@
 //!
 //! The rotation turns about the object's own x axis first, then its own y, then its own z
 //! ([`EulerRot::XYZ`]). A track may also set `interpolation` (`Linear`, `Step`, `Smooth`,
-//! `Ease(QuadraticInOut)`, …) and `outside` (`Hold`, `Loop`); see [`PositionTrack`].
+//! `Ease(QuadraticInOut)`, …), `outside` (`Hold`, `Loop`) and `start` (`At(tick)`, `Now`); see
+//! [`PositionTrack`].
 //!
 //! ```
 //! use bevy_octree::scene::SceneDescription;

@@ -78,6 +78,25 @@ fn every_field_is_read() {
 }
 
 #[test]
+fn a_track_may_say_when_it_starts() {
+    use crate::motion::TrackStart;
+
+    let track = "keyframes: [(0, (0, 0, 0))]";
+    for (start, expected) in [
+        ("", TrackStart::At(0)),
+        ("start: At(120)", TrackStart::At(120)),
+        ("start: Now", TrackStart::Now),
+    ] {
+        let text = object(&format!("motion: Track({track}, {start})"));
+        let scene = SceneDescription::parse(&text).unwrap();
+        let Motion::Track(track) = scene.objects().next().unwrap().motion.clone() else {
+            panic!("{text}")
+        };
+        assert_eq!(track.start(), expected);
+    }
+}
+
+#[test]
 fn what_is_written_reads_back() {
     let mesh = ShapeDescription::Mesh {
         vertices: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z],
@@ -89,6 +108,7 @@ fn what_is_written_reads_back() {
     };
     assert!(room.is_closed() && !room.has_inside());
     let track = PositionTrack::new([(3, Vec3::ONE)]).unwrap();
+    let [later, now] = [track.clone().starting_at(7), track.clone().starting_now()];
     let scene = SceneDescription::new(
         "text with \"quotes\"\n",
         [
@@ -96,6 +116,14 @@ fn what_is_written_reads_back() {
                 name: Some("a".into()),
                 motion: Motion::Track(track),
                 ..ObjectDescription::new(mesh)
+            },
+            ObjectDescription {
+                motion: Motion::Track(later),
+                ..ObjectDescription::new(ShapeDescription::Sphere { radius: 1.0 })
+            },
+            ObjectDescription {
+                motion: Motion::Track(now),
+                ..ObjectDescription::new(ShapeDescription::Sphere { radius: 1.0 })
             },
             ObjectDescription {
                 position: Vec3::new(0.1, 1e-30, -1e30),

@@ -9,6 +9,9 @@ use crate::{broad_phase::PairFilter, filters::LayerMask, worlds};
 /// Says which entities a query sees: all of the default world, unless told otherwise. Borrows what
 /// it is told, so that it costs nothing to make and to copy.
 ///
+/// "All" includes [sensors](crate::filters::Sensor), such as triggers and pickups: a bullet or a line
+/// of sight ends at them, unless the filter is [without](Self::without_sensors) them.
+///
 /// Begin with [`DEFAULT`](Self::DEFAULT), or `default()`, and refine it:
 ///
 /// | by | what is seen |

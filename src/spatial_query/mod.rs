@@ -1,6 +1,7 @@
-//! Queries by entity: rays, moving shapes, overlaps, what is near.
+//! Queries by entity: rays, moving shapes, overlaps, contacts, what is near.
 
 mod best;
+mod contacts;
 mod filter;
 mod flush;
 mod nearest;
@@ -11,6 +12,7 @@ mod rays;
 mod scratch;
 mod shape_cast;
 
+pub use contacts::ShapeContact;
 pub use filter::SpatialQueryFilter;
 pub use flush::update_spatial_index;
 pub use nearest::PointHit;

@@ -16,7 +16,9 @@ use crate::{
 };
 
 /// An entity near a point.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Clone, Debug, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct PointHit {
     /// The entity.
     pub entity: Entity,

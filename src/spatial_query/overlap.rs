@@ -15,6 +15,7 @@ use super::{
 };
 use crate::{
     broad_phase::{EVERYWHERE, Flow, Region},
+    collision_index::Body,
     narrow_phase::{BoundsError, Placed, Shape},
 };
 
@@ -126,7 +127,8 @@ impl SpatialQuery<'_, '_> {
 
     /// Finds the entities whose shapes are in contact with a shape at a place, by
     /// [`NarrowPhase::intersects`](crate::narrow_phase::NarrowPhase::intersects). A shape without
-    /// bounds (some of Rapier's) is tested against all entities.
+    /// bounds (some of Rapier's) is tested against all entities. Where they touch is told by
+    /// [`for_each_shape_contact`](Self::for_each_shape_contact).
     #[doc(alias("overlap shape", "intersection test"))]
     pub fn for_each_shape_intersection<F: Flow>(
         &self,
@@ -136,19 +138,29 @@ impl SpatialQuery<'_, '_> {
         mut found: impl FnMut(Entity) -> F,
     ) {
         let placed = Placed::new(shape, at);
-        let aabb = match self.tests().world_aabb(placed) {
+        self.for_each_near_shape(placed, filter, |body| {
+            let met = scratch::with(|scratch| {
+                self.tests()
+                    .intersects(placed, body.placed(), &mut scratch.workspace)
+            });
+            !met || found(body.entity).goes_on()
+        });
+    }
+
+    /// Everything whose box a placed shape may touch, until `found` returns `false`.
+    pub(super) fn for_each_near_shape(
+        &self,
+        shape: Placed,
+        filter: &SpatialQueryFilter,
+        mut found: impl FnMut(&Body) -> bool,
+    ) {
+        let aabb = match self.tests().world_aabb(shape) {
             Ok(aabb) => aabb,
             Err(BoundsError::Unbounded) => EVERYWHERE,
             Err(BoundsError::NonFinite) => return,
         };
         self.index.index().for_each_overlapping(&aabb, |id| {
-            let met = self.candidate(id, filter).filter(|body| {
-                scratch::with(|scratch| {
-                    self.tests()
-                        .intersects(placed, body.placed(), &mut scratch.workspace)
-                })
-            });
-            flow(met.is_none_or(|body| found(body.entity).goes_on()))
+            flow(self.candidate(id, filter).is_none_or(&mut found))
         });
     }
 

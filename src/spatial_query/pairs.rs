@@ -18,7 +18,9 @@ use crate::{
 const PAIRS_PER_JOB: usize = 256;
 
 /// Two entities near each other.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Clone, Debug, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct PairHit {
     /// The first: of pairs of two groups, the one that the first filter lets pass.
     pub a: Entity,

@@ -46,7 +46,9 @@ use crate::{
 /// [`Maintenance`](crate::CollisionSystems::Maintenance), that of this tick.
 /// [`update_spatial_index`](super::update_spatial_index) brings the index up to date at any other
 /// moment: in the frame of a spawn, or while time is paused. Despawned and disabled entities, and
-/// those without a valid box, are never found.
+/// those without a valid box, are never found. [`Sensor`]s are found like all others: what is to go
+/// through triggers and pickups says so by
+/// [`without_sensors`](SpatialQueryFilter::without_sensors).
 ///
 /// # Cost
 ///

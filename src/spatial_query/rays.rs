@@ -1,6 +1,6 @@
 //! Rays.
 
-use bevy::{math::bounding::RayCast3d, prelude::*};
+use bevy::{ecs::entity::MapEntities, math::bounding::RayCast3d, prelude::*};
 
 use super::{
     best::Best,
@@ -14,9 +14,12 @@ use crate::{
 };
 
 /// Where a ray meets an entity.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, MapEntities, Reflect)]
+#[reflect(Clone, Debug, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct RayHit {
     /// The entity.
+    #[entities]
     pub entity: Entity,
     /// How far along the ray; 0 if it starts inside.
     pub distance: f32,
@@ -61,7 +64,9 @@ impl RayHit {
 }
 
 /// Where a ray enters an entity, and where it leaves it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Clone, Debug, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct RayPassage {
     /// The entity.
     pub entity: Entity,

@@ -1,6 +1,7 @@
 //! Shapes that move without turning.
 
 use bevy::{
+    ecs::entity::MapEntities,
     math::bounding::{Aabb3d, AabbCast3d},
     prelude::*,
 };
@@ -8,15 +9,22 @@ use bevy::{
 use super::{
     best::Best,
     filter::SpatialQueryFilter,
-    query::{self, SpatialQuery},
+    query::{self, SpatialQuery, flow},
     scratch,
 };
-use crate::narrow_phase::{Impact, Placed, Shape, ShapeCastOptions};
+use crate::{
+    broad_phase::Flow,
+    collision_index::Body,
+    narrow_phase::{Impact, Placed, Shape, ShapeCastOptions},
+};
 
 /// Where a moving shape first touches an entity.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, MapEntities, Reflect)]
+#[reflect(Clone, Debug, PartialEq)]
+#[type_path = "bevy_octree"]
 pub struct ShapeHit {
     /// The entity.
+    #[entities]
     pub entity: Entity,
     /// How far the shape goes until it touches; 0 if it does so from the start.
     pub distance: f32,
@@ -81,39 +89,107 @@ impl SpatialQuery<'_, '_> {
         filter: &SpatialQueryFilter,
         options: &ShapeCastOptions,
     ) -> Option<ShapeHit> {
-        // The boxes of two shapes in contact are not apart: so neither are they on the way.
-        let aabb = self.tests().world_aabb(moving).ok()?;
-        let cast = AabbCast3d::new(aabb, Vec3::ZERO, direction, max_distance);
-        let sweep = |target: Placed, limit: f32| {
-            scratch::with(|scratch| {
-                let workspace = &mut scratch.workspace;
-                self.tests()
-                    .sweep_with(moving, direction, limit, target, options, workspace)
-            })
-        };
+        let cast = self.box_cast(moving, direction, max_distance)?;
         let mut best = Best::within(max_distance);
         let nearest = self.index.index().cast_with(&cast, |id, _| {
             let body = self.candidate(id, filter)?;
-            let Impact {
-                distance,
-                point,
-                normal,
-                face_normal,
-                polygon,
-                depth,
-            } = sweep(body.placed(), best.limit())?;
-            let hit = ShapeHit {
-                entity: body.entity,
-                distance,
-                point,
-                normal,
-                face_normal,
-                polygon,
-                depth,
-            };
-            best.offer(id, distance, hit)
+            let hit = self.shape_hit(body, moving, direction, best.limit(), options)?;
+            best.offer(id, hit.distance, hit)
         });
         best.answer(nearest.map(|hit| hit.proxy))
+    }
+
+    /// Finds all entities that a placed shape touches on its way, by these options: nearest first,
+    /// those as near by ascending [`Entity`]. They replace what is in `hits`, which is yours to use
+    /// again.
+    ///
+    /// It goes through all of them: each is met as though it were alone.
+    #[doc(alias("shapecast all", "sweep all"))]
+    pub fn shape_hits(
+        &self,
+        moving: Placed,
+        direction: Dir3,
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+        options: &ShapeCastOptions,
+        hits: &mut Vec<ShapeHit>,
+    ) {
+        hits.clear();
+        self.for_each_shape_hit(moving, direction, max_distance, filter, options, |hit| {
+            hits.push(hit);
+        });
+        hits.sort_unstable_by(|a, b| {
+            a.distance
+                .total_cmp(&b.distance)
+                .then(a.entity.cmp(&b.entity))
+        });
+    }
+
+    /// Calls `found` with every entity that a placed shape touches on its way, as
+    /// [`shape_hits`](Self::shape_hits) finds them, in no particular order. It may return a
+    /// [`ControlFlow`](std::ops::ControlFlow) to stop.
+    pub fn for_each_shape_hit<F: Flow>(
+        &self,
+        moving: Placed,
+        direction: Dir3,
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+        options: &ShapeCastOptions,
+        mut found: impl FnMut(ShapeHit) -> F,
+    ) {
+        let Some(cast) = self.box_cast(moving, direction, max_distance) else {
+            return;
+        };
+        self.index.index().for_each_hit(&cast, |hit| {
+            let body = self.candidate(hit.proxy, filter);
+            let hit = body
+                .and_then(|body| self.shape_hit(body, moving, direction, max_distance, options));
+            flow(hit.is_none_or(|hit| found(hit).goes_on()))
+        });
+    }
+
+    /// The way of a shape's box; `None` if it has none. The boxes of two shapes in contact are not
+    /// apart: so neither are they on the way.
+    fn box_cast(&self, moving: Placed, direction: Dir3, max_distance: f32) -> Option<AabbCast3d> {
+        let aabb = self.tests().world_aabb(moving).ok()?;
+        Some(AabbCast3d::new(aabb, Vec3::ZERO, direction, max_distance))
+    }
+
+    fn shape_hit(
+        &self,
+        body: &Body,
+        moving: Placed,
+        direction: Dir3,
+        max_distance: f32,
+        options: &ShapeCastOptions,
+    ) -> Option<ShapeHit> {
+        let Impact {
+            distance,
+            point,
+            normal,
+            face_normal,
+            polygon,
+            depth,
+        } = scratch::with(|scratch| {
+            let workspace = &mut scratch.workspace;
+            self.tests().sweep_with(
+                moving,
+                direction,
+                max_distance,
+                body.placed(),
+                options,
+                workspace,
+            )
+        })?;
+        Some(ShapeHit {
+            entity: body.entity,
+            distance,
+            point,
+            normal,
+            face_normal,
+            polygon,
+            depth,
+        })
     }
 
     /// Casts a box along the world's axes as [`cast_shape`](Self::cast_shape) does. One that is

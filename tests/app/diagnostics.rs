@@ -219,3 +219,24 @@ fn the_plugin_without_ticks_says_so() {
     app.update();
     assert_eq!(value(&app, &Paths::OBJECTS), None);
 }
+
+/// An overlay shows what is measured anyway, each once, and all paths are those of registered
+/// diagnostics.
+#[test]
+fn an_overlay_is_built_of_paths() {
+    let mut app = app(BroadPhaseMethod::default());
+    app.add_plugins(Paths);
+    tick(&mut app, 1);
+    let store = app.world().resource::<DiagnosticsStore>();
+    let all: Vec<_> = Paths::paths().collect();
+    assert_eq!(all.len(), store.iter().count());
+    assert!(all.iter().all(|path| store.get(path).is_some()));
+    let shown: Vec<DiagnosticPath> = Paths::overlay();
+    assert_eq!(shown.len(), 5 + STAGES.len());
+    assert!(shown.iter().all(|path| all.contains(path)));
+    assert!(!shown.contains(&Paths::NODES));
+    let suffix = |path: &DiagnosticPath| store.get(path).unwrap().suffix.clone();
+    assert_eq!(suffix(&Paths::BYTES), " B");
+    assert_eq!(suffix(&Paths::OBJECTS), "");
+    assert!(Paths::STAGE_TIMES.iter().all(|path| suffix(path) == " ms"));
+}

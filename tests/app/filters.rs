@@ -131,6 +131,51 @@ fn an_enum_of_layers_needs_no_code_of_its_own() {
     assert_eq!(contacts(&mut app), 6);
 }
 
+/// Layers, arrays, masks, bits and nothing at all, in any order.
+#[test]
+fn layers_are_written_as_they_come() {
+    let bits = CollisionLayers::from_bits;
+    let (red, blue) = (1 << 4, 1 << 5);
+    for (written, expected) in [
+        (CollisionLayers::new([Team::Red], []), bits(red, 0)),
+        (CollisionLayers::new([], [Team::Red]), bits(0, red)),
+        (CollisionLayers::new([], []), CollisionLayers::NONE),
+        (CollisionLayers::new(Team::Red, []), bits(red, 0)),
+        (CollisionLayers::new([], LayerMask::ALL), bits(0, u32::MAX)),
+        (CollisionLayers::new(3, []), bits(3, 0)),
+        (CollisionLayers::new(1, 2), bits(1, 2)),
+        (
+            CollisionLayers::new(Team::Red, [Team::Red, Team::Blue]),
+            bits(red, red | blue),
+        ),
+        (
+            CollisionLayers::new([Team::Red], LayerMask::layer(5)),
+            bits(red, blue),
+        ),
+        (
+            CollisionLayers::from_masks(Team::Red.mask(), LayerMask::NONE),
+            bits(red, 0),
+        ),
+    ] {
+        assert_eq!(written, expected);
+    }
+    let all: [Team; 32] = [Team::Blue; 32];
+    assert_eq!(LayerMask::from(all), LayerMask(blue));
+    assert!(LayerMask(blue).contains([]) && !LayerMask::ALL.intersects([]));
+    assert_eq!(LayerMask::ALL & [], LayerMask::NONE);
+}
+
+#[test]
+fn who_is_on_a_layer_and_meets_none_is_met_by_nobody() {
+    let mut app = app();
+    cubes(&mut app, 2, CollisionLayers::new([Team::Red], []));
+    cubes(&mut app, 2, CollisionLayers::new([], [Team::Red]));
+    assert_eq!(contacts(&mut app), 0);
+    let detector = CollisionLayers::new([], [Team::Red]);
+    cube(&mut app, (Detector, detector));
+    assert_eq!(contacts(&mut app), 2);
+}
+
 #[test]
 fn an_enum_of_layers_may_have_any_name_and_attributes() {
     use strangers::{L, NUMBERS};

@@ -5,6 +5,7 @@
 mod bounce;
 mod bullets;
 mod cast_options;
+mod casters;
 #[path = "../common/mod.rs"]
 mod common;
 mod conservation;
@@ -39,6 +40,7 @@ mod rapier_bodies;
 mod rooms;
 mod schedule;
 mod seams;
+mod shape_contacts;
 mod shape_matrix;
 mod shapes;
 mod shear;
@@ -56,4 +58,5 @@ mod test_sets;
 mod threads;
 mod trace;
 mod upkeep;
+mod who_is_who;
 mod worlds;

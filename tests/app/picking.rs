@@ -110,6 +110,43 @@ fn the_nearest_is_picked_with_its_place_and_normal() {
     );
 }
 
+/// What is known beyond that comes along: for each that is picked, which polygon was met.
+#[test]
+fn a_hit_brings_all_that_is_known_of_it() {
+    let (mut app, _) = picking();
+    let glass = spawn(
+        &mut app,
+        2.0,
+        Pickable {
+            should_block_lower: false,
+            ..default()
+        },
+    );
+    let corners = [[-9.0, -9.0], [-9.0, 9.0], [9.0, 9.0], [9.0, -9.0]];
+    let corners = corners.map(|[y, z]| Vec3::new(0.0, y + 1.0, z));
+    let wall = Shape::mesh(corners, [[0, 1, 2], [0, 2, 3]]).unwrap();
+    let wall = (
+        CollisionShape::from(wall),
+        Transform::from_xyz(5.0, 0.0, 0.0),
+    );
+    let wall = app.world_mut().spawn(wall).id();
+    let hits = hits(&mut app);
+    let known: Vec<RayHit> = hits[0]
+        .picks
+        .iter()
+        .map(|(_, data)| *data.extra_as().expect("it is known"))
+        .collect();
+    let met: Vec<_> = known.iter().map(|hit| (hit.entity, hit.distance)).collect();
+    assert_eq!(met, [(glass, 1.5), (wall, 5.0)]);
+    assert_eq!([known[0].polygon, known[1].polygon], [None, Some(0)]);
+    assert_eq!(known[1].face_normal.x.abs(), 1.0);
+    for (hit, (entity, data)) in known.iter().zip(&hits[0].picks) {
+        assert_eq!(hit.entity, *entity);
+        assert_eq!((data.depth, data.position), (hit.distance, Some(hit.point)));
+        assert_eq!(data.normal, Some(hit.normal));
+    }
+}
+
 #[test]
 fn each_ray_picks_for_itself() {
     let (mut app, first) = picking();

@@ -44,7 +44,7 @@ pub fn direction(rng: &mut Rng) -> Dir3 {
     Dir3::new(vector(rng, 1.0)).unwrap_or(Dir3::X)
 }
 
-fn rotation(rng: &mut Rng) -> Quat {
+pub fn rotation(rng: &mut Rng) -> Quat {
     Quat::from_axis_angle(*direction(rng), rng.f32() * 6.0)
 }
 
@@ -70,7 +70,7 @@ fn star() -> CollisionShape {
         .into()
 }
 
-fn random_shape(rng: &mut Rng) -> CollisionShape {
+pub fn random_shape(rng: &mut Rng) -> CollisionShape {
     match rng.u8(..5) {
         0 => CollisionShape::sphere(0.2 + rng.f32()),
         1 => tetrahedron(),

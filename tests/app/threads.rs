@@ -146,6 +146,16 @@ impl Crowd {
                 world.spawn((shape, arm, ChildOf(parent)));
                 parent
             }
+            6 => {
+                let ray = RayCaster::default().with_max_hits(3).with_length(4.0);
+                let casts = (ray, ShapeCaster::default().with_length(1.0));
+                let rays = (shape, turned, velocity, casts.0);
+                if number % 70 == 6 {
+                    world.spawn((rays, casts.1)).id()
+                } else {
+                    world.spawn(rays).id()
+                }
+            }
             _ => world.spawn((shape, at, velocity)).id(),
         }
     }
@@ -161,6 +171,10 @@ impl Crowd {
             self.app.world_mut().despawn(oldest);
         }
         tick(&mut self.app, 1);
+        let hits = self
+            .app
+            .world_mut()
+            .query::<(&RayHits, Option<&ShapeHits>)>();
         let world = self.app.world();
         let hasher = &mut self.hasher;
         for event in self.started.read(world.resource()) {
@@ -171,6 +185,14 @@ impl Crowd {
         }
         for contact in world.resource::<Contacts>().iter() {
             (contact.a, contact.b).hash(hasher);
+        }
+        for (rays, shapes) in hits.iter_manual(world) {
+            for hit in rays {
+                (hit.entity, hit.distance.to_bits()).hash(hasher);
+            }
+            for hit in shapes.into_iter().flatten() {
+                (hit.entity, hit.distance.to_bits()).hash(hasher);
+            }
         }
     }
 

@@ -26,6 +26,58 @@ fn linear_holds_outside_and_is_exact_at_keys() {
 }
 
 #[test]
+fn a_start_is_where_ticks_are_counted_from() {
+    for track in [
+        corner(),
+        corner().with_outside(Outside::Loop),
+        corner().with_interpolation(Interpolation::Smooth),
+    ] {
+        let later = track.clone().starting_at(1000);
+        for tick in 0..100 {
+            assert_eq!(later.position(1000 + tick), track.position(tick), "{tick}");
+        }
+        // Before, it waits where it starts.
+        for tick in [0, 500, 999] {
+            assert_eq!(later.position(tick), track.position(0));
+        }
+        let latest = track.clone().starting_at(u64::MAX);
+        assert_eq!(latest.position(u64::MAX), track.position(0));
+        let now = track.clone().starting_now();
+        assert_eq!(now.position(77), track.position(0));
+        assert_eq!(track.start(), TrackStart::At(0));
+    }
+}
+
+#[test]
+fn who_starts_now_starts_in_its_first_tick() {
+    let mut world = World::new();
+    world.init_resource::<CollisionClock>();
+    world.resource_mut::<CollisionClock>().set_tick(40);
+    let line = PositionTrack::new([(0, Vec3::ZERO), (10, Vec3::X * 10.0)]).unwrap();
+    let spawn = |world: &mut World| {
+        world
+            .spawn(line.clone().with_outside(Outside::Loop).starting_now())
+            .id()
+    };
+    let x = |world: &World, entity| world.get::<Transform>(entity).unwrap().translation.x;
+    let first = spawn(&mut world);
+    let mut second = first;
+    for tick in 40..75 {
+        if tick == 43 {
+            second = spawn(&mut world);
+        }
+        world.resource_mut::<CollisionClock>().set_tick(tick);
+        world.run_system_cached(follow_tracks).unwrap();
+        assert_eq!(x(&world, first), ((tick - 40) % 10) as f32);
+        if tick >= 43 {
+            assert_eq!(x(&world, second), ((tick - 43) % 10) as f32);
+        }
+    }
+    let start = world.get::<PositionTrack>(second).unwrap().start();
+    assert_eq!(start, TrackStart::At(43));
+}
+
+#[test]
 fn step_waits_for_the_next_key() {
     let track = corner().with_interpolation(Interpolation::Step);
     assert_eq!(track.position(13), Vec3::ZERO);

@@ -1,0 +1,92 @@
+//! Casts what casters say, all of them side by side.
+
+use bevy::{
+    ecs::{component::Mutable, entity_disabling::Disabled},
+    math::DAffine3,
+    prelude::*,
+};
+
+use super::{filter::CasterFilter, hits::Hits};
+use crate::{
+    ancestors,
+    hierarchy::{self, Link},
+    parallel,
+    spatial_query::{SpatialQuery, SpatialQueryFilter},
+    worlds::InCollisionWorld,
+};
+
+/// A component that says what is cast.
+pub(super) trait Caster: Component {
+    /// Where it is told what was met.
+    type Hits: Component<Mutability = Mutable> + Hits;
+
+    /// Which entities it sees; `None` if it looks at none at all.
+    fn filter(&self) -> Option<&CasterFilter>;
+
+    /// Finds what is met, given where the entity is.
+    fn find(
+        &self,
+        pose: &DAffine3,
+        spatial: &SpatialQuery,
+        filter: &SpatialQueryFilter,
+        hits: &mut Vec<<Self::Hits as Hits>::Hit>,
+    );
+}
+
+type Parts<'a, C> = (
+    Entity,
+    &'a C,
+    &'a mut <C as Caster>::Hits,
+    Option<&'a InCollisionWorld>,
+    Has<Disabled>,
+);
+
+/// A disabled entity meets nothing, and its hits say so.
+pub(super) fn cast<C: Caster>(
+    mut casters: Query<Parts<C>, Allow<Disabled>>,
+    links: Query<Link, Allow<Disabled>>,
+    parents: Query<&ChildOf, Allow<Disabled>>,
+    spatial: SpatialQuery,
+) {
+    let parent = |entity| parents.get(entity).ok().map(ChildOf::parent);
+    let renew = |(entity, caster, mut hits, world, is_disabled): <Parts<C> as bevy::ecs::query::QueryData>::Item<'_, '_>| {
+        let has_changed = hits.bypass_change_detection().renew(|hits| {
+            let filter = caster.filter().filter(|_| !is_disabled);
+            if let Some(filter) = filter
+                && let Some(pose) = pose(entity, &links)
+            {
+                filter.apply(entity, world, parent, |filter| {
+                    caster.find(&pose, &spatial, filter, hits);
+                });
+            }
+        });
+        if has_changed {
+            hits.set_changed();
+        }
+    };
+    if parallel::is_on() {
+        casters.par_iter_mut().for_each(renew);
+    } else {
+        casters.iter_mut().for_each(renew);
+    }
+}
+
+/// Where an entity is in the world, by now; `None` if that is nowhere.
+fn pose(entity: Entity, links: &Query<Link, Allow<Disabled>>) -> Option<DAffine3> {
+    let look = |entity| {
+        let (transform, parent) = links.get(entity).ok()?;
+        Some((hierarchy::local(transform), parent.map(ChildOf::parent)))
+    };
+    ancestors::up(entity, look)
+        .try_fold(DAffine3::IDENTITY, |below, local| {
+            local.map(|local| local * below)
+        })
+        .ok()
+        .filter(|pose| pose.is_finite())
+}
+
+/// A direction of an entity's own space in the world; `None` if nothing is left of it there.
+pub(super) fn direction(own: Dir3, pose: &DAffine3) -> Option<Dir3> {
+    let there = pose.transform_vector3(own.as_dvec3()).try_normalize()?;
+    Dir3::new(there.as_vec3()).ok()
+}
