@@ -43,7 +43,7 @@ use crate::{
 #[doc(alias = "collider")]
 #[derive(Component, Clone, Debug, Deref, Reflect)]
 #[reflect(opaque)]
-#[reflect(Component, Clone, Debug)]
+#[reflect(Component, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 #[require(Transform, WorldAabb, BroadPhaseProxy)]
 #[component(on_remove = leave_index)]

@@ -26,7 +26,8 @@
 //! | component | what it does |
 //! |---|---|
 //! | [`CollisionShape`](components::CollisionShape) | makes the entity take part; brings its box and its entry in the index with it |
-//! | `ShapeFromMesh` | has that shape built of a mesh asset (feature `mesh`) |
+//! | [`ShapeDescription`](shape_data::ShapeDescription) | has that shape built of plain data, as files and editors have it |
+//! | `ShapeFromMesh` | has it built of a mesh asset (feature `mesh`) |
 //! | [`WorldAabb`](components::WorldAabb) | its box in the world, kept up to date |
 //! | [`BroadPhaseProxy`](components::BroadPhaseProxy) | its entry in the index |
 //! | [`Velocity`](motion::Velocity) | moves it each tick; without one it is at rest, until something else moves it |
@@ -128,6 +129,7 @@ pub mod response;
 pub mod scene;
 pub mod schedule;
 pub mod settings;
+pub mod shape_data;
 mod shear;
 pub mod spatial_query;
 pub mod swept;
@@ -188,6 +190,7 @@ pub mod prelude {
         response::Bounce,
         schedule::CollisionSystems,
         settings::BroadPhaseSettings,
+        shape_data::{ShapeDescription, ShapeDescriptionError},
         spatial_query::{
             HitLists, PairHit, PointHit, RayCastOptions, RayHit, RayPassage, ShapeCastOptions,
             ShapeHit, SpatialQuery, SpatialQueryFilter, update_spatial_index,

@@ -68,7 +68,6 @@ mod description;
 mod error;
 #[cfg(feature = "scene_files")]
 mod file;
-mod shape;
 mod spawn;
 pub mod stress;
 mod test_set;
@@ -81,8 +80,10 @@ pub use clip_report::{CollisionReport, Interval, PairContacts, TickOutOfOrder};
 pub use cube::Cube;
 pub use description::{Content, Motion, ObjectDescription, SceneDescription};
 pub use error::{ObjectProblem, SceneError, SceneProblem};
-pub use shape::ShapeDescription;
 pub use test_set::{Plane, TestCube, TestSet, TestSetError};
+
+#[doc(no_inline)]
+pub use crate::shape_data::ShapeDescription;
 
 /// Makes scenes known to reflection.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,0 +1,173 @@
+//! From data to shapes.
+
+use bevy::math::{Isometry3d, Quat, Vec3};
+
+use super::description::{CoreDescription, PartDescription, ShapeDescription};
+use crate::narrow_phase::{PolygonMesh, Shape, ShapeError};
+
+impl ShapeDescription {
+    /// Makes the shape that is described.
+    ///
+    /// In time linear in the data, but for what [`PolygonMesh::new`] says of large meshes.
+    ///
+    /// # Errors
+    ///
+    /// Those of the constructors of [`Shape`](Shape#constructors) that begin with `try_`, and of
+    /// those that take lists; for compounds, [`ShapeError::Part`] around them,
+    /// [`ShapeError::PartPose`] and [`ShapeError::TooDeep`].
+    pub fn build(&self) -> Result<Shape, ShapeError> {
+        self.build_within(0)
+    }
+
+    /// The same, within so many compounds.
+    fn build_within(&self, depth: usize) -> Result<Shape, ShapeError> {
+        match self {
+            Self::Cuboid { half_size } => Shape::try_from_half_size(*half_size),
+            Self::Sphere { radius } => Shape::try_sphere(*radius),
+            // Shape::try_capsule(*radius, *length)
+            Self::Capsule { .. } => build_later("capsule"),
+            // Shape::try_capsule_between(*a, *b, *radius)
+            Self::CapsuleBetween { .. } => build_later("capsule"),
+            // Shape::try_cylinder(*radius, *height)
+            Self::Cylinder { .. } => build_later("cylinder"),
+            // Shape::try_cone(*radius, *height)
+            Self::Cone { .. } => build_later("cone"),
+            // Shape::try_conical_frustum(*radius_top, *radius_bottom, *height)
+            Self::ConicalFrustum { .. } => build_later("conical frustum"),
+            // Shape::try_tetrahedron(*vertices)
+            Self::Tetrahedron { vertices } => tetrahedron(*vertices),
+            // Shape::try_triangle(*a, *b, *c)
+            Self::Triangle { .. } => build_later("triangle"),
+            // Shape::try_segment(*a, *b)
+            Self::Segment { .. } => build_later("segment"),
+            // Shape::try_half_space(*normal)
+            Self::HalfSpace { .. } => build_later("half-space"),
+            Self::Convex { vertices, polygons } => Shape::convex(vertices.as_slice(), polygons),
+            // Shape::try_convex_hull(points)
+            Self::ConvexHull { .. } => build_later("convex hull"),
+            Self::Mesh {
+                vertices,
+                polygons,
+                surface_only,
+            } => {
+                let mesh = PolygonMesh::new(vertices.as_slice(), polygons)?;
+                Ok(if *surface_only {
+                    mesh.surface_only().into()
+                } else {
+                    mesh.into()
+                })
+            }
+            // Shape::try_rounded(core.build()?, *radius)
+            Self::Rounded { core, .. } => {
+                core.build()?;
+                build_later("rounded shape")
+            }
+            // Shape::try_compound(build_parts(parts, depth)?)
+            Self::Compound { parts } => {
+                build_parts(parts, depth)?;
+                build_later("compound")
+            }
+            // Shape::try_height_field(*rows, *columns, heights.clone(), *size), and the holes
+            Self::HeightField { .. } => build_later("height field"),
+            // Shape::try_voxels(*cell_size, cells.iter().copied())
+            Self::Voxels { .. } => build_later("set of voxels"),
+        }
+    }
+}
+
+/// In place of what `Shape` has no kind for.
+fn build_later(kind: &'static str) -> Result<Shape, ShapeError> {
+    Err(ShapeError::NoSuchKind(kind))
+}
+
+impl CoreDescription {
+    /// Makes the shape that is to be rounded.
+    ///
+    /// # Errors
+    ///
+    /// As [`ShapeDescription::build`].
+    pub fn build(&self) -> Result<Shape, ShapeError> {
+        ShapeDescription::from(self.clone()).build()
+    }
+}
+
+/// The same without a radius around it.
+impl From<CoreDescription> for ShapeDescription {
+    fn from(core: CoreDescription) -> Self {
+        match core {
+            CoreDescription::Segment { a, b } => Self::Segment { a, b },
+            CoreDescription::Triangle { a, b, c } => Self::Triangle { a, b, c },
+            CoreDescription::Cuboid { half_size } => Self::Cuboid { half_size },
+            CoreDescription::Cylinder { radius, height } => Self::Cylinder { radius, height },
+            CoreDescription::Cone { radius, height } => Self::Cone { radius, height },
+            CoreDescription::ConicalFrustum {
+                radius_top,
+                radius_bottom,
+                height,
+            } => Self::ConicalFrustum {
+                radius_top,
+                radius_bottom,
+                height,
+            },
+            CoreDescription::Convex { vertices, polygons } => Self::Convex { vertices, polygons },
+            CoreDescription::ConvexHull { points } => Self::ConvexHull { points },
+        }
+    }
+}
+
+fn tetrahedron(vertices: [Vec3; 4]) -> Result<Shape, ShapeError> {
+    Shape::convex(vertices, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+}
+
+/// The parts of a compound that is within so many others.
+fn build_parts(
+    parts: &[PartDescription],
+    depth: usize,
+) -> Result<Vec<(Isometry3d, Shape)>, ShapeError> {
+    if depth >= ShapeDescription::MAX_DEPTH {
+        return Err(ShapeError::TooDeep(ShapeDescription::MAX_DEPTH));
+    }
+    let built = parts.iter().enumerate().map(|(number, part)| {
+        let pose = pose(part).ok_or(ShapeError::PartPose {
+            part: number,
+            position: part.position,
+            rotation: part.rotation,
+        })?;
+        match part.shape.build_within(depth + 1) {
+            Ok(shape) => Ok((pose, shape)),
+            // It is about all parts within which it is.
+            Err(error @ ShapeError::TooDeep(_)) => Err(error),
+            Err(error) => Err(ShapeError::Part {
+                part: number,
+                error: Box::new(error),
+            }),
+        }
+    });
+    built.collect()
+}
+
+/// Where a part is; `None` if it is nowhere.
+fn pose(part: &PartDescription) -> Option<Isometry3d> {
+    // In 64 bits, lest a length be beyond the largest number, or be none.
+    let rotation = part.rotation.as_dquat();
+    let length = rotation.length();
+    let is_turn = length.is_finite() && length > 0.0 && part.position.is_finite();
+    let rotation: Quat = if part.rotation.is_normalized() {
+        part.rotation
+    } else {
+        (rotation / length).as_quat()
+    };
+    is_turn.then(|| Isometry3d::new(part.position, rotation))
+}
+
+/// As [`ShapeDescription::build`].
+impl TryFrom<&ShapeDescription> for Shape {
+    type Error = ShapeError;
+
+    fn try_from(description: &ShapeDescription) -> Result<Self, ShapeError> {
+        description.build()
+    }
+}
+
+#[cfg(test)]
+mod tests;
