@@ -3,9 +3,9 @@
 use bevy::prelude::*;
 use thiserror::Error;
 
+use super::description::ShapeDescription;
 #[cfg(feature = "rapier")]
 use super::foreign;
-use super::description::ShapeDescription;
 use crate::{
     components::CollisionShape,
     narrow_phase::{PolygonMesh, Shape},

@@ -39,6 +39,7 @@ mod rapier_bodies;
 mod rooms;
 mod schedule;
 mod seams;
+mod shape_data;
 mod shapes;
 mod shear;
 mod spaces;
