@@ -87,7 +87,6 @@ struct Job {
 struct Jobs {
     jobs: Vec<Job>,
     /// Was it told that there are shapes about which nothing can be said?
-    #[cfg(feature = "rapier")]
     is_told: bool,
 }
 
@@ -140,14 +139,11 @@ fn test_candidates(
     for job in &mut memory.jobs {
         counters.tick.stages += std::mem::take(&mut job.workspace.counters);
     }
-    #[cfg(feature = "rapier")]
-    {
-        let is_unknown = |job: &mut Job| job.workspace.is_first_unknown();
-        // Each of them is asked.
-        let found = memory.jobs.iter_mut().map(is_unknown).filter(|is| *is);
-        if found.count() > 0 && !std::mem::replace(&mut memory.is_told, true) {
-            warn_of_unknown(&index, &candidates);
-        }
+    let is_unknown = |job: &mut Job| job.workspace.is_first_unknown();
+    // Each of them is asked.
+    let found = memory.jobs.iter_mut().map(is_unknown).filter(|is| *is);
+    if found.count() > 0 && !std::mem::replace(&mut memory.is_told, true) {
+        warn_of_unknown(&index, &candidates);
     }
 }
 
@@ -224,7 +220,6 @@ fn test_some(
 }
 
 /// Tells of the first pair of shapes about which nothing can be said.
-#[cfg(feature = "rapier")]
 fn warn_of_unknown(index: &CollisionIndex, candidates: &CandidatePairs) {
     let is_unknown = |pair: &&Pair| {
         index

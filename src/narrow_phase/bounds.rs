@@ -5,8 +5,8 @@ use bevy::math::{Vec3A, bounding::Aabb3d};
 
 use super::error::BoundsError;
 use super::frame::placed::{Placed, ROUNDING};
-use super::parry;
 use super::settings::NarrowPhase;
+use super::support;
 
 impl NarrowPhase {
     /// Returns the box to feed to a broad phase: that of
@@ -58,6 +58,6 @@ impl NarrowPhase {
     /// [`world_aabb`](Self::world_aabb). Both are grown by half the tolerance.
     #[must_use]
     pub fn side(&self, placed: Placed) -> Option<HalfSpace> {
-        parry::side(placed, self.tolerance() * 0.5)
+        support::side(placed, self.tolerance() * 0.5)
     }
 }

@@ -9,6 +9,7 @@ use bevy::math::{Vec2, Vec3, primitives};
 
 use super::error::ShapeError;
 use super::mesh::{convex_mesh::ConvexMesh, polygon_mesh::PolygonMesh};
+use super::rounded::{Rounded, RoundedCore};
 use super::shape::Shape;
 
 /// # Constructors
@@ -21,8 +22,8 @@ use super::shape::Shape;
 ///   makes a shape without [bounds](super::BoundsError::NonFinite), which is in contact with
 ///   nothing. An entity that has it is left out of collision detection.
 ///
-/// Cuboids, extruded rectangles and spheres may have a size of zero: the shape is then a rectangle,
-/// segment or point. All others may not, for they would have no area or no volume. Constructors
+/// Cuboids, extruded rectangles, spheres, capsules and frusta may have a size of zero: the shape is
+/// then a rectangle, disc, segment or point. All others may not, for they would have no area or no volume. Constructors
 /// that begin with `try_` refuse what is wrong instead, with an error that names it, and so do
 /// those that take lists.
 impl Shape {
@@ -100,6 +101,183 @@ impl Shape {
         } else {
             Err(ShapeError::Radius(radius))
         }
+    }
+
+    /// Makes a capsule around the y axis, its middle at the origin: all that is no further than the
+    /// radius from a segment of the length, so that it is as high as that and twice the radius.
+    ///
+    /// The numbers are those of Bevy's `Capsule3d::new`. For bad ones see [above](#constructors).
+    ///
+    /// ```
+    /// use bevy::math::primitives::Capsule3d;
+    /// use bevy_octree::narrow_phase::Shape;
+    ///
+    /// let Shape::Capsule { radius, half_length } = Shape::capsule(0.5, 1.0) else { unreachable!() };
+    /// let same = Capsule3d::new(0.5, 1.0);
+    /// assert_eq!((radius, half_length), (same.radius, same.half_length));
+    /// ```
+    #[must_use]
+    pub fn capsule(radius: f32, length: f32) -> Self {
+        Self::by_sizes(
+            "the radius and the length of a capsule",
+            [radius, length],
+            |[radius, length]| Self::try_capsule(radius, length),
+        )
+    }
+
+    /// Makes a capsule as [`capsule`](Self::capsule) does, and refuses bad numbers.
+    ///
+    /// # Errors
+    /// [`ShapeError::Length`] if one is negative, NaN or infinite. Zero is allowed.
+    pub fn try_capsule(radius: f32, length: f32) -> Result<Self, ShapeError> {
+        ShapeError::check("radius", radius)?;
+        ShapeError::check("length", length)?;
+        let half_length = length * 0.5;
+        Ok(Self::Capsule {
+            radius,
+            half_length,
+        })
+    }
+
+    /// Makes a capsule from one point to another: all that is no further than the radius from the
+    /// segment between them.
+    ///
+    /// # Errors
+    /// Those of [`Rounded::new`].
+    pub fn capsule_between(a: Vec3, b: Vec3, radius: f32) -> Result<Self, ShapeError> {
+        Ok(Rounded::new(RoundedCore::Segment([a, b]), radius)?.into())
+    }
+
+    /// Makes a segment: a line from one point to another.
+    ///
+    /// # Errors
+    /// Those of [`Rounded::new`].
+    pub fn segment(a: Vec3, b: Vec3) -> Result<Self, ShapeError> {
+        Self::capsule_between(a, b, 0.0)
+    }
+
+    /// Makes a triangle, which has no volume and is met from both sides. It may be as thin as a
+    /// segment.
+    ///
+    /// # Errors
+    /// Those of [`Rounded::new`].
+    pub fn triangle(a: Vec3, b: Vec3, c: Vec3) -> Result<Self, ShapeError> {
+        Ok(Rounded::new(RoundedCore::Triangle([a, b, c]), 0.0)?.into())
+    }
+
+    /// Makes a solid cylinder around the y axis, its middle at the origin.
+    ///
+    /// The numbers are those of Bevy's `Cylinder::new`. For bad ones see [above](#constructors).
+    #[must_use]
+    pub fn cylinder(radius: f32, height: f32) -> Self {
+        Self::conical_frustum(radius, radius, height)
+    }
+
+    /// Makes a solid cone around the y axis, its tip up, and its middle at the origin: halfway up.
+    ///
+    /// The numbers are those of Bevy's `Cone::new`. For bad ones see [above](#constructors).
+    #[must_use]
+    pub fn cone(radius: f32, height: f32) -> Self {
+        Self::conical_frustum(0.0, radius, height)
+    }
+
+    /// Makes a solid frustum of a cone around the y axis, its middle at the origin.
+    ///
+    /// For bad numbers see [above](#constructors).
+    #[must_use]
+    pub fn conical_frustum(radius_top: f32, radius_bottom: f32, height: f32) -> Self {
+        let sizes = [radius_top, radius_bottom, height];
+        Self::by_sizes("the radii and the height of a frustum", sizes, |sizes| {
+            let [radius_top, radius_bottom, height] = sizes;
+            Self::try_conical_frustum(radius_top, radius_bottom, height)
+        })
+    }
+
+    /// Makes a frustum as [`conical_frustum`](Self::conical_frustum) does, and refuses bad numbers.
+    ///
+    /// # Errors
+    /// [`ShapeError::Length`] if one is negative, NaN or infinite. Zero is allowed.
+    pub fn try_conical_frustum(
+        radius_top: f32,
+        radius_bottom: f32,
+        height: f32,
+    ) -> Result<Self, ShapeError> {
+        ShapeError::check("radius at the top", radius_top)?;
+        ShapeError::check("radius at the bottom", radius_bottom)?;
+        ShapeError::check("height", height)?;
+        Ok(Self::ConicalFrustum {
+            radius_top,
+            radius_bottom,
+            half_height: height * 0.5,
+        })
+    }
+
+    /// Makes a tetrahedron of its corners, in any order.
+    ///
+    /// # Errors
+    /// Those of [`convex`](Self::convex): [`ShapeError::Flat`] or [`ShapeError::ZeroArea`] without a
+    /// volume.
+    pub fn tetrahedron(corners: [Vec3; 4]) -> Result<Self, ShapeError> {
+        let [a, b, c, d] = corners;
+        let is_left = (b - a).cross(c - a).dot(d - a) > 0.0;
+        let corners = if is_left { [a, b, c, d] } else { [a, c, b, d] };
+        Self::convex(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    }
+
+    /// Makes a half-space: all that is behind the plane through the origin with this normal, which
+    /// points out of it. A floor is one with the normal `Vec3::Y`.
+    ///
+    /// It has no end, and so no box: it is compared with everything that comes near its side.
+    ///
+    /// # Errors
+    /// [`ShapeError::Direction`] if the normal is zero or not finite.
+    #[doc(alias = "plane")]
+    #[doc(alias = "infinite plane")]
+    pub fn half_space(normal: Vec3) -> Result<Self, ShapeError> {
+        let unit = normal.try_normalize().or_else(|| {
+            // As far as its squares do not fit.
+            (normal / normal.abs().max_element()).try_normalize()
+        });
+        match unit.filter(|_| normal.is_finite()) {
+            Some(normal) => Ok(Self::HalfSpace { normal }),
+            None => Err(ShapeError::Direction(normal)),
+        }
+    }
+
+    /// Puts a radius around a convex shape: all that is no further from it than that.
+    ///
+    /// A sphere or capsule is larger by the radius then, and so is what has one already.
+    ///
+    /// # Errors
+    /// Those of [`Rounded::new`]; [`ShapeError::NotRoundable`] if the shape is not convex, or has no
+    /// end.
+    pub fn rounded(core: &Self, radius: f32) -> Result<Self, ShapeError> {
+        ShapeError::check("radius", radius)?;
+        let core = match core {
+            Self::Sphere { radius: inner } => return Self::try_sphere(inner.abs() + radius),
+            Self::Capsule {
+                radius: inner,
+                half_length,
+            } => return Self::try_capsule(inner.abs() + radius, half_length.abs() * 2.0),
+            Self::Rounded(inner) => {
+                return Ok(Rounded::new(inner.core().clone(), inner.radius() + radius)?.into());
+            }
+            Self::Cuboid { half_size } => RoundedCore::Cuboid {
+                half_size: half_size.abs(),
+            },
+            Self::ConicalFrustum {
+                radius_top,
+                radius_bottom,
+                half_height,
+            } => RoundedCore::ConicalFrustum {
+                radius_top: radius_top.abs(),
+                radius_bottom: radius_bottom.abs(),
+                half_height: half_height.abs(),
+            },
+            Self::Convex(mesh) => RoundedCore::Convex(mesh.clone()),
+            _ => return Err(ShapeError::NotRoundable),
+        };
+        Ok(Rounded::new(core, radius)?.into())
     }
 
     /// Makes a solid bounded by polygons, each a list of vertex indices, and checks that it is
@@ -221,6 +399,45 @@ impl From<primitives::Sphere> for Shape {
     }
 }
 
+impl From<primitives::Capsule3d> for Shape {
+    fn from(capsule: primitives::Capsule3d) -> Self {
+        Self::capsule(capsule.radius, capsule.half_length * 2.0)
+    }
+}
+
+impl From<primitives::Cylinder> for Shape {
+    fn from(cylinder: primitives::Cylinder) -> Self {
+        Self::cylinder(cylinder.radius, cylinder.half_height * 2.0)
+    }
+}
+
+impl From<primitives::Cone> for Shape {
+    /// Its middle is halfway up, as that of Bevy's mesh is.
+    fn from(cone: primitives::Cone) -> Self {
+        Self::cone(cone.radius, cone.height)
+    }
+}
+
+impl From<primitives::ConicalFrustum> for Shape {
+    fn from(frustum: primitives::ConicalFrustum) -> Self {
+        Self::conical_frustum(frustum.radius_top, frustum.radius_bottom, frustum.height)
+    }
+}
+
+impl From<primitives::InfinitePlane3d> for Shape {
+    /// All that is behind the plane: a half-space.
+    fn from(plane: primitives::InfinitePlane3d) -> Self {
+        Self::or_nothing(Self::half_space(*plane.normal))
+    }
+}
+
+impl From<primitives::Segment3d> for Shape {
+    fn from(segment: primitives::Segment3d) -> Self {
+        let [a, b] = segment.vertices;
+        Self::or_nothing(Self::segment(a, b))
+    }
+}
+
 impl From<primitives::Tetrahedron> for Shape {
     /// A convex solid. One without a volume is in contact with nothing.
     fn from(tetrahedron: primitives::Tetrahedron) -> Self {
@@ -306,7 +523,13 @@ impl From<primitives::Extrusion<primitives::ConvexPolygon>> for Shape {
     }
 }
 
-/// # From meshes
+/// # From meshes and what is rounded
+impl From<Rounded> for Shape {
+    fn from(rounded: Rounded) -> Self {
+        Self::Rounded(Arc::new(rounded))
+    }
+}
+
 impl From<PolygonMesh> for Shape {
     fn from(mesh: PolygonMesh) -> Self {
         Self::Mesh(Arc::new(mesh))

@@ -12,10 +12,10 @@ use super::frame::smaller::Smaller;
 use super::frame::solid::Solid;
 use super::frame::two_solids;
 use super::frame::workspace::Workspace;
-use super::parry;
 use super::settings::{Exactness, NarrowPhase};
 use super::shape::{Kind, Shape};
 use super::stage::Stage;
+use super::support;
 
 impl NarrowPhase {
     /// Returns `true` if two shapes are in contact. The order of the two makes no difference.
@@ -70,7 +70,7 @@ impl NarrowPhase {
             return smaller.tests.intersects(a, b, workspace);
         }
         if let Some(verdict) =
-            parry::with_own(pair.a, pair.b, |a, b| self.intersects(a, b, workspace))
+            support::with_own(pair.a, pair.b, |a, b| self.intersects(a, b, workspace))
         {
             return verdict;
         }
@@ -169,19 +169,18 @@ fn complete(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
                 && edge_polygon::intersects(pair, workspace)
         }
         Case::Cuboids | Case::Polygons => edge_polygon::intersects(pair, workspace),
-        Case::Foreign => foreign(pair, workspace),
+        Case::Parts => parts(pair, workspace),
+        Case::Foreign => support::with_own_pair(pair, |pair| {
+            boxes(pair).unwrap_or_else(|| complete(pair, workspace))
+        })
+        .unwrap_or_else(|| parts(pair, workspace)),
     }
 }
 
-/// Two of which one is of Rapier's.
-fn foreign(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
-    let cuboids = parry::with_own_cuboids(pair, |pair| {
-        boxes(pair).unwrap_or_else(|| edge_polygon::intersects(pair, workspace))
-    });
-    cuboids.unwrap_or_else(|| {
-        parry::intersects(pair.a, pair.b, pair.tolerance, workspace)
-            || parry::enclosed(pair, workspace).is_some()
-    })
+/// Two that the support functions are asked about.
+fn parts(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
+    support::intersects(pair.a, pair.b, pair.tolerance, workspace)
+        || support::enclosed(pair, workspace).is_some()
 }
 
 /// What each stage by itself says about a pair.
@@ -196,7 +195,7 @@ fn unbounded(a: Placed, b: Placed, tolerance: f32, workspace: &mut Workspace) ->
     if !(a.transform.is_finite() && b.transform.is_finite()) {
         return false;
     }
-    let verdict = parry::intersects(a, b, tolerance, workspace);
+    let verdict = support::intersects(a, b, tolerance, workspace);
     workspace.counters.count(Stage::Complete, Some(verdict));
     verdict
 }

@@ -22,6 +22,20 @@ pub enum ShapeError {
     /// The radius of a sphere is negative, NaN or infinite.
     #[error("the radius of a sphere must be finite and not negative, got {0}")]
     Radius(f32),
+    /// A size, such as a height, is negative, NaN or infinite.
+    #[error("the {what} of a shape must be finite and not negative, got {value}")]
+    Length {
+        /// Of what it is the size.
+        what: &'static str,
+        /// What it is said to be.
+        value: f32,
+    },
+    /// A direction is zero, NaN or infinite.
+    #[error("a direction must be finite and not zero, got {0}")]
+    Direction(Vec3),
+    /// A radius can be put around convex shapes alone that have an end.
+    #[error("a radius can be put around convex shapes alone")]
+    NotRoundable,
     /// The mesh has no polygons.
     #[error("a mesh needs at least one polygon")]
     Empty,
@@ -152,6 +166,17 @@ pub enum ShapeError {
     #[cfg(feature = "mesh")]
     #[error("the data of the mesh is not in main memory: {0}")]
     NoAccess(String),
+}
+
+impl ShapeError {
+    /// Refuses a size that is negative, NaN or infinite.
+    pub(super) fn check(what: &'static str, value: f32) -> Result<(), Self> {
+        if value.is_finite() && value >= 0.0 {
+            Ok(())
+        } else {
+            Err(Self::Length { what, value })
+        }
+    }
 }
 
 /// Why a placed shape has no bounding box or sphere.

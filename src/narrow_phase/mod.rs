@@ -119,15 +119,14 @@ mod fit;
 mod frame;
 mod length;
 mod mesh;
-#[cfg(feature = "rapier")]
-mod parry;
-#[cfg(not(feature = "rapier"))]
-#[path = "parry/absent.rs"]
-mod parry;
 mod proximity;
+#[cfg(feature = "rapier")]
+mod rapier_shape;
+mod rounded;
 mod settings;
 mod shape;
 mod stage;
+mod support;
 #[cfg(test)]
 mod tests;
 mod turned;
@@ -143,8 +142,10 @@ pub use frame::placed::Placed;
 pub use frame::workspace::Workspace;
 pub use mesh::convex_mesh::ConvexMesh;
 pub use mesh::polygon_mesh::PolygonMesh;
-#[cfg(feature = "rapier")]
-pub(crate) use parry::is_known;
+pub use rounded::{Rounded, RoundedCore};
 pub use settings::{Exactness, NarrowPhase};
+#[cfg(feature = "rapier")]
+pub use shape::RapierShape;
 pub use shape::Shape;
 pub use stage::{Stage, StageCount, StageCounters};
+pub(crate) use support::is_known;

@@ -9,6 +9,7 @@ use bevy_rapier3d::parry::shape::{ShapeType, SharedShape};
 use super::error::BoundsError;
 use super::length::length;
 use super::mesh::{convex_mesh::ConvexMesh, cube::CUBE, polygon_mesh::PolygonMesh};
+use super::rounded::{Rounded, frustum_bounds};
 
 /// Half extents beyond this stand for infinity: parry gives unbounded shapes boxes of this order.
 #[cfg(feature = "rapier")]
@@ -21,7 +22,10 @@ const UNBOUNDED: f32 = f32::MAX / 8.0;
 ///
 /// * The scale of a cuboid or mesh works along its own axes; a negative one mirrors.
 /// * A sphere stays a sphere: of a scale that differs by axis, the largest absolute component
-///   counts.
+///   counts. So it is for the radius of what is rounded. Of a capsule, the second component is for
+///   its length, and the larger of the other two for its radius.
+/// * A frustum follows the scale along each axis, and may so become elliptic. The plane of a
+///   half-space turns as the scale turns it.
 /// * The half extents of a cuboid, the radius of a sphere and the scale of any shape may be zero:
 ///   the shape is then flat, or a segment or point.
 /// * `Shape::Rapier` ignores the scale, since `bevy_rapier3d` bakes it into the collider itself.
@@ -51,6 +55,31 @@ pub enum Shape {
         /// Its radius.
         radius: f32,
     },
+    /// All that is no further than a radius from a segment along the y axis, its middle at the
+    /// origin.
+    Capsule {
+        /// Its radius.
+        radius: f32,
+        /// Half the length of the segment: without the round ends.
+        half_length: f32,
+    },
+    /// A frustum of a cone around the y axis, its middle at the origin; with equal radii a
+    /// cylinder, with one of zero a cone.
+    ConicalFrustum {
+        /// The radius at its top.
+        radius_top: f32,
+        /// The radius at its bottom.
+        radius_bottom: f32,
+        /// Half its height.
+        half_height: f32,
+    },
+    /// All that is behind the plane through the origin: it has no end, and so no box.
+    HalfSpace {
+        /// The normal of the plane, which points outwards. Its length does not count.
+        normal: Vec3,
+    },
+    /// A convex shape with a radius around it, or a segment or triangle.
+    Rounded(Arc<Rounded>),
     /// A convex solid bounded by polygons.
     Convex(Arc<ConvexMesh>),
     /// Any mesh of planar polygons: solid where parts of it are closed, and a surface elsewhere; or a
@@ -58,7 +87,48 @@ pub enum Shape {
     Mesh(Arc<PolygonMesh>),
     /// A shape of `bevy_rapier3d`.
     #[cfg(feature = "rapier")]
-    Rapier(SharedShape),
+    Rapier(Arc<RapierShape>),
+}
+
+/// A shape of `bevy_rapier3d`, and what it is of ours: of that, once it is made, all tests are
+/// asked. What is none of ours is taken apart by parry.
+#[cfg(feature = "rapier")]
+#[derive(Clone)]
+pub struct RapierShape {
+    raw: SharedShape,
+    own: Option<Shape>,
+}
+
+#[cfg(feature = "rapier")]
+impl std::fmt::Debug for RapierShape {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let kind = self.raw.shape_type();
+        f.debug_tuple("RapierShape").field(&kind).finish()
+    }
+}
+
+#[cfg(feature = "rapier")]
+impl RapierShape {
+    pub(super) const fn new(raw: SharedShape, own: Option<Shape>) -> Self {
+        Self { raw, own }
+    }
+
+    /// Returns Rapier's shape.
+    #[must_use]
+    pub const fn raw(&self) -> &SharedShape {
+        &self.raw
+    }
+
+    /// Returns the shape of ours that it is, if it is one.
+    #[must_use]
+    pub const fn own(&self) -> Option<&Shape> {
+        self.own.as_ref()
+    }
+
+    /// Is it the very same shape of Rapier's?
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.raw.0, &other.raw.0)
+    }
 }
 
 // All that the exact tests have to know of a kind of shape, but for its row in the table of
@@ -72,6 +142,8 @@ impl Shape {
             Self::Sphere { .. } => Kind::Sphere,
             Self::Convex(_) => Kind::Convex,
             Self::Mesh(_) => Kind::Mesh,
+            Self::Capsule { .. } | Self::ConicalFrustum { .. } | Self::Rounded(_) => Kind::Curved,
+            Self::HalfSpace { .. } => Kind::Parts,
             #[cfg(feature = "rapier")]
             Self::Rapier(_) => Kind::Foreign,
         }
@@ -108,9 +180,22 @@ impl Shape {
         match self {
             Self::Cuboid { half_size } => half_size.is_finite(),
             Self::Sphere { radius } => radius.is_finite(),
-            Self::Convex(_) | Self::Mesh(_) => true,
+            Self::Capsule {
+                radius,
+                half_length,
+            } => (radius + half_length).is_finite(),
+            Self::ConicalFrustum {
+                radius_top,
+                radius_bottom,
+                half_height,
+            } => (radius_top + radius_bottom + half_height).is_finite(),
+            Self::HalfSpace { normal } => normal.is_finite() && *normal != Vec3::ZERO,
+            Self::Rounded(_) | Self::Convex(_) | Self::Mesh(_) => true,
             #[cfg(feature = "rapier")]
-            Self::Rapier(shape) => foreign_bounds(shape) != Err(BoundsError::NonFinite),
+            Self::Rapier(shape) => match shape.own() {
+                Some(own) => own.is_finite(),
+                None => foreign_bounds(shape) != Err(BoundsError::NonFinite),
+            },
         }
     }
 
@@ -119,6 +204,11 @@ impl Shape {
     pub(super) fn effective_scale(&self, scale: Vec3) -> Vec3A {
         match self {
             Self::Sphere { .. } => Vec3A::splat(scale.abs().max_element()),
+            Self::Capsule { .. } => {
+                let Vec3 { x, y, z } = scale.abs();
+                let across = x.max(z);
+                Vec3A::new(across, y, across)
+            }
             #[cfg(feature = "rapier")]
             Self::Rapier(_) => Vec3A::ONE,
             _ => scale.into(),
@@ -139,9 +229,48 @@ impl Shape {
             }
             Self::Convex(mesh) => Ok(mesh.local_bounds()),
             Self::Mesh(mesh) => Ok(mesh.local_bounds()),
+            Self::Capsule {
+                radius,
+                half_length,
+            } => {
+                let (radius, half_length) = (radius.abs(), half_length.abs());
+                let reach = radius + half_length;
+                Ok((Vec3A::ZERO, Vec3A::new(radius, reach, radius), reach))
+            }
+            Self::ConicalFrustum {
+                radius_top,
+                radius_bottom,
+                half_height,
+            } if self.is_finite() => Ok(frustum_bounds(*radius_top, *radius_bottom, *half_height)),
+            Self::ConicalFrustum { .. } => Err(BoundsError::NonFinite),
+            Self::HalfSpace { .. } if self.is_finite() => Err(BoundsError::Unbounded),
+            Self::HalfSpace { .. } => Err(BoundsError::NonFinite),
+            Self::Rounded(rounded) => {
+                let (center, half, radius) = rounded.core_bounds();
+                Ok((center, half + rounded.radius(), radius + rounded.radius()))
+            }
             #[cfg(feature = "rapier")]
-            Self::Rapier(shape) => foreign_bounds(shape),
+            Self::Rapier(shape) => match shape.own() {
+                Some(own) => own.local_bounds(),
+                None => foreign_bounds(shape),
+            },
         }
+    }
+
+    /// Centre, half extents and bounding radius of the shape at a scale, which is its [effective
+    /// one](Self::effective_scale).
+    #[inline]
+    pub(super) fn bounds_at(&self, scale: Vec3A) -> Result<(Vec3A, Vec3A, f32), BoundsError> {
+        let size = scale.abs();
+        if let Self::Rounded(rounded) = self {
+            let (center, half, radius) = rounded.core_bounds();
+            let largest = size.max_element();
+            let grown = rounded.radius() * largest;
+            let half = half * size + grown;
+            return Ok((center * scale, half, radius * largest + grown));
+        }
+        let (center, half, radius) = self.local_bounds()?;
+        Ok((center * scale, half * size, radius * size.max_element()))
     }
 
     /// A number for its kind, and some for its size: by these, pairs have an order. Those of all
@@ -153,8 +282,19 @@ impl Shape {
             Self::Sphere { radius } => [1.0, *radius, 0.0, 0.0],
             Self::Convex(mesh) => [2.0, mesh.local_bounds().2, 0.0, 0.0],
             Self::Mesh(mesh) => [3.0, mesh.local_bounds().2, 0.0, 0.0],
+            Self::Capsule {
+                radius,
+                half_length,
+            } => [4.0, *radius, *half_length, 0.0],
+            Self::ConicalFrustum {
+                radius_top,
+                radius_bottom,
+                half_height,
+            } => [5.0, *radius_top, *radius_bottom, *half_height],
+            Self::HalfSpace { normal } => [6.0, normal.x, normal.y, normal.z],
+            Self::Rounded(rounded) => [7.0, rounded.radius(), rounded.core_bounds().2, 0.0],
             #[cfg(feature = "rapier")]
-            Self::Rapier(_) => [4.0; 4],
+            Self::Rapier(_) => [f32::MAX; 4],
         }
     }
 
@@ -166,8 +306,14 @@ impl Shape {
             (Self::Sphere { radius: a }, Self::Sphere { radius: b }) => a == b,
             (Self::Convex(a), Self::Convex(b)) => Arc::ptr_eq(a, b),
             (Self::Mesh(a), Self::Mesh(b)) => Arc::ptr_eq(a, b),
+            (Self::Capsule { .. }, Self::Capsule { .. })
+            | (Self::ConicalFrustum { .. }, Self::ConicalFrustum { .. })
+            | (Self::HalfSpace { .. }, Self::HalfSpace { .. }) => {
+                self.order_key() == other.order_key()
+            }
+            (Self::Rounded(a), Self::Rounded(b)) => Arc::ptr_eq(a, b),
             #[cfg(feature = "rapier")]
-            (Self::Rapier(a), Self::Rapier(b)) => Arc::ptr_eq(&a.0, &b.0),
+            (Self::Rapier(a), Self::Rapier(b)) => a.is_same(b),
             _ => false,
         }
     }
@@ -181,24 +327,35 @@ pub(super) enum Kind {
     Sphere,
     Convex,
     Mesh,
+    /// Convex, and known by its support function.
+    Curved,
+    /// What is taken apart into convex parts and half-spaces, or is a half-space.
+    Parts,
     /// A shape of Rapier's: with the feature `rapier` alone is there one.
     Foreign,
 }
 
 impl Kind {
+    /// Is it one that the support functions are asked about, whatever the other is?
+    #[inline]
+    pub(super) const fn is_by_support(self) -> bool {
+        matches!(self, Self::Curved | Self::Parts | Self::Foreign)
+    }
+
     /// Is there a plane between each two such that are apart?
     #[inline]
     pub(super) const fn is_convex(self) -> bool {
         match self {
-            Self::Cuboid | Self::Sphere | Self::Convex => true,
-            Self::Mesh | Self::Foreign => false,
+            Self::Cuboid | Self::Sphere | Self::Convex | Self::Curved => true,
+            Self::Mesh | Self::Parts | Self::Foreign => false,
         }
     }
 }
 
 /// Centre, half extents and bounding radius of the unplaced shape.
 #[cfg(feature = "rapier")]
-fn foreign_bounds(shape: &SharedShape) -> Result<(Vec3A, Vec3A, f32), BoundsError> {
+fn foreign_bounds(shape: &RapierShape) -> Result<(Vec3A, Vec3A, f32), BoundsError> {
+    let shape = shape.raw();
     let aabb = shape.compute_local_aabb();
     let (min, max) = (Vec3A::from(aabb.mins), Vec3A::from(aabb.maxs));
     let is_finite = min.is_finite() && max.is_finite();

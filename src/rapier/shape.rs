@@ -56,7 +56,7 @@ fn follow_colliders(
         match shape {
             // Colliders are marked as changed more often than they do. Who writes to a shape that
             // is shared, here too, writes to a copy.
-            Some(shape) if matches!(&shape.0, Shape::Rapier(known) if Arc::ptr_eq(&known.0, &collider.raw.0)) =>
+            Some(shape) if matches!(&shape.0, Shape::Rapier(known) if Arc::ptr_eq(&known.raw().0, &collider.raw.0)) =>
                 {}
             Some(mut shape) => shape.0 = collider.into(),
             None => {

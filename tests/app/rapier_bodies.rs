@@ -209,11 +209,7 @@ fn a_pair_that_nothing_is_known_of_is_told_once_with_both_entities() {
         app.edit_schedule(FixedPostUpdate, |schedule| {
             schedule.set_executor(SingleThreadedExecutor::new());
         });
-        let unheard = || {
-            CollisionShape(Shape::Rapier(SharedShape(Arc::new(Unheard(Ball::new(
-                0.5,
-            ))))))
-        };
+        let unheard = || CollisionShape::from(SharedShape(Arc::new(Unheard(Ball::new(0.5)))));
         let [near, far] = [0.0, 100.0].map(|x| {
             app.world_mut()
                 .spawn((unheard(), Transform::from_xyz(x, 0.0, 0.0)))

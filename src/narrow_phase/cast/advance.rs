@@ -9,8 +9,8 @@ use crate::narrow_phase::{
         placed::{Placed, PlacedPair},
         workspace::Workspace,
     },
-    parry,
     shape::Kind,
+    support,
 };
 
 /// So often may two that turn look how far they are from each other; after that, they go on by
@@ -162,7 +162,7 @@ impl<'a> Advance<'a> {
     fn is_foreign(&self) -> bool {
         [self.moments.a, self.moments.b].iter().any(|moving| {
             let placed = Placed::new(moving.shape(), &moving.end);
-            placed.shape.kind() == Kind::Foreign && parry::as_own(placed).is_none()
+            placed.shape.kind() == Kind::Foreign && support::as_own(placed).is_none()
         })
     }
 

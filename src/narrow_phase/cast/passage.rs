@@ -11,9 +11,9 @@ use crate::narrow_phase::{
     cast_options::RayCastOptions,
     frame::{chord::Met, placed::Placed},
     mesh::polygon_mesh::PolygonMesh,
-    parry,
     settings::NarrowPhase,
-    shape::{Kind, Shape},
+    shape::Shape,
+    support,
 };
 
 /// Of a mesh, what is nearer together along a ray than this share of its size is one place.
@@ -51,15 +51,15 @@ impl NarrowPhase {
         direction: Dir3,
         max_distance: f32,
     ) -> Option<Passage> {
-        if target.shape.kind() == Kind::Foreign {
-            return match parry::as_own(target) {
+        if target.shape.kind().is_by_support() {
+            return match support::as_own(target) {
                 Some((own, at)) => {
                     let own = Placed::new(&own, &at);
                     self.cast_ray_through(own, origin, direction, max_distance)
                 }
                 None => {
                     let enter = self.cast_ray(target, origin, direction, max_distance)?;
-                    let found = parry::passage(target, origin, direction, max_distance, enter);
+                    let found = support::passage(target, origin, direction, max_distance, enter);
                     Some(found.unwrap_or(Passage {
                         enter: Some(enter),
                         leave: None,

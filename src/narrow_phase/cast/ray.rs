@@ -11,9 +11,9 @@ use crate::narrow_phase::{
     cast_options::RayCastOptions,
     frame::{chord::Met, placed::Placed},
     mesh::polygon_mesh::PolygonMesh,
-    parry,
     settings::NarrowPhase,
-    shape::{Kind, Shape},
+    shape::Shape,
+    support,
 };
 
 /// How close to each other two polygons are met, as a share of the distance, that may be met where
@@ -58,15 +58,15 @@ impl NarrowPhase {
         if !(max_distance >= 0.0 && target.shape.is_finite()) {
             return None;
         }
-        if target.shape.kind() == Kind::Foreign {
+        if target.shape.kind().is_by_support() {
             if !is_askable(target, origin, direction, max_distance) {
                 return None;
             }
-            return match parry::as_own(target) {
+            return match support::as_own(target) {
                 Some((own, at)) => {
                     self.cast_ray(Placed::new(&own, &at), origin, direction, max_distance)
                 }
-                None => parry::cast_ray(target, origin, direction, roomy(max_distance))
+                None => support::cast_ray(target, origin, direction, roomy(max_distance))
                     .filter(|hit| hit.distance <= max_distance),
             };
         }
@@ -82,8 +82,8 @@ impl NarrowPhase {
             Shape::Sphere { radius } => ray.sphere(f64::from(radius.abs())),
             Shape::Convex(mesh) => ray.convex(mesh),
             Shape::Mesh(mesh) => ray.mesh(mesh, limit(max_distance)),
-            #[cfg(feature = "rapier")]
-            Shape::Rapier(_) => None,
+            // Asked before.
+            _ => None,
         }?;
         ray.impact(target, (origin, direction), max_distance, met)
     }
@@ -122,15 +122,15 @@ impl NarrowPhase {
         if !is_askable(target, origin, direction, max_distance) {
             return None;
         }
-        if target.shape.kind() == Kind::Foreign {
-            return match parry::as_own(target) {
+        if target.shape.kind().is_by_support() {
+            return match support::as_own(target) {
                 Some((own, at)) => {
                     let own = Placed::new(&own, &at);
                     self.cast_ray_with(own, origin, direction, max_distance, options)
                 }
                 None => {
                     let within = roomy(max_distance);
-                    parry::cast_ray_with(target, origin, direction, within, options)
+                    support::cast_ray_with(target, origin, direction, within, options)
                         .filter(|hit| hit.distance <= max_distance)
                 }
             };

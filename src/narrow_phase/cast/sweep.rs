@@ -18,8 +18,8 @@ use crate::narrow_phase::{
         smaller::Smaller,
         workspace::Workspace,
     },
-    parry,
     settings::NarrowPhase,
+    support,
 };
 
 impl NarrowPhase {
@@ -75,7 +75,7 @@ impl NarrowPhase {
         if !(max_distance >= 0.0 && direction.is_finite()) {
             return None;
         }
-        if let Some(impact) = parry::with_own(moving, target, |a, b| {
+        if let Some(impact) = support::with_own(moving, target, |a, b| {
             self.sweep_from(are_apart, a, direction, max_distance, b, workspace)
         }) {
             return impact;
@@ -84,11 +84,11 @@ impl NarrowPhase {
             return Some(self.at_the_start(moving, direction, target, workspace));
         }
         match PlacedPair::new(moving, target, self.tolerance()) {
-            Ok(pair) if pair.case() != Case::Foreign => {
+            Ok(pair) if !matches!(pair.case(), Case::Parts | Case::Foreign) => {
                 self.sweep_apart(&pair, direction, max_distance, workspace)
             }
             Ok(_) | Err(BoundsError::Unbounded) => {
-                parry::sweep(moving, direction, max_distance, target)
+                support::sweep(moving, direction, max_distance, target)
             }
             Err(BoundsError::NonFinite) => None,
         }
@@ -194,8 +194,8 @@ fn first_impact(
             }
         }
         Case::Polygons => first.of_polygons(pair, workspace),
-        // Parry has been asked before.
-        Case::Foreign => None,
+        // The support functions have been asked before.
+        Case::Parts | Case::Foreign => None,
     }
 }
 

@@ -12,8 +12,8 @@ use crate::narrow_phase::{
         smaller::Smaller,
         workspace::Workspace,
     },
-    parry,
     settings::NarrowPhase,
+    support,
 };
 
 /// How far two points have to be from each other, or a point from a line, to count by themselves,
@@ -148,7 +148,7 @@ impl NarrowPhase {
     #[doc(alias = "contact_manifold")]
     #[must_use]
     pub fn manifold(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Manifold> {
-        if let Some(found) = parry::with_own(a, b, |a, b| self.manifold(a, b, workspace)) {
+        if let Some(found) = support::with_own(a, b, |a, b| self.manifold(a, b, workspace)) {
             return found;
         }
         let contact = self.contact(a, b, workspace)?;
@@ -182,7 +182,11 @@ impl NarrowPhase {
         }
         let normal = Vec3A::from(contact.normal);
         match pair.case() {
-            Case::Spheres | Case::SphereFirst | Case::SphereSecond | Case::Foreign => {
+            Case::Spheres
+            | Case::SphereFirst
+            | Case::SphereSecond
+            | Case::Parts
+            | Case::Foreign => {
                 return single;
             }
             Case::Cuboids | Case::Convex => convex::gather(&pair, normal, workspace),

@@ -21,8 +21,8 @@ use crate::narrow_phase::{
         two_solids,
         workspace::Workspace,
     },
-    parry,
     settings::NarrowPhase,
+    support,
 };
 
 /// So many planes at most are looked at: there are few where two solids touch, and the first ones
@@ -63,7 +63,7 @@ impl NarrowPhase {
         if !approach([velocity, Vec3::ZERO], normal) {
             return normal;
         }
-        if let Some(normal) = parry::with_own(a, b, |a, b| {
+        if let Some(normal) = support::with_own(a, b, |a, b| {
             self.normal_in_passing(a, b, normal, velocity, workspace)
         }) {
             return normal;
@@ -84,7 +84,7 @@ impl NarrowPhase {
             pair.tolerance,
         );
         let best = match pair.case() {
-            Case::Spheres | Case::Foreign => return normal,
+            Case::Spheres | Case::Parts | Case::Foreign => return normal,
             Case::SphereFirst => planes.of_sphere(&pair, workspace),
             Case::SphereSecond => -planes.reversed().of_sphere(&pair.swapped(), workspace),
             Case::Cuboids => planes.of_boxes(&pair),

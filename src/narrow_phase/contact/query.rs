@@ -14,10 +14,10 @@ use crate::narrow_phase::{
         smaller::Smaller,
         workspace::Workspace,
     },
-    parry,
     settings::NarrowPhase,
     shape::Shape,
     stage::Stage,
+    support,
 };
 
 impl NarrowPhase {
@@ -157,7 +157,9 @@ impl NarrowPhase {
                 };
                 found.map(larger)
             }
-            None => parry::with_own(pair.a, pair.b, |a, b| self.contact(a, b, workspace)).flatten(),
+            None => {
+                support::with_own(pair.a, pair.b, |a, b| self.contact(a, b, workspace)).flatten()
+            }
         };
         workspace.counters = counters;
         found
@@ -165,7 +167,11 @@ impl NarrowPhase {
 }
 
 fn local_contact(pair: &PlacedPair, workspace: &mut Workspace) -> LocalContact {
-    let found = match pair.case() {
+    by_case(pair, workspace).unwrap_or_else(|| from_centers(pair))
+}
+
+fn by_case(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
+    match pair.case() {
         Case::Spheres => sphere::spheres(pair),
         Case::SphereFirst => sphere::sphere_other(pair, workspace),
         Case::SphereSecond => {
@@ -174,15 +180,10 @@ fn local_contact(pair: &PlacedPair, workspace: &mut Workspace) -> LocalContact {
         Case::Cuboids => cuboids(pair, workspace),
         Case::Convex => convex::contact(pair, workspace),
         Case::Polygons => polygons(pair, workspace),
-        Case::Foreign => foreign(pair, workspace),
-    };
-    found.unwrap_or_else(|| from_centers(pair))
-}
-
-/// Two of which one is of Rapier's.
-fn foreign(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
-    let cuboids = parry::with_own_cuboids(pair, |pair| cuboids(pair, workspace));
-    cuboids.unwrap_or_else(|| parry::contact(pair.a, pair.b, pair.tolerance))
+        Case::Parts => support::contact(pair.a, pair.b, pair.tolerance),
+        Case::Foreign => support::with_own_pair(pair, |pair| by_case(pair, workspace))
+            .unwrap_or_else(|| support::contact(pair.a, pair.b, pair.tolerance)),
+    }
 }
 
 fn cuboids(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
@@ -227,7 +228,7 @@ fn from_centers(pair: &PlacedPair) -> LocalContact {
 
 /// Of which one has no bounds.
 fn unbounded(a: Placed, b: Placed, tolerance: f32) -> LocalContact {
-    parry::contact(a, b, tolerance).unwrap_or_else(|| straight(a, b))
+    support::contact(a, b, tolerance).unwrap_or_else(|| straight(a, b))
 }
 
 /// From position to position, for want of bounds.

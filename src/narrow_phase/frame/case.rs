@@ -5,13 +5,14 @@ use crate::narrow_phase::shape::{Kind, Shape};
 
 /// Which way a pair is computed, whatever is asked about it.
 ///
-/// | first \\ second | sphere | cuboid | convex | mesh | Rapier's |
-/// |---|---|---|---|---|---|
-/// | sphere | `Spheres` | `SphereFirst` | `SphereFirst` | `SphereFirst` | `Foreign` |
-/// | cuboid | `SphereSecond` | `Cuboids` | `Convex` | `Polygons` | `Foreign` |
-/// | convex | `SphereSecond` | `Convex` | `Convex` | `Polygons` | `Foreign` |
-/// | mesh | `SphereSecond` | `Polygons` | `Polygons` | `Polygons` | `Foreign` |
-/// | Rapier's | `Foreign` | `Foreign` | `Foreign` | `Foreign` | `Foreign` |
+/// | first \\ second | sphere | cuboid | convex | mesh | curved, parts | Rapier's |
+/// |---|---|---|---|---|---|---|
+/// | sphere | `Spheres` | `SphereFirst` | `SphereFirst` | `SphereFirst` | `Parts` | `Foreign` |
+/// | cuboid | `SphereSecond` | `Cuboids` | `Convex` | `Polygons` | `Parts` | `Foreign` |
+/// | convex | `SphereSecond` | `Convex` | `Convex` | `Polygons` | `Parts` | `Foreign` |
+/// | mesh | `SphereSecond` | `Polygons` | `Polygons` | `Polygons` | `Parts` | `Foreign` |
+/// | curved, parts | `Parts` | `Parts` | `Parts` | `Parts` | `Parts` | `Foreign` |
+/// | Rapier's | `Foreign` | `Foreign` | `Foreign` | `Foreign` | `Foreign` | `Foreign` |
 ///
 /// Each exact test has one `match` of it, without a `_`: a new kind of shape gets a row and a
 /// column here, and if these need a new case, the compiler asks every test for it.
@@ -27,16 +28,20 @@ pub enum Case {
     Convex,
     /// Two shapes made of polygons, of which one may be of any form.
     Polygons,
-    /// Two of which one is of Rapier's: parry decides.
+    /// Two of which one is known by its support function, or taken apart into such: one question
+    /// to each two parts.
+    Parts,
+    /// Two of which one is of Rapier's: computed as what it is of ours, and else as `Parts`.
     Foreign,
 }
 
 impl Case {
     #[inline]
     pub fn of(a: &Shape, b: &Shape) -> Self {
-        use Kind::{Convex, Cuboid, Foreign, Mesh, Sphere};
+        use Kind::{Convex, Cuboid, Curved, Foreign, Mesh, Parts, Sphere};
         match (a.kind(), b.kind()) {
             (Foreign, _) | (_, Foreign) => Self::Foreign,
+            (Curved | Parts, _) | (_, Curved | Parts) => Self::Parts,
             (Sphere, Sphere) => Self::Spheres,
             (Sphere, Cuboid | Convex | Mesh) => Self::SphereFirst,
             (Cuboid | Convex | Mesh, Sphere) => Self::SphereSecond,

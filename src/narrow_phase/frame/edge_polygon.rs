@@ -190,10 +190,6 @@ pub fn sphere_touching(
 }
 
 /// Whether a point is inside a mesh, the second of the pair.
-#[cfg_attr(
-    not(feature = "rapier"),
-    expect(dead_code, reason = "asked for shapes of Rapier's alone")
-)]
 pub fn encloses(pair: &PlacedPair, point: Vec3A, workspace: &mut Workspace) -> bool {
     // One without an inside is not even put in place.
     pair.b

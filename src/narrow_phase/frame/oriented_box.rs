@@ -41,21 +41,19 @@ impl OrientedBox {
                 BoundsError::NonFinite
             }
         };
-        let (local_center, local_half, local_radius) =
-            shape.local_bounds().map_err(of_unbounded)?;
         let scale = shape.effective_scale(transform.scale);
+        let (local_center, half, radius) = shape.bounds_at(scale).map_err(of_unbounded)?;
         let axes = match shape {
             // The box around a ball need not turn with it.
             Shape::Sphere { .. } if rotation.is_finite() => Mat3A::IDENTITY,
             _ => Mat3A::from_quat(rotation),
         };
-        let half = local_half * scale.abs();
         let placed = Self {
-            center: Vec3A::from(transform.translation - origin) + axes * (local_center * scale),
+            center: Vec3A::from(transform.translation - origin) + axes * local_center,
             axes,
             half,
             // Where the square of the first is beyond all numbers, the second is not.
-            radius: half.length().min(local_radius * scale.abs().max_element()),
+            radius: half.length().min(radius),
         };
         // A NaN anywhere in axes or extents shows in the reach.
         if (placed.center.abs() + placed.reach()).is_finite() && placed.radius.is_finite() {
@@ -130,6 +128,15 @@ impl Shape {
             Self::Sphere { radius } if transform.rotation.length_recip().is_finite() => {
                 let radius = radius.abs() * scale.abs().max_element();
                 (at, Vec3A::splat(radius))
+            }
+            Self::Capsule {
+                radius,
+                half_length,
+            } => {
+                let Vec3 { x, y, z } = scale.abs();
+                let end = Vec3A::from(transform.rotation.normalize() * Vec3::Y);
+                let reach = end.abs() * (half_length.abs() * y);
+                (at, reach + radius.abs() * x.max(z))
             }
             Self::Convex(_) | Self::Mesh(_) if transform.rotation == Quat::IDENTITY => {
                 let (center, half, _) = self.own_mesh()?.local_bounds();

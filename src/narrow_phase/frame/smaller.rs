@@ -43,10 +43,10 @@ impl PlacedPair<'_> {
 }
 
 impl Smaller {
-    /// `None` if one of the two is a shape of Rapier's: these have no scale, and are looked at in
-    /// 64-bit floats.
+    /// `None` if one of the two is known by its support function: these are looked at in 64-bit
+    /// floats.
     pub fn of(pair: &PlacedPair, tests: &NarrowPhase) -> Option<Self> {
-        if pair.case() == Case::Foreign {
+        if matches!(pair.case(), Case::Parts | Case::Foreign) {
             return None;
         }
         // The power of two that is next below: its exponent alone.

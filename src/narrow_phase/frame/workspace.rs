@@ -18,11 +18,9 @@ pub struct Workspace {
     /// What contacts are found with.
     pub(in crate::narrow_phase) contact: Memory,
     /// There was a pair of shapes about which nothing can be said; and somebody has been told.
-    #[cfg(feature = "rapier")]
     unknown: [bool; 2],
 }
 
-#[cfg(feature = "rapier")]
 impl Workspace {
     /// A verdict, if there is one; apart, and a note, if not.
     pub(in crate::narrow_phase) fn known(&mut self, verdict: Option<bool>) -> bool {

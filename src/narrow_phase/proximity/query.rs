@@ -17,9 +17,9 @@ use crate::narrow_phase::{
         workspace::Workspace,
     },
     length::length,
-    parry,
     settings::NarrowPhase,
     shape::{Kind, Shape},
+    support,
 };
 
 impl NarrowPhase {
@@ -47,11 +47,11 @@ impl NarrowPhase {
         point: Vec3,
         workspace: &mut Workspace,
     ) -> Option<Vec3> {
-        if target.shape.kind() == Kind::Foreign {
+        if target.shape.kind().is_by_support() {
             let is_finite =
                 point.is_finite() && target.transform.is_finite() && target.shape.is_finite();
             let closest = is_finite
-                .then(|| parry::closest_point(target, point))
+                .then(|| support::closest_point(target, point))
                 .flatten();
             return closest.filter(|closest| closest.is_finite());
         }
@@ -114,7 +114,7 @@ impl NarrowPhase {
         b: Placed,
         workspace: &mut Workspace,
     ) -> Option<Proximity> {
-        if let Some(found) = parry::with_own(a, b, |a, b| self.closest_points(a, b, workspace)) {
+        if let Some(found) = support::with_own(a, b, |a, b| self.closest_points(a, b, workspace)) {
             return found;
         }
         let (first, second, swapped) = in_order(a, b);
@@ -227,15 +227,17 @@ fn local_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 
         }
         Case::Cuboids => boxes::closest_points(pair, workspace),
         Case::Convex | Case::Polygons => polygons::closest_points(pair, workspace),
-        Case::Foreign => foreign(pair, workspace),
+        Case::Parts => parts(pair, workspace),
+        Case::Foreign => support::with_own_pair(pair, |pair| local_points(pair, workspace))
+            .unwrap_or_else(|| parts(pair, workspace)),
     }
 }
 
-/// Two of which one is of Rapier's.
-fn foreign(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
-    match parry::enclosed(pair, workspace) {
+/// Two that the support functions are asked about.
+fn parts(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+    match support::enclosed(pair, workspace) {
         Some(point) => Some([point; 2]),
-        None => parry::closest_points(pair.a, pair.b),
+        None => support::closest_points(pair.a, pair.b),
     }
 }
 
@@ -266,7 +268,7 @@ fn closest_to_center(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec
             (_, true) => Some(center),
             (closest, false) => Some(closest.point),
         },
-        Kind::Foreign => None,
+        Kind::Curved | Kind::Parts | Kind::Foreign => None,
     }
 }
 
@@ -274,7 +276,7 @@ fn closest_to_center(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec
 /// first.
 fn unbounded(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
     let is_finite = a.transform.is_finite() && b.transform.is_finite();
-    is_finite.then(|| parry::closest_points(a, b)).flatten()
+    is_finite.then(|| support::closest_points(a, b)).flatten()
 }
 
 #[cfg(test)]

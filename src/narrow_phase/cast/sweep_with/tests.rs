@@ -90,7 +90,7 @@ fn along_a_floor_to_its_wall() {
         for mover in movers() {
             let reach = match &mover {
                 #[cfg(feature = "rapier")]
-                Shape::Rapier(shape) => shape.compute_local_aabb().half_extents().x,
+                Shape::Rapier(shape) => shape.raw().compute_local_aabb().half_extents().x,
                 _ => 0.5,
             };
             // Just touching, a little above, and a little too deep.

@@ -3,11 +3,6 @@
 use std::cell::Cell;
 
 use bevy::math::DVec3;
-use bevy_rapier3d::parry::bounding_volume::Aabb;
-
-/// In so many pieces is a way over a height field or voxels cut at most, to look at what is along
-/// them.
-const MOST_PIECES: f64 = 4096.0;
 
 /// What is still looked for.
 #[derive(Debug)]
@@ -118,54 +113,6 @@ impl Probe {
             } => ((other - center).abs() - half - reach)
                 .max(DVec3::ZERO)
                 .length(),
-        }
-    }
-
-    /// Calls `visit` with boxes that cover what is near within bounds: one after the other along
-    /// the way.
-    pub fn each_piece(
-        &self,
-        bounds: Aabb,
-        cell: f64,
-        search: &Search,
-        mut visit: impl FnMut(Aabb),
-    ) {
-        let (low, high) = (bounds.mins.as_dvec3(), bounds.maxs.as_dvec3());
-        let margin = search.margin.get();
-        let Self::Box {
-            center,
-            half,
-            direction,
-        } = *self
-        else {
-            return if search.goes_on() {
-                visit(bounds);
-            };
-        };
-        // What is as near as rounding, too.
-        let reach = half + margin + f64::from(f32::EPSILON) * (low.abs().max(high.abs()));
-        let Some([start, end]) = passage(
-            low - reach - center,
-            high + reach - center,
-            direction,
-            search.limit.get(),
-        ) else {
-            return;
-        };
-        let step = (4.0 * cell)
-            .max(2.0 * half.max_element())
-            .max((end - start) / MOST_PIECES);
-        let mut from = start;
-        while search.goes_on() && from <= search.limit.get() && from <= end {
-            let to = (from + step).min(end);
-            let ends = [from, to].map(|along| center + direction * along);
-            let piece_low = (ends[0].min(ends[1]) - reach).max(low).min(high);
-            let piece_high = (ends[0].max(ends[1]) + reach).min(high).max(low);
-            visit(Aabb::new(piece_low.as_vec3(), piece_high.as_vec3()));
-            if to >= end {
-                break;
-            }
-            from = to;
         }
     }
 }

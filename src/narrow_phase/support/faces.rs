@@ -1,14 +1,14 @@
-//! Rays against shapes of Rapier's by what they are to meet of them, and through them: part by
-//! part.
+//! Rays against shapes by what they are to meet of them, and through them: part by part.
 
 use std::cell::Cell;
 
 use bevy::math::{DVec3, Dir3, Vec3};
 
-use super::cast::ray_by_itself;
-use super::convert::posed;
 use super::convex::Convex;
-use super::parts::{self, Part, PosedShape};
+use super::foreign::ray_by_itself;
+use super::pairs;
+use super::parts::{self, Part};
+use super::posed::{PosedShape, posed};
 use super::probe::Search;
 use crate::narrow_phase::{
     answer::{Impact, Passage, against, slack},
@@ -139,7 +139,7 @@ impl Ray {
             limit: Cell::new(max_distance.into()),
             ..Search::within(near.unwrap_or(0.0).max(self.slack))
         };
-        parts::pairs(&search, &point, body, &mut |_, part| {
+        pairs::pairs(&search, &point, body, &mut |_, part| {
             visit(part, search.triangle.get(), &search.limit);
             true
         });
@@ -252,5 +252,5 @@ impl Ray {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "rapier"))]
 mod tests;

@@ -1,4 +1,4 @@
-//! Where a convex shape of Rapier's and a mesh of ours are deepest in each other.
+//! Where a convex shape and a mesh are deepest in each other.
 //!
 //! Each triangle in touch says how far the shape has to go to be clear of it: along the least way
 //! of all, if that is a normal of the surface there, or else along the triangle's own normal. At a
@@ -12,8 +12,10 @@ use smallvec::SmallVec;
 use super::convex::{Convex, Isometry};
 use super::gap::Gap;
 use super::gjk;
-use super::own_mesh::OwnMesh;
-use super::parts::{self, Part, PosedShape};
+use super::pairs;
+use super::parts::Part;
+use super::posed::PosedShape;
+use super::posed_mesh::PosedMesh;
 use super::probe::Search;
 use crate::narrow_phase::mesh::topology::NO_NEIGHBOR;
 
@@ -35,14 +37,14 @@ struct Claim {
 }
 
 /// The contact of a shape and a mesh, as the shape sees it.
-pub fn contact(body: &Convex, mesh: &OwnMesh, tolerance: f64) -> Option<Gap> {
+pub fn contact(body: &Convex, mesh: &PosedMesh, tolerance: f64) -> Option<Gap> {
     let mut claims = SmallVec::<[Claim; 8]>::new();
     let probe = PosedShape::Part(Part::Convex(*body)).probe(mesh.at, DVec3::ZERO);
     mesh.each(
         &probe,
         &Search::within(tolerance),
         &mut |polygon, corners| {
-            let triangle = Convex::triangle(corners, Isometry::IDENTITY);
+            let triangle = Convex::triangle(corners, 0.0, Isometry::IDENTITY);
             if let Some(gap) = gjk::gap(body, &triangle, tolerance, true) {
                 let gap = along_a_normal(body, mesh, polygon, corners, gap);
                 claims.push(Claim {
@@ -58,7 +60,7 @@ pub fn contact(body: &Convex, mesh: &OwnMesh, tolerance: f64) -> Option<Gap> {
 }
 
 /// The way out of a mesh, of a shape inside that does not touch it: through what is nearest.
-pub fn from_inside(body: &Convex, mesh: &OwnMesh) -> Option<Gap> {
+pub fn from_inside(body: &Convex, mesh: &PosedMesh) -> Option<Gap> {
     if !mesh.mesh.has_inside() {
         return None;
     }
@@ -66,7 +68,7 @@ pub fn from_inside(body: &Convex, mesh: &OwnMesh) -> Option<Gap> {
         PosedShape::Part(Part::Convex(*body)),
         PosedShape::Mesh(*mesh),
     ];
-    let gap = parts::nearest(&body_shape, &mesh_shape)?;
+    let gap = pairs::nearest(&body_shape, &mesh_shape)?;
     let out = gap.normal;
     let depth = gap.points[1].dot(out) - lowest(body, out);
     Some(Gap {
@@ -80,7 +82,7 @@ pub fn from_inside(body: &Convex, mesh: &OwnMesh) -> Option<Gap> {
 /// The same gap, if its normal is one of the surface; otherwise that along the triangle's own.
 fn along_a_normal(
     body: &Convex,
-    mesh: &OwnMesh,
+    mesh: &PosedMesh,
     polygon: u32,
     [a, b, c]: [DVec3; 3],
     gap: Gap,
@@ -109,7 +111,7 @@ fn along_a_normal(
 }
 
 /// Is the surface nowhere higher along a way, just beyond where a polygon of it is highest?
-fn is_highest(mesh: &OwnMesh, polygon: u32, way: DVec3) -> bool {
+fn is_highest(mesh: &PosedMesh, polygon: u32, way: DVec3) -> bool {
     let (corners, across) = (
         mesh.mesh.polygon(polygon as usize),
         mesh.mesh.across(polygon as usize),
@@ -171,5 +173,5 @@ fn settle(body: &Convex, claims: &mut [Claim], bias: f64) -> Option<Gap> {
     deepest
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "rapier"))]
 mod tests;

@@ -5,7 +5,7 @@ use bevy::transform::components::Transform;
 use bevy_rapier3d::parry::math::Pose;
 use bevy_rapier3d::parry::shape::SharedShape;
 
-use crate::narrow_phase::parry::query::tests::{Random, contact};
+use crate::narrow_phase::support::query::tests::{Random, contact};
 use crate::narrow_phase::tests::mesh_of;
 use crate::narrow_phase::*;
 
@@ -186,7 +186,7 @@ fn what_is_in_a_solid_goes_out_of_it() {
             let at = Transform::from_xyz(x, 0.2, 0.1);
             let found = contact((&cube, here), (&shape, at)).unwrap();
             let width = match &shape {
-                Shape::Rapier(shape) => shape.compute_local_aabb().maxs.x,
+                Shape::Rapier(shape) => shape.raw().compute_local_aabb().maxs.x,
                 _ => unreachable!(),
             };
             let expected = 1.0 - x + width;

@@ -1,4 +1,4 @@
-//! Meshes of ours as the convex parts of Rapier's shapes meet them: triangle by triangle, by the
+//! Meshes as the convex parts of other shapes meet them: triangle by triangle, by the
 //! tree of the mesh.
 //!
 //! Scale and mirrors are put on what is asked, in 64-bit floats, and on the triangles that are found.
@@ -21,13 +21,13 @@ const ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
 
 /// A mesh of ours in its place, at a scale.
 #[derive(Clone, Copy)]
-pub struct OwnMesh<'a> {
+pub struct PosedMesh<'a> {
     pub mesh: &'a PolygonMesh,
     pub scale: DVec3,
     pub at: Isometry,
 }
 
-impl OwnMesh<'_> {
+impl PosedMesh<'_> {
     /// Centre and half extents of the box around it, in its own axes.
     pub fn local_box(&self) -> [DVec3; 2] {
         let (center, half, _) = self.mesh.local_bounds();
@@ -254,5 +254,5 @@ fn up(value: f64) -> f32 {
     (value as f32).next_up()
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "rapier"))]
 mod tests;

@@ -1,12 +1,11 @@
-//! Convex shapes as parry has them: a core, and all that is within a radius of it. In 64-bit
+//! Convex shapes by their support functions: a core, and all that is within a radius of it. In 64-bit
 //! floats, so that neither the size of one nor a position far from the other costs exactness.
 
-use bevy::math::{DMat3, DVec3, Vec3};
+use bevy::math::{DMat3, DQuat, DVec3, Vec3};
 use bevy::transform::components::Transform;
-use bevy_rapier3d::parry::math::Pose;
-use bevy_rapier3d::parry::shape::{self, SupportMap, TypedShape};
 
-use crate::narrow_phase::mesh::polygon_mesh::PolygonMesh;
+use super::foreign_core::ForeignCore;
+use crate::narrow_phase::{mesh::polygon_mesh::PolygonMesh, rounded::RoundedCore};
 
 /// Where something is, and how it is turned.
 #[derive(Clone, Copy, Debug)]
@@ -30,12 +29,12 @@ impl Isometry {
         }
     }
 
-    /// That of a part, whose pose in the whole is given.
-    pub fn of_part(&self, pose: Option<&Pose>) -> Self {
-        pose.map_or(*self, |pose| Self {
-            rotation: self.rotation * DMat3::from_quat(pose.rotation.as_dquat().normalize()),
-            translation: self.to_world(pose.translation.as_dvec3()),
-        })
+    /// That of a part, given how it is turned in the whole and where it is.
+    pub fn of_part(&self, rotation: DQuat, translation: DVec3) -> Self {
+        Self {
+            rotation: self.rotation * DMat3::from_quat(rotation.normalize()),
+            translation: self.to_world(translation),
+        }
     }
 
     pub fn to_world(self, point: DVec3) -> DVec3 {
@@ -61,17 +60,27 @@ impl Isometry {
 }
 
 /// What a convex shape consists of, but for a radius around it, in its own coordinates.
+///
+/// A new kind of convex shape is one more of these, with its [support function](Core::furthest).
 #[derive(Clone, Copy)]
 enum Core<'a> {
     Point,
     Segment([DVec3; 2]),
     Triangle([DVec3; 3]),
     Cuboid(DVec3),
-    Cylinder { half_height: f64, radius: f64 },
-    Cone { half_height: f64, radius: f64 },
-    Hull(&'a [Vec3]),
+    /// Around the second axis: a cylinder or a cone, too.
+    Frustum {
+        bottom: f64,
+        top: f64,
+        half_height: f64,
+        scale: DVec3,
+    },
     Mesh(&'a PolygonMesh, DVec3),
-    Other(&'a dyn SupportMap),
+    #[cfg_attr(
+        not(feature = "rapier"),
+        expect(dead_code, reason = "nobody else is there")
+    )]
+    Foreign(ForeignCore<'a>),
 }
 
 /// A convex shape in its place.
@@ -94,17 +103,14 @@ impl<'a> Convex<'a> {
         )
     }
 
-    pub fn ball(radius: f32, at: Isometry) -> Self {
-        Self {
-            core: Core::Point,
-            radius: f64::from(radius.abs()),
-            at,
-        }
+    pub fn ball(radius: f64, at: Isometry) -> Self {
+        let core = Core::Point;
+        Self { core, radius, at }
     }
 
-    pub fn cuboid(half_size: Vec3, at: Isometry) -> Self {
+    pub fn cuboid(half_size: DVec3, at: Isometry) -> Self {
         Self {
-            core: Core::Cuboid(half_size.abs().as_dvec3()),
+            core: Core::Cuboid(half_size.abs()),
             radius: 0.0,
             at,
         }
@@ -119,66 +125,80 @@ impl<'a> Convex<'a> {
         }
     }
 
-    #[cfg(test)]
-    pub fn segment(ends: [DVec3; 2], at: Isometry) -> Self {
+    /// Along its second axis.
+    pub fn capsule(radius: f64, half_length: f64, at: Isometry) -> Self {
+        let end = DVec3::Y * half_length;
+        Self {
+            core: Core::Segment([-end, end]),
+            radius,
+            at,
+        }
+    }
+
+    /// A frustum around its second axis, at a scale: where that differs between the other two, an
+    /// elliptic one.
+    pub fn frustum(
+        [bottom, top, half_height]: [f64; 3],
+        scale: DVec3,
+        radius: f64,
+        at: Isometry,
+    ) -> Self {
+        let core = Core::Frustum {
+            bottom,
+            top,
+            half_height,
+            scale,
+        };
+        Self { core, radius, at }
+    }
+
+    /// A core at a scale, with a radius that has its scale already.
+    pub fn rounded(core: &'a RoundedCore, scale: DVec3, radius: f64, at: Isometry) -> Self {
+        let core = match core {
+            RoundedCore::Segment(ends) => Core::Segment(ends.map(|end| wide(end) * scale)),
+            RoundedCore::Triangle(corners) => {
+                Core::Triangle(corners.map(|corner| wide(corner) * scale))
+            }
+            RoundedCore::Cuboid { half_size } => Core::Cuboid((wide(*half_size) * scale).abs()),
+            RoundedCore::ConicalFrustum {
+                radius_top,
+                radius_bottom,
+                half_height,
+            } => {
+                let sizes = [radius_bottom, radius_top, half_height];
+                let sizes = sizes.map(|size| f64::from(size.abs()));
+                return Self::frustum(sizes, scale, radius, at);
+            }
+            RoundedCore::Convex(mesh) => Core::Mesh(mesh, scale),
+        };
+        Self { core, radius, at }
+    }
+
+    /// A core that somebody else knows.
+    #[cfg(feature = "rapier")]
+    pub fn foreign(core: ForeignCore<'a>, radius: f64, at: Isometry) -> Self {
+        Self {
+            core: Core::Foreign(core),
+            radius,
+            at,
+        }
+    }
+
+    #[cfg(feature = "rapier")]
+    pub fn segment(ends: [DVec3; 2], radius: f64, at: Isometry) -> Self {
         Self {
             core: Core::Segment(ends),
-            radius: 0.0,
+            radius,
             at,
         }
     }
 
-    pub fn triangle(corners: [DVec3; 3], at: Isometry) -> Self {
+    pub fn triangle(corners: [DVec3; 3], radius: f64, at: Isometry) -> Self {
         Self {
             core: Core::Triangle(corners),
-            radius: 0.0,
+            radius,
             at,
         }
-    }
-
-    /// A shape of parry's; `None` if it is not convex, or has no end.
-    pub fn of(shape: &'a dyn shape::Shape, at: Isometry) -> Option<Self> {
-        let cylinder = |cylinder: &shape::Cylinder| Core::Cylinder {
-            half_height: cylinder.half_height.into(),
-            radius: cylinder.radius.into(),
-        };
-        let cone = |cone: &shape::Cone| Core::Cone {
-            half_height: cone.half_height.into(),
-            radius: cone.radius.into(),
-        };
-        let triangle = |triangle: &shape::Triangle| {
-            Core::Triangle([triangle.a, triangle.b, triangle.c].map(wide))
-        };
-        let (core, radius) = match shape.as_typed_shape() {
-            TypedShape::Ball(ball) => (Core::Point, ball.radius),
-            TypedShape::Cuboid(cuboid) => (Core::Cuboid(wide(cuboid.half_extents)), 0.0),
-            TypedShape::Capsule(capsule) => (
-                Core::Segment([capsule.segment.a, capsule.segment.b].map(wide)),
-                capsule.radius,
-            ),
-            TypedShape::Segment(segment) => (Core::Segment([segment.a, segment.b].map(wide)), 0.0),
-            TypedShape::Triangle(inner) => (triangle(inner), 0.0),
-            TypedShape::ConvexPolyhedron(hull) => (Core::Hull(hull.points()), 0.0),
-            TypedShape::Cylinder(inner) => (cylinder(inner), 0.0),
-            TypedShape::Cone(inner) => (cone(inner), 0.0),
-            TypedShape::RoundCuboid(round) => (
-                Core::Cuboid(wide(round.inner_shape.half_extents)),
-                round.border_radius,
-            ),
-            TypedShape::RoundTriangle(round) => (triangle(&round.inner_shape), round.border_radius),
-            TypedShape::RoundCylinder(round) => (cylinder(&round.inner_shape), round.border_radius),
-            TypedShape::RoundCone(round) => (cone(&round.inner_shape), round.border_radius),
-            TypedShape::RoundConvexPolyhedron(round) => {
-                (Core::Hull(round.inner_shape.points()), round.border_radius)
-            }
-            TypedShape::Custom(shape) => (Core::Other(shape.as_support_map()?), 0.0),
-            _ => return None,
-        };
-        Some(Self {
-            core,
-            radius: f64::from(radius.abs()),
-            at,
-        })
     }
 
     pub fn moved(mut self, by: DVec3) -> Self {
@@ -227,7 +247,7 @@ impl<'a> Convex<'a> {
     }
 }
 
-fn wide(point: Vec3) -> DVec3 {
+pub fn wide(point: Vec3) -> DVec3 {
     point.as_dvec3()
 }
 
@@ -254,34 +274,31 @@ impl Core<'_> {
             }
             Self::Triangle(corners) => of(&mut corners.into_iter()),
             Self::Cuboid(half) => DVec3::select(direction.cmplt(DVec3::ZERO), -half, half),
-            Self::Cylinder {
+            Self::Frustum {
+                bottom,
+                top,
                 half_height,
-                radius,
-            } => rim(direction, radius, half_height.copysign(direction.y)),
-            Self::Cone {
-                half_height,
-                radius,
+                scale,
             } => {
-                let (apex, base) = (DVec3::Y * half_height, rim(direction, radius, -half_height));
-                if apex.dot(direction) > base.dot(direction) {
-                    apex
+                let direction = direction * scale;
+                let across = direction.with_y(0.0);
+                let outwards = across.normalize_or_zero();
+                let steep = across.dot(outwards);
+                let (low, high) = (bottom * steep, top * steep);
+                let rise = half_height * direction.y;
+                let furthest = if high + rise > low - rise {
+                    (outwards * top).with_y(half_height)
                 } else {
-                    base
-                }
+                    (outwards * bottom).with_y(-half_height)
+                };
+                furthest * scale
             }
-            Self::Hull(points) => of(&mut points.iter().copied().map(wide)),
             // Vertices that no polygon names are no part of it.
             Self::Mesh(mesh, scale) => {
                 let corners = mesh.edges().as_flattened().iter();
                 of(&mut corners.map(|&corner| wide(mesh.vertices()[corner as usize]) * scale))
             }
-            Self::Other(shape) => wide(shape.local_support_point(direction.as_vec3())),
+            Self::Foreign(core) => core.furthest(direction),
         }
     }
-}
-
-/// The point of a circle around the second axis that is furthest along a direction.
-fn rim(direction: DVec3, radius: f64, height: f64) -> DVec3 {
-    let outwards = direction.with_y(0.0).normalize_or_zero() * radius;
-    outwards.with_y(height)
 }

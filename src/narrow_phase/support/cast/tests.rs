@@ -6,7 +6,7 @@ use bevy_rapier3d::geometry::Collider;
 use bevy_rapier3d::parry::math::IVector;
 use bevy_rapier3d::parry::shape::SharedShape;
 
-use crate::narrow_phase::parry::query::tests::{
+use crate::narrow_phase::support::query::tests::{
     Random, boxes_of, contact, distance, hull_of, solids,
 };
 use crate::narrow_phase::tests::{at, box_of, mesh_of};
@@ -119,7 +119,7 @@ fn rays_and_sweeps_from_afar_are_those_from_nearby() {
             rays += usize::from(near.is_some());
             sweeps += usize::from(swept.is_some());
         }
-        let is_thin = matches!(&shape, Shape::Rapier(shape) if shape.as_segment().is_some());
+        let is_thin = matches!(&shape, Shape::Rapier(shape) if shape.raw().as_segment().is_some());
         assert!(is_thin || rays > 2, "{rays} rays hit {shape:?}");
         assert!(sweeps > 5, "{sweeps} sweeps hit {shape:?}");
     }
@@ -369,7 +369,8 @@ fn what_is_huge_is_as_right_as_what_is_not() {
                 "{hit:?}, {shape:?} at 2^{power}"
             );
             let inside = tests.cast_ray(target, Vec3::Y * (size * 0.5), Dir3::NEG_Y, f32::INFINITY);
-            let is_surface = matches!(shape, Shape::Rapier(shape) if shape.as_trimesh().is_some());
+            let is_surface =
+                matches!(shape, Shape::Rapier(shape) if shape.raw().as_trimesh().is_some());
             assert!(
                 is_surface || inside.is_some_and(|hit| hit.distance == 0.0),
                 "{shape:?} at 2^{power}"

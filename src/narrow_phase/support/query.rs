@@ -1,14 +1,15 @@
-//! Whether, where and how deep two shapes meet, of which one is Rapier's, and how far they are
-//! apart.
+//! Whether, where and how deep two shapes meet, part by part, and how far they are apart.
 
 use bevy::math::{DVec3, Vec3, Vec3A, primitives::HalfSpace};
 
-use super::convert::{posed, turn};
 use super::convex::Convex;
+use super::foreign::closest_by_itself;
 use super::gap::Gap;
-use super::own_contact;
-use super::own_mesh::OwnMesh;
-use super::parts::{self, Part, PosedShape};
+use super::mesh_contact;
+use super::pairs;
+use super::parts::{self, Part};
+use super::posed::{PosedShape, posed};
+use super::posed_mesh::PosedMesh;
 use super::probe::Search;
 use crate::narrow_phase::{
     answer::LocalContact,
@@ -24,10 +25,11 @@ use crate::narrow_phase::{
 /// A half-space where it is in the world, grown by a margin and by rounding. `None` for other
 /// shapes.
 pub fn side(placed: Placed, margin: f32) -> Option<HalfSpace> {
-    let (Shape::Rapier(shape), at) = (placed.shape, placed.transform) else {
+    let at = placed.transform;
+    let PosedShape::Part(Part::HalfSpace { normal, .. }) = posed(placed, at.translation)? else {
         return None;
     };
-    let outwards = at.rotation.normalize() * shape.as_halfspace()?.normal;
+    let outwards = normal.as_vec3();
     let grown = margin + ROUNDING * at.translation.abs().element_sum();
     // Bevy's normals point inside.
     Some(HalfSpace::new(
@@ -48,7 +50,7 @@ fn touch(a: Placed, b: Placed, tolerance: f32) -> Option<bool> {
     let search = Search::within(tolerance);
     let mut found = false;
     let origin = a.transform.translation;
-    let is_known = parts::pairs(
+    let is_known = pairs::pairs(
         &search,
         &posed(a, origin)?,
         &posed(b, origin)?,
@@ -72,9 +74,9 @@ pub fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalContact> {
     let tolerance = f64::from(tolerance);
     let origin = a.transform.translation;
     let (a, b) = (posed(a, origin)?, posed(b, origin)?);
-    let in_mesh = |other: &PosedShape, mesh: &OwnMesh| {
+    let in_mesh = |other: &PosedShape, mesh: &PosedMesh| {
         deepest_in_mesh(other, mesh, tolerance).or_else(|| match other {
-            PosedShape::Part(Part::Convex(convex)) => own_contact::from_inside(convex, mesh),
+            PosedShape::Part(Part::Convex(convex)) => mesh_contact::from_inside(convex, mesh),
             _ => None,
         })
     };
@@ -94,7 +96,7 @@ pub fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalContact> {
 fn deepest(a: &PosedShape, b: &PosedShape, tolerance: f64) -> Option<Gap> {
     let search = Search::within(tolerance);
     let mut deepest: Option<Gap> = None;
-    parts::pairs(&search, a, b, &mut |a, b| {
+    pairs::pairs(&search, a, b, &mut |a, b| {
         let Ok(found) = parts::gap(a, b, tolerance, true) else {
             return false;
         };
@@ -116,9 +118,9 @@ fn deepest(a: &PosedShape, b: &PosedShape, tolerance: f64) -> Option<Gap> {
 }
 
 /// Where that part of a shape meets a mesh of ours that is deepest in it.
-fn deepest_in_mesh(shape: &PosedShape, mesh: &OwnMesh, tolerance: f64) -> Option<Gap> {
+fn deepest_in_mesh(shape: &PosedShape, mesh: &PosedMesh, tolerance: f64) -> Option<Gap> {
     match shape {
-        PosedShape::Part(Part::Convex(convex)) => own_contact::contact(convex, mesh, tolerance),
+        PosedShape::Part(Part::Convex(convex)) => mesh_contact::contact(convex, mesh, tolerance),
         PosedShape::Part(Part::HalfSpace { .. }) => {
             deepest(shape, &PosedShape::Mesh(*mesh), tolerance)
         }
@@ -141,14 +143,10 @@ fn deepest_in_mesh(shape: &PosedShape, mesh: &OwnMesh, tolerance: f64) -> Option
 /// The point of a shape that is closest to another; that one itself, if it is inside.
 pub fn closest_point(target: Placed, point: Vec3) -> Option<Vec3> {
     let Some(body) = posed(target, point) else {
-        let Shape::Rapier(shape) = target.shape else {
-            return None;
-        };
-        let at = target.transform.translation;
-        return Some(at + shape.project_point(&turn(target), point - at, true).point);
+        return closest_by_itself(target, point);
     };
     let at_point = PosedShape::Part(Part::Convex(Convex::point(DVec3::ZERO)));
-    let gap = parts::nearest(&body, &at_point)?;
+    let gap = pairs::nearest(&body, &at_point)?;
     Some(if gap.distance > 0.0 {
         (point.as_dvec3() + gap.points[0]).as_vec3()
     } else {
@@ -160,7 +158,7 @@ pub fn closest_point(target: Placed, point: Vec3) -> Option<Vec3> {
 /// the two overlap.
 pub fn closest_points(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
     let origin = a.transform.translation;
-    let gap = parts::nearest(&posed(a, origin)?, &posed(b, origin)?)?;
+    let gap = pairs::nearest(&posed(a, origin)?, &posed(b, origin)?)?;
     let points = if gap.distance > 0.0 {
         gap.points
     } else {
@@ -169,13 +167,14 @@ pub fn closest_points(a: Placed, b: Placed) -> Option<[Vec3A; 2]> {
     Some(points.map(DVec3::as_vec3a))
 }
 
-/// A point of a Rapier shape, if a mesh is around it, given that the surfaces do not meet:
-/// parts of meshes are surfaces, without an inside.
+/// A point of a shape, if a mesh is around it, given that the surfaces do not meet: parts of meshes
+/// are surfaces, without an inside.
 pub fn enclosed(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec3A> {
     // The mesh second.
     let pair = match (pair.a.shape, pair.b.shape) {
-        (Shape::Rapier(_), Shape::Mesh(mesh)) if mesh.has_inside() => *pair,
-        (Shape::Mesh(mesh), Shape::Rapier(_)) if mesh.has_inside() => pair.swapped(),
+        (Shape::Mesh(_), Shape::Mesh(_)) => return None,
+        (_, Shape::Mesh(mesh)) if mesh.has_inside() => *pair,
+        (Shape::Mesh(mesh), _) if mesh.has_inside() => pair.swapped(),
         _ => return None,
     };
     // In the frame of the pair, by way of the centre of the box.
@@ -204,5 +203,5 @@ pub fn is_known(a: Placed, b: Placed) -> bool {
     touch(a, b, NarrowPhase::DEFAULT_TOLERANCE).is_some()
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "rapier"))]
 pub mod tests;

@@ -163,5 +163,5 @@ fn closest([p, q]: [DVec3; 2], [a, b]: [DVec3; 2]) -> [DVec3; 2] {
     [p + along * s, a + side * t]
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "rapier"))]
 mod tests;

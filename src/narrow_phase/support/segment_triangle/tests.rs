@@ -1,7 +1,7 @@
 //! The closed form against the steps that find the gap of any two convex shapes.
 
 use super::*;
-use crate::narrow_phase::parry::{
+use crate::narrow_phase::support::{
     convex::{Convex, Isometry},
     gjk,
     parts::near_from,
@@ -45,8 +45,8 @@ fn gaps_are_those_found_by_steps() {
         let found = found.expect("nothing is farther than that");
         let names = format!("{start} {end} and {corners:?}: {found:?}");
         assert!((found.normal.length() - 1.0).abs() < 1e-9, "{names}");
-        let triangle = Convex::triangle(corners, Isometry::IDENTITY);
-        let segment = Convex::segment([start, end], Isometry::IDENTITY);
+        let triangle = Convex::triangle(corners, 0.0, Isometry::IDENTITY);
+        let segment = Convex::segment([start, end], 0.0, Isometry::IDENTITY);
         let steps = gjk::by_steps(&segment, &triangle, f64::INFINITY, true);
         let steps = steps.expect("nothing is farther than that");
         // What touches may count as overlapping by nothing.
@@ -112,7 +112,7 @@ fn nothing_touches_a_triangle_before_it_is_near_its_plane() {
         let segment = [0; 2].map(|_| point(&mut random, false) * 2.0);
         let direction = point(&mut random, false).normalize();
         let radius = random.f64() * 0.5;
-        let body = Convex::segment(segment, Isometry::IDENTITY);
+        let body = Convex::segment(segment, 0.0, Isometry::IDENTITY);
         let from = near_from(&body, corners, direction, [radius, 1e-9], 6.0);
         early += usize::from(from.is_some_and(|from| from > 0.0));
         never += usize::from(from.is_none());

@@ -1,19 +1,19 @@
-//! Rays and shapes on their way, against a shape of Rapier's or with one.
+//! Rays and shapes on their way, part by part.
 
 use std::cell::Cell;
 
 use bevy::math::{DVec3, Dir3, Vec3};
-use bevy_rapier3d::parry::query;
 
-use super::convert::{posed, turn};
 use super::convex::Convex;
+use super::foreign::ray_by_itself;
 use super::gap::Gap;
-use super::parts::{self, Part, PosedShape};
+use super::pairs;
+use super::parts::{self, Part};
+use super::posed::{PosedShape, posed};
 use super::probe::Search;
 use crate::narrow_phase::{
     answer::{Impact, against, slack},
     frame::placed::Placed,
-    shape::Shape,
 };
 
 /// How near something on its way comes to what it is going to touch before the rest is taken as
@@ -39,38 +39,6 @@ pub fn cast_ray(
         max_distance,
         &body,
     )
-}
-
-/// What a shape says of which nothing else is known.
-pub fn ray_by_itself(
-    target: Placed,
-    origin: Vec3,
-    direction: Dir3,
-    max_distance: f32,
-    solid: bool,
-) -> Option<Impact> {
-    let Shape::Rapier(shape) = target.shape else {
-        return None;
-    };
-    let ray = query::Ray::new(origin - target.transform.translation, *direction);
-    let met =
-        shape.cast_ray_and_get_normal(&turn(target), &ray, max_distance.min(f32::MAX), solid)?;
-    let distance = met.time_of_impact;
-    // No normal inside.
-    let normal = met
-        .normal
-        .try_normalize()
-        .filter(|_| distance > 0.0)
-        .unwrap_or(-*direction);
-    let is_within = distance >= 0.0 && distance <= max_distance;
-    is_within.then(|| Impact {
-        distance,
-        point: origin + direction * distance,
-        normal: against(normal, direction),
-        face_normal: normal,
-        polygon: None,
-        depth: 0.0,
-    })
 }
 
 /// Where a shape on its way meets another that it does not touch at the start.
@@ -107,8 +75,8 @@ fn impact(
     };
     let mut first: Option<(f64, Gap)> = None;
     let (mut face, mut triangle) = (None, None);
-    let has_triangles = matches!(target, PosedShape::Tree { .. } | PosedShape::Mesh(_));
-    parts::pairs(&search, moving, target, &mut |a, b| {
+    let has_triangles = target.has_triangles();
+    pairs::pairs(&search, moving, target, &mut |a, b| {
         let Ok(found) =
             parts::first_impact(a, b, way, search.limit.get(), [near.max(touching), near])
         else {
@@ -148,5 +116,5 @@ fn impact(
     })
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "rapier"))]
 mod tests;

@@ -5,7 +5,7 @@ use bevy::transform::components::Transform;
 use bevy_rapier3d::parry::math::Pose;
 use bevy_rapier3d::parry::shape::SharedShape;
 
-use crate::narrow_phase::parry::query::tests::Random;
+use crate::narrow_phase::support::query::tests::Random;
 use crate::narrow_phase::*;
 
 /// Hills with a tree, of four-sided polygons and of triangles, and the same without.

@@ -1,0 +1,196 @@
+//! Shapes in their places as something that can be asked.
+
+use bevy::math::{DVec3, Vec3};
+
+use super::convex::{Convex, Isometry};
+use super::foreign::{Foreign, ForeignPart};
+use super::parts::Part;
+use super::posed_mesh::PosedMesh;
+use super::probe::{Probe, Search};
+use crate::narrow_phase::{frame::placed::Placed, shape::Shape};
+
+/// A shape in its place, as something that can be asked.
+#[derive(Clone, Copy)]
+pub enum PosedShape<'a> {
+    Part(Part<'a>),
+    /// A mesh of ours, that is not convex.
+    Mesh(PosedMesh<'a>),
+    /// What somebody else knows the parts of.
+    Foreign(Foreign<'a>),
+}
+
+impl<'a> PosedShape<'a> {
+    pub fn isometry(&self) -> Isometry {
+        match self {
+            Self::Part(Part::Convex(convex)) => convex.at,
+            Self::Part(Part::HalfSpace { .. }) => Isometry::IDENTITY,
+            Self::Mesh(mesh) => mesh.at,
+            Self::Foreign(foreign) => foreign.isometry(),
+        }
+    }
+
+    /// Centre and half extents of the box around the shape, in its own axes; `None` if it has no
+    /// end.
+    pub fn local_box(&self) -> Option<[DVec3; 2]> {
+        match self {
+            Self::Part(Part::Convex(convex)) => Some(convex.local_box()),
+            Self::Part(Part::HalfSpace { .. }) => None,
+            Self::Mesh(mesh) => Some(mesh.local_box()),
+            Self::Foreign(foreign) => Some(foreign.local_box()),
+        }
+    }
+
+    /// Is it made of triangles that have numbers?
+    pub fn has_triangles(&self) -> bool {
+        match self {
+            Self::Part(_) => false,
+            Self::Mesh(_) => true,
+            Self::Foreign(foreign) => foreign.has_triangles(),
+        }
+    }
+
+    /// Half the diagonal of that box; infinite without an end.
+    pub fn size(&self) -> f64 {
+        self.local_box()
+            .map_or(f64::INFINITY, |[_, half]| half.length())
+    }
+
+    /// Where it is, and that it goes in a direction, as seen from another.
+    pub fn probe(&self, whole: Isometry, direction: DVec3) -> Probe {
+        if let Self::Part(Part::HalfSpace { normal, offset }) = self {
+            return Probe::HalfSpace {
+                normal: whole.direction_to_local(*normal),
+                offset: offset - normal.dot(whole.translation),
+                approach: normal.dot(direction).max(0.0),
+            };
+        }
+        let Some(bounds) = self.local_box() else {
+            return Probe::Everywhere;
+        };
+        let [center, half] = whole.bounds_to_local(&self.isometry(), bounds);
+        Probe::Box {
+            center,
+            half,
+            direction: whole.direction_to_local(direction),
+        }
+    }
+
+    /// Calls `visit` with all parts that a probe admits, and again with their parts. False if there
+    /// is one about which nothing can be said.
+    pub fn each(
+        &self,
+        probe: &Probe,
+        search: &Search,
+        visit: &mut dyn FnMut(&PosedShape) -> bool,
+    ) -> bool {
+        match *self {
+            Self::Part(_) => visit(self),
+            Self::Mesh(mesh) => {
+                let mut is_known = true;
+                mesh.each(probe, search, &mut |polygon, corners| {
+                    search.triangle.set(Some(mesh.mesh.source(polygon)));
+                    let part = Convex::triangle(corners, 0.0, Isometry::IDENTITY);
+                    is_known &= visit(&PosedShape::Part(Part::Convex(part)));
+                });
+                is_known
+            }
+            Self::Foreign(foreign) => foreign.each(probe, search, &mut |part| visit(&part.into())),
+        }
+    }
+
+    /// A point of the shape, or of each of its parts if these need not hang together.
+    pub fn each_point(&self, visit: &mut dyn FnMut(DVec3)) {
+        let search = Search::within(f64::INFINITY);
+        match self {
+            Self::Part(Part::Convex(convex)) => visit(convex.furthest(DVec3::X)),
+            Self::Part(Part::HalfSpace { .. }) => {}
+            // Those of a compound are shapes of their own.
+            Self::Foreign(foreign) if foreign.is_compound() => {
+                self.each(&Probe::Everywhere, &search, &mut |part| {
+                    part.each_point(visit);
+                    true
+                });
+            }
+            _ => {
+                self.each(&Probe::Everywhere, &search, &mut |part| {
+                    if search.goes_on() {
+                        part.each_point(visit);
+                    }
+                    search.end();
+                    true
+                });
+            }
+        }
+    }
+}
+
+impl<'a> From<ForeignPart<'a>> for PosedShape<'a> {
+    fn from(part: ForeignPart<'a>) -> Self {
+        match part {
+            ForeignPart::Convex(convex) => Self::Part(Part::Convex(convex)),
+            ForeignPart::HalfSpace(normal, at) => Self::Part(Part::half_space(normal, at)),
+            ForeignPart::Whole(foreign) => Self::Foreign(foreign),
+        }
+    }
+}
+
+/// A shape in its place, relative to an origin, as something that can be asked; `None` for what
+/// parry knows no more of than its name.
+pub fn posed<'a>(placed: Placed<'a>, origin: Vec3) -> Option<PosedShape<'a>> {
+    let at = Isometry::of(placed.transform, origin);
+    posed_at(placed.shape, placed.transform.scale.as_dvec3(), at)
+}
+
+/// The same, of a shape at a scale.
+pub fn posed_at(shape: &Shape, scale: DVec3, at: Isometry) -> Option<PosedShape<'_>> {
+    let size = scale.abs();
+    let largest = size.max_element();
+    let wide = |number: f32| f64::from(number.abs());
+    let convex = match shape {
+        Shape::Cuboid { half_size } => Convex::cuboid(half_size.as_dvec3() * scale, at),
+        Shape::Sphere { radius } => Convex::ball(wide(*radius) * largest, at),
+        Shape::Capsule {
+            radius,
+            half_length,
+        } => Convex::capsule(
+            wide(*radius) * size.x.max(size.z),
+            wide(*half_length) * size.y,
+            at,
+        ),
+        Shape::ConicalFrustum {
+            radius_top,
+            radius_bottom,
+            half_height,
+        } => {
+            let sizes = [radius_bottom, radius_top, half_height].map(|number| wide(*number));
+            Convex::frustum(sizes, scale, 0.0, at)
+        }
+        Shape::HalfSpace { normal } => {
+            let normal = scaled_normal(normal.as_dvec3(), scale);
+            return Some(PosedShape::Part(Part::half_space(normal, at)));
+        }
+        Shape::Rounded(rounded) => {
+            Convex::rounded(rounded.core(), scale, wide(rounded.radius()) * largest, at)
+        }
+        Shape::Convex(mesh) => Convex::mesh(mesh, scale, at),
+        Shape::Mesh(mesh) => return Some(PosedShape::Mesh(PosedMesh { mesh, scale, at })),
+        #[cfg(feature = "rapier")]
+        Shape::Rapier(inner) => {
+            return match inner.own() {
+                Some(own) => posed_at(own, DVec3::ONE, at),
+                None => super::foreign::foreign(shape, at).map(PosedShape::from),
+            };
+        }
+    };
+    Some(PosedShape::Part(Part::Convex(convex)))
+}
+
+/// The normal of a plane through the origin that a scale stretches. A scale that leaves no plane of
+/// it leaves the normal as it is.
+fn scaled_normal(normal: DVec3, scale: DVec3) -> DVec3 {
+    let DVec3 { x, y, z } = scale;
+    let cofactors = DVec3::new(y * z, x * z, x * y) * (x * y * z).signum();
+    (normal * cofactors)
+        .try_normalize()
+        .unwrap_or_else(|| normal.normalize_or(DVec3::Y))
+}
