@@ -130,7 +130,7 @@ pub enum ShapeError {
     Flat,
     /// A part of a compound is wrong.
     #[error("part {part}: {error}")]
-    Part {
+    InPart {
         /// Which part.
         part: usize,
         /// What is wrong with it.

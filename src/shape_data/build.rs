@@ -1,6 +1,6 @@
 //! From data to shapes.
 
-use bevy::math::{Isometry3d, Quat, Vec3};
+use bevy::math::{Isometry3d, Quat};
 
 use super::description::{CoreDescription, PartDescription, ShapeDescription};
 use crate::narrow_phase::{PolygonMesh, Shape, ShapeError};
@@ -13,7 +13,7 @@ impl ShapeDescription {
     /// # Errors
     ///
     /// Those of the constructors of [`Shape`](Shape#constructors) that begin with `try_`, and of
-    /// those that take lists; for compounds, [`ShapeError::Part`] around them,
+    /// those that take lists; for compounds, [`ShapeError::InPart`] around them,
     /// [`ShapeError::PartPose`] and [`ShapeError::TooDeep`].
     pub fn build(&self) -> Result<Shape, ShapeError> {
         self.build_within(0)
@@ -24,26 +24,27 @@ impl ShapeDescription {
         match self {
             Self::Cuboid { half_size } => Shape::try_from_half_size(*half_size),
             Self::Sphere { radius } => Shape::try_sphere(*radius),
-            // Shape::try_capsule(*radius, *length)
-            Self::Capsule { .. } => build_later("capsule"),
-            // Shape::try_capsule_between(*a, *b, *radius)
-            Self::CapsuleBetween { .. } => build_later("capsule"),
-            // Shape::try_cylinder(*radius, *height)
-            Self::Cylinder { .. } => build_later("cylinder"),
-            // Shape::try_cone(*radius, *height)
-            Self::Cone { .. } => build_later("cone"),
-            // Shape::try_conical_frustum(*radius_top, *radius_bottom, *height)
-            Self::ConicalFrustum { .. } => build_later("conical frustum"),
-            // Shape::try_tetrahedron(*vertices)
-            Self::Tetrahedron { vertices } => tetrahedron(*vertices),
-            // Shape::try_triangle(*a, *b, *c)
-            Self::Triangle { .. } => build_later("triangle"),
-            // Shape::try_segment(*a, *b)
-            Self::Segment { .. } => build_later("segment"),
-            // Shape::try_half_space(*normal)
-            Self::HalfSpace { .. } => build_later("half-space"),
+            Self::Capsule { radius, length } => Shape::try_capsule(*radius, *length),
+            Self::CapsuleBetween { a, b, radius } => Shape::capsule_between(*a, *b, *radius),
+            Self::Cylinder { radius, height } => {
+                Shape::try_conical_frustum(*radius, *radius, *height)
+            }
+            Self::Cone { radius, height } => Shape::try_conical_frustum(0.0, *radius, *height),
+            Self::ConicalFrustum {
+                radius_top,
+                radius_bottom,
+                height,
+            } => Shape::try_conical_frustum(*radius_top, *radius_bottom, *height),
+            Self::Tetrahedron { vertices } => Shape::tetrahedron(*vertices),
+            Self::Triangle { a, b, c } => Shape::triangle(*a, *b, *c),
+            Self::Segment { a, b } => Shape::segment(*a, *b),
+            // What was normalised is left as it is, so that it comes back the same.
+            Self::HalfSpace { normal } if normal.is_normalized() => {
+                Ok(Shape::HalfSpace { normal: *normal })
+            }
+            Self::HalfSpace { normal } => Shape::half_space(*normal),
             Self::Convex { vertices, polygons } => Shape::convex(vertices.as_slice(), polygons),
-            // Shape::try_convex_hull(points)
+            // Shape::convex_hull(points.iter().copied())
             Self::ConvexHull { .. } => build_later("convex hull"),
             Self::Mesh {
                 vertices,
@@ -57,19 +58,15 @@ impl ShapeDescription {
                     mesh.into()
                 })
             }
-            // Shape::try_rounded(core.build()?, *radius)
-            Self::Rounded { core, .. } => {
-                core.build()?;
-                build_later("rounded shape")
-            }
-            // Shape::try_compound(build_parts(parts, depth)?)
+            Self::Rounded { core, radius } => Shape::rounded(&core.build()?, *radius),
+            // Shape::compound(build_parts(parts, depth)?)
             Self::Compound { parts } => {
                 build_parts(parts, depth)?;
                 build_later("compound")
             }
-            // Shape::try_height_field(*rows, *columns, heights.clone(), *size), and the holes
+            // HeightField::new(*rows, *columns, heights.clone(), *cell_size)?.with_holes(holes)
             Self::HeightField { .. } => build_later("height field"),
-            // Shape::try_voxels(*cell_size, cells.iter().copied())
+            // Voxels::from_cells(*cell_size, cells.iter().copied())
             Self::Voxels { .. } => build_later("set of voxels"),
         }
     }
@@ -115,10 +112,6 @@ impl From<CoreDescription> for ShapeDescription {
     }
 }
 
-fn tetrahedron(vertices: [Vec3; 4]) -> Result<Shape, ShapeError> {
-    Shape::convex(vertices, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
-}
-
 /// The parts of a compound that is within so many others.
 fn build_parts(
     parts: &[PartDescription],
@@ -137,7 +130,7 @@ fn build_parts(
             Ok(shape) => Ok((pose, shape)),
             // It is about all parts within which it is.
             Err(error @ ShapeError::TooDeep(_)) => Err(error),
-            Err(error) => Err(ShapeError::Part {
+            Err(error) => Err(ShapeError::InPart {
                 part: number,
                 error: Box::new(error),
             }),

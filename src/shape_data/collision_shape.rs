@@ -43,6 +43,9 @@ impl PartialEq for CollisionShape {
                     && a.vertices() == b.vertices()
                     && a.polygons().eq(b.polygons())
             }
+            (Shape::Rounded(_), Shape::Rounded(_)) => {
+                ShapeDescription::of(self) == ShapeDescription::of(other)
+            }
             _ => false,
         }
     }

@@ -3,12 +3,12 @@
 use bevy::prelude::*;
 use thiserror::Error;
 
-use super::description::ShapeDescription;
+use super::description::{CoreDescription, ShapeDescription};
 #[cfg(feature = "rapier")]
 use super::foreign;
 use crate::{
     components::CollisionShape,
-    narrow_phase::{PolygonMesh, Shape},
+    narrow_phase::{PolygonMesh, RoundedCore, Shape},
 };
 
 /// Why a shape has no data: it is one of Rapier's, of a kind that the crate has none for.
@@ -66,9 +66,70 @@ impl ShapeDescription {
                     surface_only,
                 }
             }
+            Shape::Capsule {
+                radius,
+                half_length,
+            } => Self::Capsule {
+                radius: radius.abs(),
+                length: 2.0 * half_length.abs(),
+            },
+            Shape::ConicalFrustum {
+                radius_top,
+                radius_bottom,
+                half_height,
+            } => frustum(*radius_top, *radius_bottom, *half_height).into(),
+            Shape::HalfSpace { normal } => Self::HalfSpace { normal: *normal },
+            Shape::Rounded(rounded) => match (core(rounded.core()), rounded.radius()) {
+                (CoreDescription::Segment { a, b }, 0.0) => Self::Segment { a, b },
+                (CoreDescription::Segment { a, b }, radius) => {
+                    Self::CapsuleBetween { a, b, radius }
+                }
+                (CoreDescription::Triangle { a, b, c }, 0.0) => Self::Triangle { a, b, c },
+                (core, radius) => Self::Rounded { core, radius },
+            },
             #[cfg(feature = "rapier")]
-            Shape::Rapier(shape) => foreign::describe(&**shape)?,
+            Shape::Rapier(shape) => foreign::describe(shape)?,
         })
+    }
+}
+
+/// A frustum by its sizes, or the simplest that it is.
+fn frustum(radius_top: f32, radius_bottom: f32, half_height: f32) -> CoreDescription {
+    let (radius_top, radius) = (radius_top.abs(), radius_bottom.abs());
+    let height = 2.0 * half_height.abs();
+    if radius_top == radius {
+        CoreDescription::Cylinder { radius, height }
+    } else if radius_top == 0.0 {
+        CoreDescription::Cone { radius, height }
+    } else {
+        CoreDescription::ConicalFrustum {
+            radius_top,
+            radius_bottom: radius,
+            height,
+        }
+    }
+}
+
+fn core(core: &RoundedCore) -> CoreDescription {
+    match core {
+        RoundedCore::Segment([a, b]) => CoreDescription::Segment { a: *a, b: *b },
+        RoundedCore::Triangle([a, b, c]) => CoreDescription::Triangle {
+            a: *a,
+            b: *b,
+            c: *c,
+        },
+        RoundedCore::Cuboid { half_size } => CoreDescription::Cuboid {
+            half_size: *half_size,
+        },
+        RoundedCore::ConicalFrustum {
+            radius_top,
+            radius_bottom,
+            half_height,
+        } => frustum(*radius_top, *radius_bottom, *half_height),
+        RoundedCore::Convex(mesh) => {
+            let (vertices, polygons) = faces(mesh);
+            CoreDescription::Convex { vertices, polygons }
+        }
     }
 }
 
@@ -93,43 +154,6 @@ impl TryFrom<&CollisionShape> for ShapeDescription {
 
     fn try_from(shape: &CollisionShape) -> Result<Self, NoDescriptionError> {
         Self::of(shape)
-    }
-}
-
-/// Data for shapes by their sizes, as [`Shape`] has them.
-#[cfg(feature = "rapier")]
-impl ShapeDescription {
-    /// All within a radius of a segment.
-    pub(super) fn capsule(a: Vec3, b: Vec3, radius: f32) -> Self {
-        let is_upright = a == -b && b.x == 0.0 && b.z == 0.0 && b.y >= 0.0;
-        if is_upright {
-            let length = 2.0 * b.y;
-            Self::Capsule { radius, length }
-        } else {
-            Self::CapsuleBetween { a, b, radius }
-        }
-    }
-
-    /// A cone without its tip, or one of its special cases.
-    #[cfg_attr(
-        not(test),
-        expect(dead_code, reason = "`Shape` has no conical frustum so far")
-    )]
-    pub(super) fn frustum(radius_top: f32, radius_bottom: f32, half_height: f32) -> Self {
-        let height = 2.0 * half_height;
-        if radius_top == radius_bottom {
-            let radius = radius_top;
-            Self::Cylinder { radius, height }
-        } else if radius_top == 0.0 {
-            let radius = radius_bottom;
-            Self::Cone { radius, height }
-        } else {
-            Self::ConicalFrustum {
-                radius_top,
-                radius_bottom,
-                height,
-            }
-        }
     }
 }
 

@@ -187,8 +187,8 @@ pub enum ShapeDescription {
         columns: u32,
         /// The heights, row by row.
         heights: Vec<f32>,
-        /// The length of the whole along x and along z.
-        size: Vec2,
+        /// The size of a cell along x and along z.
+        cell_size: Vec2,
         /// The row and the column of each cell that is open. None, if they are missing.
         #[serde(default)]
         holes: Vec<[u32; 2]>,
@@ -387,7 +387,7 @@ impl ShapeDescription {
             rows: 2,
             columns: 2,
             heights: vec![0.0; 4],
-            size: Vec2::ONE,
+            cell_size: Vec2::ONE,
             holes: Vec::new(),
         };
         default_voxels, "Voxels": Self::Voxels { cell_size: 1.0, cells: vec![IVec3::ZERO] };

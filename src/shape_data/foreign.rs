@@ -1,35 +1,28 @@
 //! Data for shapes of Rapier's.
 
 use bevy::prelude::*;
-use bevy_rapier3d::parry::shape::{self as parry, TypedShape};
+use bevy_rapier3d::parry::shape::{self as parry, SharedShape, TypedShape};
 
 use super::{
     describe::NoDescriptionError,
     description::{CoreDescription, PartDescription, ShapeDescription},
 };
+use crate::narrow_phase::{RapierShape, Shape};
 
 /// The data of one of the crate's own shapes that is the same as one of Rapier's. Surfaces stay
 /// surfaces.
-pub(super) fn describe(shape: &dyn parry::Shape) -> Result<ShapeDescription, NoDescriptionError> {
-    Ok(match shape.as_typed_shape() {
-        TypedShape::Ball(ball) => ShapeDescription::Sphere {
-            radius: ball.radius,
-        },
-        TypedShape::Cuboid(cuboid) => ShapeDescription::Cuboid {
-            half_size: cuboid.half_extents,
-        },
-        TypedShape::Capsule(capsule) => {
-            let parry::Segment { a, b } = capsule.segment;
-            ShapeDescription::capsule(a, b, capsule.radius)
-        }
-        TypedShape::Segment(&parry::Segment { a, b }) => ShapeDescription::Segment { a, b },
-        TypedShape::Triangle(&parry::Triangle { a, b, c }) => {
-            ShapeDescription::Triangle { a, b, c }
-        }
-        TypedShape::TriMesh(mesh) => surface(mesh.vertices().to_vec(), mesh.indices()),
+pub(super) fn describe(shape: &RapierShape) -> Result<ShapeDescription, NoDescriptionError> {
+    if let Some(own) = shape.own() {
+        return ShapeDescription::of(own);
+    }
+    Ok(match shape.raw().as_typed_shape() {
         TypedShape::HeightField(field) => {
             let (vertices, triangles) = field.to_trimesh();
-            surface(vertices, &triangles)
+            ShapeDescription::Mesh {
+                vertices,
+                polygons: triangles.iter().map(|corners| corners.to_vec()).collect(),
+                surface_only: true,
+            }
         }
         TypedShape::Polyline(line) => ShapeDescription::Compound {
             parts: line
@@ -38,9 +31,6 @@ pub(super) fn describe(shape: &dyn parry::Shape) -> Result<ShapeDescription, NoD
                     PartDescription::at(Vec3::ZERO, ShapeDescription::Segment { a, b })
                 })
                 .collect(),
-        },
-        TypedShape::HalfSpace(half_space) => ShapeDescription::HalfSpace {
-            normal: half_space.normal,
         },
         TypedShape::Voxels(voxels) if is_cubic(voxels.voxel_size()) => {
             let filled = voxels.voxels().filter(|voxel| !voxel.state.is_empty());
@@ -51,41 +41,6 @@ pub(super) fn describe(shape: &dyn parry::Shape) -> Result<ShapeDescription, NoD
         }
         TypedShape::ConvexPolyhedron(solid) => ShapeDescription::ConvexHull {
             points: solid.points().to_vec(),
-        },
-        TypedShape::Cylinder(cylinder) => ShapeDescription::Cylinder {
-            radius: cylinder.radius,
-            height: 2.0 * cylinder.half_height,
-        },
-        TypedShape::Cone(cone) => ShapeDescription::Cone {
-            radius: cone.radius,
-            height: 2.0 * cone.half_height,
-        },
-        TypedShape::RoundCuboid(round) => ShapeDescription::Rounded {
-            core: CoreDescription::Cuboid {
-                half_size: round.inner_shape.half_extents,
-            },
-            radius: round.border_radius,
-        },
-        TypedShape::RoundTriangle(round) => {
-            let parry::Triangle { a, b, c } = round.inner_shape;
-            ShapeDescription::Rounded {
-                core: CoreDescription::Triangle { a, b, c },
-                radius: round.border_radius,
-            }
-        }
-        TypedShape::RoundCylinder(round) => ShapeDescription::Rounded {
-            core: CoreDescription::Cylinder {
-                radius: round.inner_shape.radius,
-                height: 2.0 * round.inner_shape.half_height,
-            },
-            radius: round.border_radius,
-        },
-        TypedShape::RoundCone(round) => ShapeDescription::Rounded {
-            core: CoreDescription::Cone {
-                radius: round.inner_shape.radius,
-                height: 2.0 * round.inner_shape.half_height,
-            },
-            radius: round.border_radius,
         },
         TypedShape::RoundConvexPolyhedron(round) => ShapeDescription::Rounded {
             core: CoreDescription::ConvexHull {
@@ -98,30 +53,25 @@ pub(super) fn describe(shape: &dyn parry::Shape) -> Result<ShapeDescription, NoD
                 Ok(PartDescription {
                     position: pose.translation,
                     rotation: pose.rotation,
-                    shape: describe(&**shape)?,
+                    shape: describe_part(shape)?,
                 })
             });
             ShapeDescription::Compound {
                 parts: parts.collect::<Result<_, _>>()?,
             }
         }
-        TypedShape::Voxels(_) | TypedShape::Custom(_) => {
+        _ => {
             return Err(NoDescriptionError {
-                kind: format!("{:?}", shape.shape_type()),
+                kind: format!("{:?}", shape.raw().shape_type()),
             });
         }
     })
 }
 
-fn is_cubic(size: Vec3) -> bool {
-    size.x == size.y && size.y == size.z
+fn describe_part(shape: &SharedShape) -> Result<ShapeDescription, NoDescriptionError> {
+    ShapeDescription::of(&Shape::from(shape.clone()))
 }
 
-/// A mesh without an inside.
-fn surface(vertices: Vec<Vec3>, triangles: &[[u32; 3]]) -> ShapeDescription {
-    ShapeDescription::Mesh {
-        vertices,
-        polygons: triangles.iter().map(|corners| corners.to_vec()).collect(),
-        surface_only: true,
-    }
+fn is_cubic(size: Vec3) -> bool {
+    size.x == size.y && size.y == size.z
 }

@@ -36,6 +36,7 @@ const MOST: Color = Color::WHITE;
 const NOTHING: CollisionGizmos = CollisionGizmos {
     moving: None,
     resting: None,
+    shapes: None,
     contacts: None,
     normal_length: 2.0,
     leaves: None,

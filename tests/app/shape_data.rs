@@ -10,7 +10,8 @@ use bevy::{
     prelude::*,
     reflect::{
         FromReflect, GetPath, ReflectRef, TypeInfo, TypeRegistry,
-        enums::{DynamicEnum, DynamicVariant}, structs::DynamicStruct,
+        enums::{DynamicEnum, DynamicVariant},
+        structs::DynamicStruct,
     },
 };
 use bevy_octree::{
@@ -477,11 +478,11 @@ mod json {
     #[test]
     fn a_shape_of_rapiers_without_data_says_so() {
         use bevy_rapier3d::parry::shape::SharedShape;
-        let ball = CollisionShape(Shape::Rapier(SharedShape::ball(0.5)));
+        let ball = CollisionShape::from(SharedShape::ball(0.5));
         let expected = json!({ "Sphere": { "radius": 0.5 } });
         assert_eq!(serde_json::to_value(&ball).unwrap(), expected);
         let bricks = SharedShape::voxels(Vec3::new(1.0, 2.0, 1.0), &[IVec3::ZERO]);
-        let error = serde_json::to_value(CollisionShape(Shape::Rapier(bricks))).unwrap_err();
+        let error = serde_json::to_value(CollisionShape::from(bricks)).unwrap_err();
         assert!(
             error
                 .to_string()

@@ -1,4 +1,4 @@
-use bevy::math::{IVec3, Vec2};
+use bevy::math::{IVec3, Vec2, Vec3};
 use proptest::{collection::vec, prelude::*};
 
 use super::*;
@@ -210,7 +210,7 @@ fn sizes_that_are_none_are_refused() {
         rows: 2,
         columns: 2,
         heights: vec![0.0; 3],
-        size: Vec2::ONE,
+        cell_size: Vec2::ONE,
         holes: vec![],
     }));
 }
@@ -220,7 +220,7 @@ fn size() -> impl Strategy<Value = f32> {
 }
 
 fn point() -> impl Strategy<Value = Vec3> {
-    [-10..10f32, -10..10f32, -10..10f32].prop_map(Vec3::from)
+    [-10.0..10f32, -10.0..10f32, -10.0..10f32].prop_map(Vec3::from)
 }
 
 fn sizes() -> impl Strategy<Value = Vec3> {
@@ -286,12 +286,12 @@ fn bounded() -> impl Strategy<Value = ShapeDescription> {
         }),
         (core(), size()).prop_map(|(core, radius)| ShapeDescription::Rounded { core, radius }),
         core().prop_map(ShapeDescription::from),
-        (vec(-9..9f32, 12), sizes(), vec([0..2u32, 0..3u32], 0..3)).prop_map(
+        (vec(-9.0..9f32, 12), sizes(), vec([0..2u32, 0..3u32], 0..3)).prop_map(
             |(heights, size, holes)| ShapeDescription::HeightField {
                 rows: 3,
                 columns: 4,
                 heights,
-                size: size.truncate(),
+                cell_size: size.truncate(),
                 holes,
             }
         ),
@@ -304,7 +304,7 @@ fn bounded() -> impl Strategy<Value = ShapeDescription> {
 }
 
 pub fn description() -> impl Strategy<Value = ShapeDescription> {
-    let turn = (point(), 0..6f32)
+    let turn = (point(), 0.0..6f32)
         .prop_map(|(axis, angle)| Quat::from_axis_angle(axis.normalize_or(Vec3::Y), angle));
     let part = (point(), turn, bounded()).prop_map(|(position, rotation, shape)| PartDescription {
         position,

@@ -15,37 +15,43 @@ fn the_sizes_of_what_was_made_by_hand_are_absolute() {
     );
 }
 
-#[cfg(feature = "rapier")]
 #[test]
 fn frusta_and_capsules_have_simpler_names_where_they_are_simpler() {
     use ShapeDescription as Data;
-    let (radius, height) = (1.0, 4.0);
+    let of = |shape: Shape| Data::of(&shape).unwrap();
+    let (radius, height, length) = (1.0, 4.0, 2.0);
+    for data in [
+        Data::Cylinder { radius, height },
+        Data::Cone { radius, height },
+        Data::ConicalFrustum {
+            radius_top: 1.0,
+            radius_bottom: 0.0,
+            height,
+        },
+        Data::Capsule { radius, length },
+        Data::CapsuleBetween {
+            a: Vec3::X,
+            b: Vec3::Y,
+            radius,
+        },
+        Data::default_triangle(),
+        Data::default_segment(),
+        Data::default_halfspace(),
+        Data::default_rounded(),
+    ] {
+        assert_eq!(of(data.build().unwrap()), data);
+    }
     assert_eq!(
-        Data::frustum(1.0, 1.0, 2.0),
+        of(Shape::conical_frustum(1.0, 1.0, 4.0)),
         Data::Cylinder { radius, height }
     );
-    assert_eq!(Data::frustum(0.0, 1.0, 2.0), Data::Cone { radius, height });
-    let inverted = Data::ConicalFrustum {
-        radius_top: 1.0,
-        radius_bottom: 0.0,
-        height,
-    };
-    assert_eq!(Data::frustum(1.0, 0.0, 2.0), inverted);
     assert_eq!(
-        Data::capsule(Vec3::NEG_Y, Vec3::Y, radius),
-        Data::Capsule {
-            radius,
-            length: 2.0
+        of(Shape::rounded(&Shape::cylinder(1.0, 4.0), 0.5).unwrap()),
+        Data::Rounded {
+            core: CoreDescription::Cylinder { radius, height },
+            radius: 0.5
         }
     );
-    for (a, b) in [
-        (Vec3::NEG_X, Vec3::X),
-        (Vec3::ZERO, Vec3::Y),
-        (Vec3::Y, Vec3::NEG_Y),
-    ] {
-        let expected = Data::CapsuleBetween { a, b, radius };
-        assert_eq!(Data::capsule(a, b, radius), expected);
-    }
 }
 
 #[cfg(feature = "rapier")]
@@ -62,7 +68,7 @@ mod rapier {
     use crate::shape_data::{CoreDescription, PartDescription};
 
     fn data(shape: SharedShape) -> ShapeDescription {
-        ShapeDescription::of(&Shape::Rapier(shape)).unwrap()
+        ShapeDescription::of(&Shape::from(shape)).unwrap()
     }
 
     #[test]
@@ -196,7 +202,7 @@ mod rapier {
                 shape.as_typed_shape(),
                 parry::TypedShape::Voxels(_) | parry::TypedShape::Compound(_)
             ));
-            let error = ShapeDescription::of(&Shape::Rapier(shape)).unwrap_err();
+            let error = ShapeDescription::of(&Shape::from(shape)).unwrap_err();
             assert_eq!(
                 error.to_string(),
                 "there is no data for a shape of Rapier's of the kind Voxels"
