@@ -24,6 +24,9 @@ use crate::{
 /// changed; one that is removed and inserted again, even within a frame, starts anew: its contacts
 /// end and start.
 ///
+/// It is written and read, by serde and by reflection, as [plain
+/// data](crate::shape_data::ShapeDescription): who makes shapes in files and editors has that.
+///
 /// It is placed by the [`Transform`]s of the entity and its ancestors. What becomes of shapes that
 /// a scaled parent shears is said of the
 /// [`BoundsPlugin`](crate::plugins::BoundsPlugin#sheared-shapes).

@@ -24,7 +24,7 @@
 //! | field of an object | type | default |
 //! |---|---|---|
 //! | `name` | text, unique in the scene | `object_` and its index from 0 |
-//! | `shape` | `Cuboid(half_size: (x, y, z))`, `Sphere(radius: r)`, `Convex(vertices: […], polygons: […])`, `Mesh(vertices: […], polygons: […], surface_only: false)` | |
+//! | `shape` | `Cuboid(half_size: (x, y, z))`, `Sphere(radius: r)`, `Convex(vertices: […], polygons: […])`, `Mesh(vertices: […], polygons: […], surface_only: false)`, and all other kinds of [`ShapeDescription`] | |
 //! | `position` | `(x, y, z)`; left out with a track | `(0, 0, 0)` |
 //! | `rotation` | `(x, y, z)`: Euler angles in degrees | `(0, 0, 0)` |
 //! | `scale` | `(x, y, z)`, no component 0 | `(1, 1, 1)` |
