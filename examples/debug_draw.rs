@@ -1,6 +1,6 @@
-//! Everything that can be drawn for debugging, in a picture: the leaves of the octree, the boxes of
-//! moving and resting entities, contacts and their normals, a ray and what it hits, a ball on its
-//! way. Without a window: the lines are those that Bevy's gizmos would show.
+//! Everything that can be drawn for debugging, in a picture: the leaves of the octree, shapes of
+//! several kinds, the boxes of moving and resting entities, contacts and their normals, a ray and what
+//! it hits, a ball on its way. Without a window: the lines are those that Bevy's gizmos would show.
 //!
 //! `cargo run --release --features debug_draw --example debug_draw`
 
@@ -35,7 +35,7 @@ mod outcome;
 mod svg;
 
 const HELP: &str = "
-A swarm of cubes and balls above a field of resting ones, after some ticks; drawn to debug_draw.svg.
+A swarm of cubes, balls, capsules, cones and others above a field of resting boxes, after some ticks; drawn to debug_draw.svg.
 
 Usage: debug_draw [OPTIONS]
 
@@ -113,6 +113,7 @@ fn run(mut arguments: Arguments) -> Outcome {
     let nothing = CollisionGizmos {
         moving: None,
         resting: None,
+        shapes: None,
         contacts: None,
         rays: None,
         sweeps: None,
@@ -180,13 +181,16 @@ fn spawn(world: &mut World, objects: u16) {
             between(-2.0, 1.0),
             between(-2.0, 2.0),
         ));
-        let shape = if number % 2 == 0 {
-            CollisionShape::sphere(0.45)
-        } else {
-            CollisionShape::cuboid(0.8, 0.8, 0.8)
+        let shape = match number % 6 {
+            0 => Shape::sphere(0.45),
+            1 => Shape::cuboid(0.8, 0.8, 0.8),
+            2 => Shape::capsule(0.3, 0.6),
+            3 => Shape::cone(0.5, 1.0),
+            4 => Shape::cylinder(0.4, 0.8),
+            _ => Shape::rounded(&Shape::cuboid(0.5, 0.5, 0.5), 0.2).unwrap_or(Shape::sphere(0.45)),
         };
         world.spawn((
-            shape,
+            CollisionShape(shape),
             velocity,
             Bounce::Reverse,
             Transform::from_translation(place),
@@ -260,6 +264,7 @@ fn picture(leaves: &[Path], objects: &[Path], title: &str) -> Svg {
         ("leaves", Some(shades.leaf_colors[1])),
         ("moving", shades.moving),
         ("resting", shades.resting),
+        ("shapes", shades.shapes),
         ("of its own", Some(OWN)),
         ("contacts", shades.contacts),
         ("ray and hit", shades.rays),

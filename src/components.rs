@@ -24,6 +24,9 @@ use crate::{
 /// changed; one that is removed and inserted again, even within a frame, starts anew: its contacts
 /// end and start.
 ///
+/// It is written and read, by serde and by reflection, as [plain
+/// data](crate::shape_data::ShapeDescription): who makes shapes in files and editors has that.
+///
 /// It is placed by the [`Transform`]s of the entity and its ancestors. What becomes of shapes that
 /// a scaled parent shears is said of the
 /// [`BoundsPlugin`](crate::plugins::BoundsPlugin#sheared-shapes).
@@ -43,7 +46,7 @@ use crate::{
 #[doc(alias = "collider")]
 #[derive(Component, Clone, Debug, Deref, Reflect)]
 #[reflect(opaque)]
-#[reflect(Component, Clone, Debug)]
+#[reflect(Component, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 #[require(Transform, WorldAabb, BroadPhaseProxy)]
 #[component(on_remove = leave_index)]

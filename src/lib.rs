@@ -26,7 +26,8 @@
 //! | component | what it does |
 //! |---|---|
 //! | [`CollisionShape`](components::CollisionShape) | makes the entity take part; brings its box and its entry in the index with it |
-//! | `ShapeFromMesh` | has that shape built of a mesh asset (feature `mesh`) |
+//! | [`ShapeDescription`](shape_data::ShapeDescription) | has that shape built of plain data, as files and editors have it |
+//! | `ShapeFromMesh` | has it built of a mesh asset (feature `mesh`) |
 //! | [`WorldAabb`](components::WorldAabb) | its box in the world, kept up to date |
 //! | [`BroadPhaseProxy`](components::BroadPhaseProxy) | its entry in the index |
 //! | [`Velocity`](motion::Velocity) | moves it each tick; without one it is at rest, until something else moves it |
@@ -78,7 +79,7 @@
 //! | `scene_files` | scenes read from RON files, and written to them: [`scene`] |
 //! | `asset` | the same through Bevy's asset system |
 //! | `reports` | the report over a clip, as CSV and JSON lines: [`CollisionReport`](scene::CollisionReport) |
-//! | `debug_draw` | the module `debug_draw`: leaves, boxes, contacts and queries by Bevy's gizmos |
+//! | `debug_draw` | the module `debug_draw`: leaves, shapes, boxes, contacts and queries by Bevy's gizmos |
 //! | `picking` | the module `picking`: a backend for `bevy_picking` |
 //! | `multi_threaded` | systems and the broad phase on several threads, shapes of mesh assets beside them |
 //!
@@ -130,6 +131,7 @@ pub mod response;
 pub mod scene;
 pub mod schedule;
 pub mod settings;
+pub mod shape_data;
 mod shear;
 pub mod spatial_query;
 pub mod swept;
@@ -192,6 +194,7 @@ pub mod prelude {
         response::Bounce,
         schedule::CollisionSystems,
         settings::BroadPhaseSettings,
+        shape_data::{ShapeDescription, ShapeDescriptionError},
         spatial_query::{
             HitLists, PairHit, PointHit, RayCastOptions, RayHit, RayPassage, ShapeCastOptions,
             ShapeContact, ShapeHit, SpatialQuery, SpatialQueryFilter, update_spatial_index,

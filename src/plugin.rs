@@ -18,7 +18,7 @@ use crate::{
     response::{self, BouncePlugin},
     scene::ScenePlugin,
     schedule::{CollisionSchedulePlugin, CollisionSystems, add_to_tick, expect_ticks},
-    settings,
+    settings, shape_data,
     swept::{self, SweptPlugin},
 };
 
@@ -146,6 +146,7 @@ impl Plugin for CollisionCorePlugin {
         motion::register(app);
         collision_index::register(app);
         components::register(app);
+        shape_data::register(app);
         #[cfg(feature = "mesh")]
         crate::mesh_shape::register(app);
         swept::register(app);

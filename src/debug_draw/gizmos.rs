@@ -12,7 +12,7 @@ use bevy::{color::palettes::tailwind, prelude::*};
 /// use bevy_octree::prelude::*;
 ///
 /// // Contacts alone, from the start.
-/// let contacts = CollisionGizmos { moving: None, resting: None, ..default() };
+/// let contacts = CollisionGizmos { moving: None, resting: None, shapes: None, ..default() };
 /// App::new()
 ///     .add_plugins((MinimalPlugins, AssetPlugin::default(), MeshPlugin, GizmoPlugin))
 ///     .add_plugins((OctreePlugins::default(), CollisionDebugPlugin))
@@ -27,6 +27,11 @@ pub struct CollisionGizmos {
     pub moving: Option<Color>,
     /// Those of all other entities.
     pub resting: Option<Color>,
+    /// Shapes, as the exact tests know them, where they were in the last tick. Of a mesh, its edges,
+    /// and where it has more than 2 048 of them, every second one, or third, and so on; of a
+    /// half-space, a patch around its origin and the normal. A shape of Rapier's that is none of the
+    /// crate's own kinds is drawn as its box.
+    pub shapes: Option<Color>,
     /// Contacts: a cross where the two meet, and an arrow along the normal, from
     /// [`a`](crate::contacts::Collision::a) to `b`. Where the geometry is not
     /// [known](crate::contacts::CollisionEventSettings::geometry), a line from the centre of one
@@ -55,6 +60,7 @@ impl Default for CollisionGizmos {
         Self {
             moving: Some(tailwind::AMBER_400.into()),
             resting: Some(tailwind::SLATE_400.into()),
+            shapes: Some(tailwind::SKY_400.into()),
             contacts: Some(tailwind::RED_500.into()),
             normal_length: 0.5,
             leaves: None,

@@ -1,5 +1,5 @@
 //! Draws what is known about collisions by Bevy's gizmos: the leaves of the broad phase's tree, the
-//! boxes of entities, contacts with their normals, and what queries met. With the feature
+//! shapes and boxes of entities, contacts with their normals, and what queries met. With the feature
 //! `debug_draw`.
 //!
 //! ```
@@ -30,7 +30,9 @@ mod boxes;
 mod contacts;
 mod gizmos;
 mod leaves;
+mod outline;
 mod queries;
+mod shapes;
 mod sweep;
 
 use bevy::{
@@ -68,6 +70,7 @@ impl Plugin for CollisionDebugPlugin {
             (
                 leaves::draw_leaves,
                 boxes::draw_boxes,
+                shapes::draw_shapes,
                 sweep::draw_ways,
                 contacts::draw_contacts,
             )

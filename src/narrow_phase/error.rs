@@ -1,6 +1,6 @@
 //! What can be wrong with a shape, and with where it is put.
 
-use bevy::math::{Vec2, Vec3};
+use bevy::math::{Quat, Vec2, Vec3};
 use thiserror::Error;
 
 /// Why a shape cannot be built.
@@ -192,6 +192,29 @@ pub enum ShapeError {
     /// A convex mesh encloses no volume.
     #[error("a convex mesh has to enclose a volume")]
     Flat,
+    /// A part of a compound is wrong.
+    #[error("part {part}: {error}")]
+    InPart {
+        /// Which part.
+        part: usize,
+        /// What is wrong with it.
+        #[source]
+        error: Box<Self>,
+    },
+    /// A part of a compound is nowhere: its position is NaN or infinite, or its rotation is that or
+    /// of length zero.
+    #[error("part {part} is at {position}, turned by {rotation}: that is nowhere")]
+    PartPose {
+        /// Which part.
+        part: usize,
+        /// Its position.
+        position: Vec3,
+        /// Its rotation.
+        rotation: Quat,
+    },
+    /// Compounds are within compounds, more of them than that.
+    #[error("compounds can be within one another {0} deep, these are deeper")]
+    TooDeep(usize),
     /// The Bevy mesh does not consist of triangles.
     #[cfg(feature = "mesh")]
     #[error("only triangle lists and triangle strips have polygons, this mesh is a {0:?}")]

@@ -7,10 +7,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
 use super::{
     error::{ObjectProblem, SceneProblem},
-    shape::ShapeDescription,
     test_set::TestSet,
 };
-use crate::motion::PositionTrack;
+use crate::{motion::PositionTrack, shape_data::ShapeDescription};
 
 /// A whole scene. See the [module](super) for the file format.
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]

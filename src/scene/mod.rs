@@ -24,7 +24,7 @@
 //! | field of an object | type | default |
 //! |---|---|---|
 //! | `name` | text, unique in the scene | `object_` and its index from 0 |
-//! | `shape` | `Cuboid(half_size: (x, y, z))`, `Sphere(radius: r)`, `Convex(vertices: […], polygons: […])`, `Mesh(vertices: […], polygons: […], surface_only: false)` | |
+//! | `shape` | `Cuboid(half_size: (x, y, z))`, `Sphere(radius: r)`, `Convex(vertices: […], polygons: […])`, `Mesh(vertices: […], polygons: […], surface_only: false)`, and all other kinds of [`ShapeDescription`] | |
 //! | `position` | `(x, y, z)`; left out with a track | `(0, 0, 0)` |
 //! | `rotation` | `(x, y, z)`: Euler angles in degrees | `(0, 0, 0)` |
 //! | `scale` | `(x, y, z)`, no component 0 | `(1, 1, 1)` |
@@ -69,7 +69,6 @@ mod description;
 mod error;
 #[cfg(feature = "scene_files")]
 mod file;
-mod shape;
 mod spawn;
 pub mod stress;
 mod test_set;
@@ -82,8 +81,10 @@ pub use clip_report::{CollisionReport, Interval, PairContacts, TickOutOfOrder};
 pub use cube::Cube;
 pub use description::{Content, Motion, ObjectDescription, SceneDescription};
 pub use error::{ObjectProblem, SceneError, SceneProblem};
-pub use shape::ShapeDescription;
 pub use test_set::{Plane, TestCube, TestSet, TestSetError};
+
+#[doc(no_inline)]
+pub use crate::shape_data::ShapeDescription;
 
 /// Makes scenes known to reflection.
 #[derive(Clone, Copy, Debug, Default)]

@@ -36,6 +36,7 @@ const MOST: Color = Color::WHITE;
 const NOTHING: CollisionGizmos = CollisionGizmos {
     moving: None,
     resting: None,
+    shapes: None,
     contacts: None,
     normal_length: 2.0,
     leaves: None,
@@ -515,4 +516,88 @@ fn without_gizmos_the_plugin_does_nothing() {
     spawn(&mut app, 0.0);
     tick(&mut app, 2);
     assert_eq!(counters(&app).objects, 1);
+}
+
+const SHAPES: Color = Color::Srgba(css::TEAL);
+
+/// The box around all that is drawn in a colour.
+fn extent(app: &App, color: Color) -> Option<Aabb3d> {
+    let lines = lines(app, color);
+    (!lines.is_empty())
+        .then(|| Aabb3d::from_point_cloud(Isometry3d::IDENTITY, lines.into_iter().flatten()))
+}
+
+fn assert_around(drawn: Aabb3d, expected: Aabb3d) {
+    let off = (drawn.min - expected.min).abs() + (drawn.max - expected.max).abs();
+    assert!(off.max_element() < 0.01, "{drawn:?}, {expected:?}");
+}
+
+/// Turned so that what is round reaches as far as its box along the axes.
+#[test]
+fn shapes_are_drawn_as_large_as_their_boxes_and_where_they_are() {
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let shapes = [
+        Shape::cuboid(1.0, 2.0, 3.0),
+        Shape::sphere(0.5),
+        Shape::capsule(0.5, 1.0),
+        Shape::cone(0.5, 1.0),
+        Shape::cylinder(0.5, 2.0),
+        Shape::conical_frustum(0.25, 0.5, 1.0),
+        Shape::capsule_between(Vec3::NEG_X, Vec3::X, 0.5).unwrap(),
+        Shape::triangle(Vec3::ZERO, Vec3::X, Vec3::Y).unwrap(),
+        Shape::segment(Vec3::NEG_X, Vec3::ONE).unwrap(),
+        Shape::rounded(&Shape::cuboid(1.0, 2.0, 3.0), 0.25).unwrap(),
+        Shape::rounded(&Shape::cylinder(0.5, 1.0), 0.25).unwrap(),
+        Shape::convex(corners, faces).unwrap(),
+        Shape::mesh(corners, faces).unwrap(),
+    ];
+    for shape in shapes {
+        let mut app = drawing(BroadPhaseMethod::default());
+        let place = Transform {
+            translation: Vec3::new(5.0, 6.0, 7.0),
+            rotation: Quat::from_rotation_z(std::f32::consts::FRAC_PI_2),
+            scale: Vec3::new(2.0, -2.0, 2.0),
+        };
+        let text = format!("{shape:?}");
+        let entity = app.world_mut().spawn((CollisionShape(shape), place)).id();
+        let shapes = Some(SHAPES);
+        set(&mut app, CollisionGizmos { shapes, ..NOTHING });
+        tick(&mut app, 2);
+        let drawn = extent(&app, SHAPES).unwrap_or_else(|| panic!("{text} is not drawn"));
+        assert_around(drawn, aabb(&app, entity));
+        draw(&mut app, NOTHING);
+        assert_eq!(extent(&app, SHAPES), None);
+    }
+}
+
+#[test]
+fn a_shape_has_the_colour_of_its_entity_or_is_hidden_with_it() {
+    let mut app = drawing(BroadPhaseMethod::default());
+    let [plain, own, hidden] = [0.0, 8.0, 16.0].map(|x| spawn(&mut app, x));
+    app.world_mut()
+        .entity_mut(own)
+        .insert(DebugDraw::Color(OWN));
+    app.world_mut().entity_mut(hidden).insert(DebugDraw::Hidden);
+    tick(&mut app, 1);
+    let shapes = Some(SHAPES);
+    draw(&mut app, CollisionGizmos { shapes, ..NOTHING });
+    assert_around(extent(&app, SHAPES).unwrap(), aabb(&app, plain));
+    assert_around(extent(&app, OWN).unwrap(), aabb(&app, own));
+    // What is not drawn of others is not drawn of it, but for its box.
+    draw(&mut app, NOTHING);
+    assert_eq!(lines(&app, OWN).len(), 12);
+}
+
+#[test]
+fn shapes_without_an_end_are_a_patch() {
+    let mut app = drawing(BroadPhaseMethod::default());
+    let ground = CollisionShape(Shape::half_space(Vec3::Y).unwrap());
+    app.world_mut()
+        .spawn((ground, Transform::from_xyz(0.0, 3.0, 0.0)));
+    let shapes = Some(SHAPES);
+    set(&mut app, CollisionGizmos { shapes, ..NOTHING });
+    tick(&mut app, 2);
+    let drawn = extent(&app, SHAPES).expect("it is drawn");
+    assert!(drawn.min.y == 3.0 && drawn.max.x <= 10.0, "{drawn:?}");
 }

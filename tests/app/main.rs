@@ -41,6 +41,7 @@ mod rooms;
 mod schedule;
 mod seams;
 mod shape_contacts;
+mod shape_data;
 mod shape_matrix;
 mod shapes;
 mod shear;

@@ -476,6 +476,8 @@ fn everything_is_registered_for_reflection() {
     let registry = app.world().resource::<AppTypeRegistry>().read();
     let components = [
         "CollisionShape",
+        "ShapeDescription",
+        "ShapeDescriptionError",
         "WorldAabb",
         "BroadPhaseProxy",
         "Cube",
