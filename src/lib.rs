@@ -27,6 +27,7 @@
 //! |---|---|
 //! | [`CollisionShape`](components::CollisionShape) | makes the entity take part; brings its box and its entry in the index with it |
 //! | `ShapeFromMesh` | has that shape built of a mesh asset (feature `mesh`) |
+//! | `ShapesFromMeshes` | does that for all meshes under it, as those of a glTF scene (feature `mesh`) |
 //! | [`WorldAabb`](components::WorldAabb) | its box in the world, kept up to date |
 //! | [`BroadPhaseProxy`](components::BroadPhaseProxy) | its entry in the index |
 //! | [`Velocity`](motion::Velocity) | moves it each tick; without one it is at rest, until something else moves it |
@@ -157,7 +158,10 @@ pub mod prelude {
     #[cfg(feature = "debug_draw")]
     pub use crate::debug_draw::{CollisionDebugPlugin, CollisionGizmos, DebugDraw, QueryGizmos};
     #[cfg(feature = "mesh")]
-    pub use crate::mesh_shape::{MeshForm, ShapeFromMesh, ShapeFromMeshError};
+    pub use crate::mesh_shape::{
+        MeshForm, MeshRule, ShapeFromMesh, ShapeFromMeshError, ShapesFromMeshes, ShapesProgress,
+        ShapesReady,
+    };
     #[cfg(feature = "picking")]
     pub use crate::picking::{CollisionPickable, CollisionPickingPlugin};
     #[cfg(feature = "rapier")]

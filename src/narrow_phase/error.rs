@@ -126,6 +126,27 @@ pub enum ShapeError {
     #[cfg(feature = "mesh")]
     #[error("the data of the mesh is not in main memory: {0}")]
     NoAccess(String),
+    /// The mesh asset could not be loaded.
+    #[cfg(feature = "mesh")]
+    #[error("the mesh could not be loaded: {0}")]
+    NotLoaded(String),
+    /// The side of voxels is zero, negative, NaN or infinite.
+    #[cfg(feature = "mesh")]
+    #[error("the side of voxels must be finite and greater than zero, got {0}")]
+    VoxelSize(f32),
+    /// The box around a mesh has more voxels than are looked at.
+    #[cfg(feature = "mesh")]
+    #[error("{size} is too small a side for the voxels of this mesh: its box has more than {most}")]
+    TooManyVoxels {
+        /// The side.
+        size: f32,
+        /// How many there may be at most.
+        most: usize,
+    },
+    /// A shape of this kind cannot be made of a mesh.
+    #[cfg(feature = "mesh")]
+    #[error("no {0} can be made of a mesh")]
+    NotOfMeshes(&'static str),
 }
 
 /// Why a placed shape has no bounding box or sphere.

@@ -1,0 +1,1 @@
+//! Levels from glTF files, as Bevy loads them, headless: see `tests`.
