@@ -74,7 +74,7 @@
 //! | feature | what it adds |
 //! |---|---|
 //! | `rapier` | the module `rapier`: side by side with `bevy_rapier3d`, whose colliders are shapes too |
-//! | `mesh` | `PolygonMesh::from_mesh`: shapes from Bevy's `Mesh`; the component `ShapeFromMesh`, which builds them of assets; with `multi_threaded`, on other threads |
+//! | `mesh` | `PolygonMesh::from_mesh`: shapes from Bevy's `Mesh`; the component `ShapeFromMesh`, which builds them of assets, and `ShapesFromMeshes`, which does so for all meshes of a glTF scene; with `multi_threaded`, on other threads |
 //! | `scene_files` | scenes read from RON files, and written to them: [`scene`] |
 //! | `asset` | the same through Bevy's asset system |
 //! | `reports` | the report over a clip, as CSV and JSON lines: [`CollisionReport`](scene::CollisionReport) |

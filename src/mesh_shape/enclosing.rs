@@ -89,10 +89,9 @@ pub(super) fn cuboid(points: &[Vec3]) -> Result<Shape, ShapeError> {
 /// [`ShapeError::Empty`], and those of [`ball`].
 pub(super) fn sphere(points: &[Vec3]) -> Result<Shape, ShapeError> {
     let middle = Extent::of(points)?.middle();
-    let squared = (points
-        .iter()
-        .map(|point| point.as_dvec3().distance_squared(middle)))
-    .fold(0.0, f64::max);
+    let squared = (points.iter())
+        .map(|point| point.as_dvec3().distance_squared(middle))
+        .fold(0.0, f64::max);
     ball(middle, squared.sqrt())
 }
 
@@ -103,6 +102,12 @@ pub(super) fn sphere(points: &[Vec3]) -> Result<Shape, ShapeError> {
 /// # Errors
 /// [`ShapeError::Empty`], and those of [`capsule_between`].
 pub(super) fn capsule(points: &[Vec3]) -> Result<Shape, ShapeError> {
+    let ([back, front], radius) = capsule_around(points)?;
+    capsule_between(back, front, radius)
+}
+
+/// The ends of its segment, and its radius.
+fn capsule_around(points: &[Vec3]) -> Result<([DVec3; 2], f64), ShapeError> {
     let extent = Extent::of(points)?;
     let (half, middle) = (extent.half(), extent.middle());
     let axis = if half.x >= half.y && half.x >= half.z {
@@ -118,16 +123,12 @@ pub(super) fn capsule(points: &[Vec3]) -> Result<Shape, ShapeError> {
         (along, (from_middle - axis * along).length_squared())
     };
     let squared = (points.iter().map(|point| split(point).1)).fold(0.0, f64::max);
-    // Each point has to be within the cap, or between the two.
-    let [back, front] =
-        points
-            .iter()
-            .map(split)
-            .fold([0.0_f64; 2], |[back, front], (along, off)| {
-                let cap = (squared - off).max(0.0).sqrt();
-                [back.min(along + cap), front.max(along - cap)]
-            });
-    capsule_between(middle + axis * back, middle + axis * front, squared.sqrt())
+    // Each point has to be in the cap of an end, or between the two.
+    let ends = (points.iter().map(split)).fold([0.0_f64; 2], |[back, front], (along, off)| {
+        let cap = (squared - off).max(0.0).sqrt();
+        [back.min(along + cap), front.max(along - cap)]
+    });
+    Ok((ends.map(|end| middle + axis * end), squared.sqrt()))
 }
 
 /// A ball.
@@ -153,5 +154,86 @@ fn capsule_between(back: DVec3, front: DVec3, radius: f64) -> Result<Shape, Shap
         ball((back + front) * 0.5, radius)
     } else {
         Err(ShapeError::NotOfMeshes("capsule"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn points() -> impl Strategy<Value = Vec<Vec3>> {
+        let point = prop::array::uniform3(-10.0_f32..10.0).prop_map(Vec3::from);
+        prop::collection::vec(point, 1..40)
+    }
+
+    proptest! {
+        #[test]
+        fn a_capsule_has_all_points_and_no_more_than_it_needs(points in points()) {
+            let ([back, front], radius) = capsule_around(&points).unwrap();
+            let axis = (front - back).normalize_or_zero();
+            let off = |point: &Vec3| {
+                let point = point.as_dvec3();
+                let along = (point - back).dot(axis).clamp(0.0, back.distance(front));
+                point.distance(back + axis * along)
+            };
+            let farthest = points.iter().map(off).fold(0.0, f64::max);
+            prop_assert!((farthest - radius).abs() < 1e-9);
+            // Neither end can be drawn in.
+            for (end, way) in [(front, axis), (back, -axis)] {
+                let touches = |point: &&Vec3| {
+                    let from_end = point.as_dvec3() - end;
+                    from_end.dot(way) >= -1e-9 && (from_end.length() - radius).abs() < 1e-9
+                };
+                prop_assert!(back == front || points.iter().any(|point| touches(&point)) || radius == 0.0);
+            }
+        }
+
+        #[test]
+        fn a_box_has_all_points(points in points()) {
+            let shape = cuboid(&points);
+            if points.len() > 3 {
+                let Ok(Shape::Convex(mesh)) = shape else { panic!("{shape:?}") };
+                let low = points.iter().copied().reduce(Vec3::min).unwrap();
+                let high = points.iter().copied().reduce(Vec3::max).unwrap();
+                let corners = mesh.vertices();
+                prop_assert_eq!(corners.iter().copied().reduce(Vec3::min), Some(low));
+                prop_assert_eq!(corners.iter().copied().reduce(Vec3::max), Some(high));
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_around_the_origin_is_simple() {
+        let corners = [Vec3::new(1.0, 2.0, 3.0), Vec3::new(-1.0, -2.0, -3.0000005)];
+        let Ok(Shape::Cuboid { half_size }) = cuboid(&corners) else {
+            panic!("a cuboid")
+        };
+        assert_eq!(half_size, Vec3::new(1.0, 2.0, 3.0000005));
+        let flat = [Vec3::new(1.0, 0.0, 3.0), Vec3::new(-1.0, 0.0, -3.0)];
+        assert!(matches!(cuboid(&flat), Ok(Shape::Cuboid { .. })));
+        let Ok(Shape::Sphere { radius }) = sphere(&corners) else {
+            panic!("a ball")
+        };
+        assert!((radius - 14.0_f32.sqrt()).abs() < 1e-5);
+    }
+
+    #[test]
+    fn what_is_elsewhere_and_flat_is_a_rectangle_or_nothing() {
+        for axis in 0..3 {
+            let mut size = Vec3::new(1.0, 2.0, 3.0);
+            size[axis] = 0.0;
+            let Ok(Shape::Mesh(mesh)) = cuboid(&[Vec3::splat(5.0), Vec3::splat(5.0) + size]) else {
+                panic!("a rectangle")
+            };
+            assert_eq!(mesh.polygon_count(), 1);
+            assert_eq!(mesh.vertices().len(), 4);
+        }
+        assert!(matches!(
+            cuboid(&[Vec3::ONE, Vec3::new(1.0, 1.0, 2.0)]),
+            Err(ShapeError::Flat)
+        ));
+        assert!(matches!(cuboid(&[]), Err(ShapeError::Empty)));
     }
 }

@@ -433,6 +433,3 @@ fn take_shape(mut entity: EntityWorldMut) -> Option<Progress> {
 fn alive(entity: &EntityWorldMut) -> Option<()> {
     (!entity.is_despawned()).then_some(())
 }
-
-#[cfg(test)]
-mod tests;
