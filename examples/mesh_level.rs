@@ -102,10 +102,7 @@ fn spawn(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
     commands.spawn((
         Level,
         StaticShape,
-        ShapeFromMesh {
-            mesh: meshes.add(Cuboid::from_size(ROOM)),
-            form: MeshForm::SurfaceOnly,
-        },
+        ShapeFromMesh::of(meshes.add(Cuboid::from_size(ROOM)), MeshForm::SurfaceOnly),
         CollisionLayers::new(Layer::Level, LayerMask::ALL),
     ));
     // Of a vertex that is not there.

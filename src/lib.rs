@@ -28,6 +28,7 @@
 //! | [`CollisionShape`](components::CollisionShape) | makes the entity take part; brings its box and its entry in the index with it |
 //! | [`ShapeDescription`](shape_data::ShapeDescription) | has that shape built of plain data, as files and editors have it |
 //! | `ShapeFromMesh` | has it built of a mesh asset (feature `mesh`) |
+//! | `ShapesFromMeshes` | does that for all meshes under it, as those of a glTF scene (feature `mesh`) |
 //! | [`WorldAabb`](components::WorldAabb) | its box in the world, kept up to date |
 //! | [`BroadPhaseProxy`](components::BroadPhaseProxy) | its entry in the index |
 //! | [`Velocity`](motion::Velocity) | moves it each tick; without one it is at rest, until something else moves it |
@@ -75,7 +76,7 @@
 //! | feature | what it adds |
 //! |---|---|
 //! | `rapier` | the module `rapier`: side by side with `bevy_rapier3d`, whose colliders are shapes too |
-//! | `mesh` | `PolygonMesh::from_mesh`: shapes from Bevy's `Mesh`; the component `ShapeFromMesh`, which builds them of assets; with `multi_threaded`, on other threads |
+//! | `mesh` | `PolygonMesh::from_mesh`: shapes from Bevy's `Mesh`; the component `ShapeFromMesh`, which builds them of assets, and `ShapesFromMeshes`, which does so for all meshes of a glTF scene; with `multi_threaded`, on other threads |
 //! | `scene_files` | scenes read from RON files, and written to them: [`scene`] |
 //! | `asset` | the same through Bevy's asset system |
 //! | `reports` | the report over a clip, as CSV and JSON lines: [`CollisionReport`](scene::CollisionReport) |
@@ -168,7 +169,10 @@ pub mod prelude {
     #[cfg(feature = "debug_draw")]
     pub use crate::debug_draw::{CollisionDebugPlugin, CollisionGizmos, DebugDraw, QueryGizmos};
     #[cfg(feature = "mesh")]
-    pub use crate::mesh_shape::{MeshForm, ShapeFromMesh, ShapeFromMeshError};
+    pub use crate::mesh_shape::{
+        MeshForm, MeshRule, ShapeFromMesh, ShapeFromMeshError, ShapesFromMeshes, ShapesProgress,
+        ShapesReady,
+    };
     #[cfg(feature = "picking")]
     pub use crate::picking::{CollisionPickable, CollisionPickingPlugin};
     #[cfg(feature = "rapier")]

@@ -227,6 +227,19 @@ pub enum ShapeError {
     #[cfg(feature = "mesh")]
     #[error("the data of the mesh is not in main memory: {0}")]
     NoAccess(String),
+    /// The mesh asset could not be loaded.
+    #[cfg(feature = "mesh")]
+    #[error("the mesh could not be loaded: {0}")]
+    NotLoaded(String),
+    /// The box around a mesh has more voxels than are looked at.
+    #[cfg(feature = "mesh")]
+    #[error("{size} is too small a side for the voxels of this mesh: its box has more than {most}")]
+    TooManyVoxels {
+        /// The side.
+        size: f32,
+        /// How many there may be at most.
+        most: usize,
+    },
 }
 
 impl ShapeError {

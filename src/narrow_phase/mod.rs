@@ -145,6 +145,8 @@ pub(crate) use fit::Fit;
 pub(crate) use frame::approach::approach;
 pub use frame::placed::Placed;
 pub use frame::workspace::Workspace;
+#[cfg(feature = "mesh")]
+pub(crate) use mesh::bevy_mesh::mesh_triangles;
 pub use mesh::convex_mesh::ConvexMesh;
 pub use mesh::polygon_mesh::PolygonMesh;
 pub use rounded::{Rounded, RoundedCore};

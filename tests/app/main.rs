@@ -27,6 +27,8 @@ mod lifecycle;
 mod manifolds;
 mod mesh_floors;
 #[cfg(feature = "mesh")]
+mod mesh_scenes;
+#[cfg(feature = "mesh")]
 mod mesh_shapes;
 mod neighbors;
 #[cfg(feature = "picking")]

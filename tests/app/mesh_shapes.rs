@@ -110,7 +110,7 @@ fn a_failure_is_a_component_until_there_is_a_shape() {
     app.world_mut()
         .get_mut::<ShapeFromMesh>(second)
         .unwrap()
-        .mesh = good;
+        .mesh = Some(good);
     wait(&mut app, |world| polygons(world, second) == Some(4));
     assert!(!fails(app.world(), second));
     app.world_mut().entity_mut(second).despawn();
@@ -182,7 +182,7 @@ fn what_is_asked_for_may_change() {
     app.world_mut()
         .get_mut::<ShapeFromMesh>(entity)
         .unwrap()
-        .mesh = cuboid.clone();
+        .mesh = Some(cuboid.clone());
     wait(&mut app, |world| polygons(world, entity) == Some(12));
     let is_convex = |world: &World| {
         let shape = world.get::<CollisionShape>(entity);
@@ -199,10 +199,7 @@ fn what_is_asked_for_may_change() {
     assert_eq!(polygons(app.world(), entity), Some(0));
 
     // Who no longer asks, gets none.
-    let other = ShapeFromMesh {
-        mesh: cuboid,
-        form: MeshForm::SurfaceOnly,
-    };
+    let other = ShapeFromMesh::of(cuboid, MeshForm::SurfaceOnly);
     let [goes, stays] = [(); 2].map(|()| app.world_mut().spawn(other.clone()).id());
     app.update();
     app.world_mut().entity_mut(goes).remove::<ShapeFromMesh>();

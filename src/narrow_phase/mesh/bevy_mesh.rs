@@ -1,6 +1,9 @@
 //! Polygon meshes from Bevy's `Mesh`.
 
-use bevy::mesh::{Mesh, PrimitiveTopology, VertexAttributeValues};
+use bevy::{
+    math::Vec3,
+    mesh::{Mesh, PrimitiveTopology, VertexAttributeValues},
+};
 
 use super::polygon_mesh::PolygonMesh;
 use crate::narrow_phase::error::ShapeError;
@@ -27,27 +30,7 @@ impl PolygonMesh {
     /// the mesh, and [`ShapeError::NonFiniteVertex`] the vertex, be it one that no triangle uses;
     /// [`ShapeError::Empty`] if no triangle has an area.
     pub fn from_mesh(mesh: &Mesh) -> Result<Self, ShapeError> {
-        let no_access =
-            |error: bevy::mesh::MeshAccessError| ShapeError::NoAccess(error.to_string());
-        let positions = mesh
-            .try_attribute_option(Mesh::ATTRIBUTE_POSITION)
-            .map_err(no_access)?
-            .and_then(VertexAttributeValues::as_float3)
-            .ok_or(ShapeError::NoPositions)?;
-        let indices: Vec<usize> = match mesh.try_indices_option().map_err(no_access)? {
-            Some(indices) => indices.iter().collect(),
-            None => (0..positions.len()).collect(),
-        };
-        let triangles = triangles(mesh.primitive_topology(), &indices)?;
-        for (polygon, triangle) in triangles.iter().enumerate() {
-            if let Some(&vertex) = triangle.iter().find(|&&vertex| vertex >= positions.len()) {
-                return Err(ShapeError::IndexOutOfRange {
-                    polygon,
-                    vertex: u32::try_from(vertex).unwrap_or(u32::MAX),
-                    vertices: positions.len(),
-                });
-            }
-        }
+        let (positions, triangles) = read(mesh)?;
         Self::from_triangles(positions, triangles)
     }
 }
@@ -58,6 +41,50 @@ impl TryFrom<&Mesh> for PolygonMesh {
     fn try_from(mesh: &Mesh) -> Result<Self, ShapeError> {
         Self::from_mesh(mesh)
     }
+}
+
+/// The triangles of a Bevy mesh as they are given, those without an area among them: for who needs
+/// no more of it than where it is.
+///
+/// # Errors
+/// Those of [`PolygonMesh::from_mesh`], but that triangles need no area.
+pub(crate) fn mesh_triangles(mesh: &Mesh) -> Result<Vec<[Vec3; 3]>, ShapeError> {
+    let (positions, triangles) = read(mesh)?;
+    if let Some(vertex) = (positions.iter()).position(|at| !Vec3::from(*at).is_finite()) {
+        let position = positions[vertex].into();
+        return Err(ShapeError::NonFiniteVertex { vertex, position });
+    }
+    if triangles.is_empty() {
+        return Err(ShapeError::Empty);
+    }
+    let corners = |triangle: [usize; 3]| triangle.map(|vertex| positions[vertex].into());
+    Ok(triangles.into_iter().map(corners).collect())
+}
+
+/// Positions, and triangles whose indices are in range.
+#[expect(clippy::type_complexity, reason = "two lists, for two who read them")]
+fn read(mesh: &Mesh) -> Result<(&[[f32; 3]], Vec<[usize; 3]>), ShapeError> {
+    let no_access = |error: bevy::mesh::MeshAccessError| ShapeError::NoAccess(error.to_string());
+    let positions = mesh
+        .try_attribute_option(Mesh::ATTRIBUTE_POSITION)
+        .map_err(no_access)?
+        .and_then(VertexAttributeValues::as_float3)
+        .ok_or(ShapeError::NoPositions)?;
+    let indices: Vec<usize> = match mesh.try_indices_option().map_err(no_access)? {
+        Some(indices) => indices.iter().collect(),
+        None => (0..positions.len()).collect(),
+    };
+    let triangles = triangles(mesh.primitive_topology(), &indices)?;
+    for (polygon, triangle) in triangles.iter().enumerate() {
+        if let Some(&vertex) = triangle.iter().find(|&&vertex| vertex >= positions.len()) {
+            return Err(ShapeError::IndexOutOfRange {
+                polygon,
+                vertex: u32::try_from(vertex).unwrap_or(u32::MAX),
+                vertices: positions.len(),
+            });
+        }
+    }
+    Ok((positions, triangles))
 }
 
 fn triangles(

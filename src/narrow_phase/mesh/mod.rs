@@ -1,7 +1,7 @@
 //! Meshes of polygons, as the exact tests hold them.
 
 #[cfg(feature = "mesh")]
-mod bevy_mesh;
+pub(super) mod bevy_mesh;
 mod convex_hull;
 pub(super) mod convex_mesh;
 pub(super) mod cube;

@@ -5,7 +5,10 @@ use std::time::Duration;
 use bevy::{asset::AssetPlugin, mesh::Indices};
 
 use super::*;
-use crate::plugin::OctreePlugins;
+use crate::{
+    narrow_phase::{PolygonMesh, Shape},
+    plugin::OctreePlugins,
+};
 
 fn app() -> App {
     let mut app = App::new();
@@ -48,7 +51,7 @@ fn shapes_appear_by_their_form_and_are_shared() {
     let mesh = add(&mut app, Cuboid::default());
     let mut spawn = |form| {
         let mesh = mesh.clone();
-        app.world_mut().spawn(ShapeFromMesh { mesh, form }).id()
+        app.world_mut().spawn(ShapeFromMesh::of(mesh, form)).id()
     };
     let forms = [
         MeshForm::AsItIs,
@@ -106,30 +109,4 @@ fn a_mesh_that_loads_late_or_is_bad_does_no_harm() {
     let _ = meshes.insert(reserved.id(), Sphere::new(1.0).into());
     wait(&mut app, |world| mesh_of(world, late).is_some());
     assert!(mesh_of(app.world(), never).is_none());
-}
-
-#[test]
-fn what_looks_closed_and_is_not_is_doubted() {
-    let holed = |mesh: Mesh| {
-        let indices: Vec<u32> = mesh
-            .indices()
-            .unwrap()
-            .iter()
-            .skip(3)
-            .map(|i| i as u32)
-            .collect();
-        mesh.with_inserted_indices(Indices::U32(indices))
-    };
-    let doubt = |mesh: &Mesh, form| build(mesh, form).unwrap().doubt;
-    let ball = holed(Sphere::new(1.0).into());
-    assert!(doubt(&ball, MeshForm::AsItIs).is_some_and(|doubt| doubt.contains("edge")));
-    assert!(doubt(&ball, MeshForm::SurfaceOnly).is_none());
-    let plane = Mesh::from(Plane3d::default());
-    assert!(doubt(&plane, MeshForm::AsItIs).is_none());
-    assert!(doubt(&plane, MeshForm::Solid).is_some());
-    assert!(doubt(&Sphere::new(1.0).into(), MeshForm::Solid).is_none());
-    assert!(matches!(
-        build(&ball, MeshForm::Convex),
-        Err(ShapeError::NotClosed { .. })
-    ));
 }
