@@ -95,7 +95,10 @@ fn filters_and_callbacks_are_asked() {
     app.world_mut().entity_mut(cubes[1]).insert(Sensor);
     tick(&mut app, 1);
     ask(&mut app, move |spatial| {
-        let (shape, at) = (Shape::cuboid(1.0, 1.0, 1.0), Transform::from_xyz(0.9, 0.0, 0.0));
+        let (shape, at) = (
+            Shape::cuboid(1.0, 1.0, 1.0),
+            Transform::from_xyz(0.9, 0.0, 0.0),
+        );
         let solid = ALL.without_sensors().except(cubes[0]);
         let mut contacts = vec![];
         spatial.shape_contacts(&shape, &at, &solid, &mut contacts);
