@@ -87,13 +87,15 @@ macro_rules! hits {
 
 hits! {
     /// What the [`RayCaster`](super::RayCaster) of the entity met in the last tick, nearest first;
-    /// what is as near, by ascending [`Entity`].
+    /// what is as near, by ascending [`Entity`]. One alone is that which
+    /// [`cast_ray`](crate::spatial_query::SpatialQuery::cast_ray) finds.
     RayHits of RayHit
 }
 
 hits! {
     /// What the [`ShapeCaster`](super::ShapeCaster) of the entity met in the last tick, nearest
-    /// first; what is as near, by ascending [`Entity`].
+    /// first; what is as near, by ascending [`Entity`]. One alone is that which
+    /// [`cast_shape`](crate::spatial_query::SpatialQuery::cast_shape) finds.
     ShapeHits of ShapeHit
 }
 

@@ -126,10 +126,9 @@ impl RayCaster {
 
 /// A ray of an entity's own space in the world.
 fn ray(origin: Vec3, direction: Dir3, pose: &DAffine3) -> Option<Ray3d> {
-    Some(Ray3d::new(
-        pose.transform_point3(origin.as_dvec3()).as_vec3(),
-        cast::direction(direction, pose)?,
-    ))
+    let start = pose.transform_point3(origin.as_dvec3()).as_vec3();
+    let direction = cast::direction(direction, pose)?;
+    start.is_finite().then(|| Ray3d::new(start, direction))
 }
 
 impl Caster for RayCaster {

@@ -226,6 +226,8 @@ fn an_app_takes_as_much_after_many_ticks_as_after_a_few() {
         bounce,
         CollisionEventsEnabled,
         CollidingEntities::default(),
+        RayCaster::new(Vec3::ZERO, Dir3::X).with_max_hits(4),
+        ShapeCaster::new(Sphere::new(0.05), Vec3::ZERO, Dir3::X).with_max_hits(4),
     ));
     assert_flat("a ball between two walls", 1000, 30_000, || app.update());
     assert_flat("cubes that come and go", 100, 3000, || {
