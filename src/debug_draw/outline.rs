@@ -140,11 +140,8 @@ impl<Config: GizmoConfigGroup, Clear: Send + Sync + 'static> Pen<'_, Config, Cle
     }
 
     pub(super) fn triangle(&mut self, at: &Transform, corners: [Vec3; 3]) {
-        let triangle = Triangle3d {
-            vertices: corners.map(|corner| at.transform_point(corner)),
-        };
-        self.gizmos
-            .primitive_3d(&triangle, Isometry3d::IDENTITY, self.color);
+        let [a, b, c] = corners.map(|corner| at.transform_point(corner));
+        self.gizmos.linestrip([a, b, c, a], self.color);
     }
 
     /// A capsule from one point to another: the radius grows by the largest component of the scale.

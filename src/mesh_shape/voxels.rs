@@ -162,7 +162,8 @@ fn touches(triangle: &[DVec3; 3], cell: IVec3) -> bool {
             along.into_iter().fold(f64::INFINITY, f64::min),
             along.into_iter().fold(f64::NEG_INFINITY, f64::max),
         ];
-        low > reach || high < -reach
+        // What no more than touches is in the next one.
+        axis != DVec3::ZERO && (low >= reach || high <= -reach)
     };
     let crosses = DVec3::AXES
         .into_iter()

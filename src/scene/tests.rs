@@ -279,7 +279,7 @@ fn bad_shapes_name_the_place_and_what_was_expected() {
         ("Sphere(diameter: 1)", "field named `diameter`"),
         (
             "Capsule(radius: 1)",
-            "expected one of `Cuboid`, `Sphere`, `Convex`, or `Mesh`",
+            "missing field named `length` in `Capsule`",
         ),
         (
             "Mesh(vertices: [(0, 0, 0)], polygons: [])",

@@ -46,6 +46,14 @@ impl PartialEq for CollisionShape {
             (Shape::Rounded(_), Shape::Rounded(_)) => {
                 ShapeDescription::of(self) == ShapeDescription::of(other)
             }
+            (Shape::Compound(a), Shape::Compound(b)) => {
+                a.len() == b.len()
+                    && a.parts().zip(b.parts()).all(|((at_a, a), (at_b, b))| {
+                        at_a == at_b && Self(a.clone()) == Self(b.clone())
+                    })
+            }
+            (Shape::HeightField(a), Shape::HeightField(b)) => a == b,
+            (Shape::Voxels(a), Shape::Voxels(b)) => a == b,
             _ => false,
         }
     }

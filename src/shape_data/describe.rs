@@ -110,10 +110,15 @@ impl ShapeDescription {
                         .collect(),
                 }
             }
-            Shape::Voxels(voxels) => Self::Voxels {
-                cell_size: voxels.cell_size(),
-                cells: voxels.iter().collect(),
-            },
+            Shape::Voxels(voxels) => {
+                // In an order that does not tell how it came to be.
+                let mut cells: Vec<IVec3> = voxels.iter().collect();
+                cells.sort_unstable_by_key(|cell| [cell.z, cell.y, cell.x]);
+                Self::Voxels {
+                    cell_size: voxels.cell_size(),
+                    cells,
+                }
+            }
             #[cfg(feature = "rapier")]
             Shape::Rapier(shape) => foreign::describe(shape)?,
         })

@@ -317,7 +317,7 @@ proptest! {
     /// somebody wrote.
     #[test]
     fn shapes_give_their_data_back(data in description()) {
-        // Corners on one line, and kinds that there are not.
+        // Corners on one line.
         let Ok(built) = data.build() else { return Ok(()) };
         let given = ShapeDescription::of(&built).unwrap();
         let again = given.build().unwrap();

@@ -153,10 +153,10 @@ mod rapier {
         }
 
         let hull = SharedShape::convex_hull(&[Vec3::ZERO, x, y, z]).unwrap();
-        let Data::ConvexHull { points } = data(hull.clone()) else {
+        let Data::Convex { vertices, .. } = data(hull.clone()) else {
             panic!("a hull");
         };
-        assert_eq!(points.len(), 4);
+        assert_eq!(vertices.len(), 4);
         let turn = Quat::from_rotation_z(FRAC_PI_2);
         let parts = SharedShape::compound(vec![
             (Pose::from_parts(x, turn), SharedShape::ball(0.5)),
