@@ -14,6 +14,7 @@ use crate::{
     filters::FilterPlugin,
     maintenance::BroadPhasePlugin,
     motion::{self, CollisionClock, MotionPlugin},
+    parts,
     response::{self, BouncePlugin},
     scene::ScenePlugin,
     schedule::{CollisionSchedulePlugin, CollisionSystems, add_to_tick, expect_ticks},
@@ -145,6 +146,7 @@ impl Plugin for CollisionCorePlugin {
         components::register(app);
         #[cfg(feature = "mesh")]
         crate::mesh_shape::register(app);
+        parts::register(app);
         swept::register(app);
         contacts::register(app);
         response::register(app);
