@@ -82,6 +82,11 @@
 //! | `picking` | the module `picking`: a backend for `bevy_picking` |
 //! | `multi_threaded` | systems and the broad phase on several threads, shapes of mesh assets beside them |
 //!
+//! # Guide
+//!
+//! The [`guide`] has a page for each of some subjects: triggers, bullets, and what is called how
+//! elsewhere.
+//!
 //! # Parts
 //!
 //! [`OctreePlugins`] brings all of it, one of the [`plugins`] for each stage; [`CollisionSystems`]
@@ -106,6 +111,7 @@ pub mod debug_draw;
 pub mod diagnostics;
 pub mod filters;
 mod frame;
+pub mod guide;
 mod hierarchy;
 mod maintenance;
 #[cfg(feature = "mesh")]

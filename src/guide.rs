@@ -1,0 +1,20 @@
+//! Pages about one subject each, for whoever wants to get something done: they go through several
+//! modules of the crate, and each snippet is a program that is compiled and run.
+
+#[doc = include_str!("../docs/guide/bullets.md")]
+pub mod bullets {}
+
+#[doc = include_str!("../docs/guide/coming_from.md")]
+pub mod coming_from {}
+
+#[doc = include_str!("../docs/guide/levels_from_gltf.md")]
+pub mod levels_from_gltf {}
+
+#[doc = include_str!("../docs/guide/parts.md")]
+pub mod parts {}
+
+#[doc = include_str!("../docs/guide/shapes_as_data.md")]
+pub mod shapes_as_data {}
+
+#[doc = include_str!("../docs/guide/triggers.md")]
+pub mod triggers {}
