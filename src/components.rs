@@ -14,6 +14,7 @@ use crate::{
     broad_phase::{EVERYWHERE, PairFilter, ProxyId},
     collision_index::{CollisionIndex, Upkeep},
     narrow_phase::{Fit, Placed, Shape, ShapeError},
+    regroup,
     way::SweptWay,
 };
 
@@ -49,7 +50,7 @@ use crate::{
 #[reflect(Component, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 #[require(Transform, WorldAabb, BroadPhaseProxy)]
-#[component(on_remove = leave_index)]
+#[component(on_add = join_body, on_remove = lose_shape)]
 pub struct CollisionShape(pub Shape);
 
 /// # Constructors
@@ -284,6 +285,16 @@ pub(crate) fn outdate(world: &mut DeferredWorld, entity: Entity) {
 
 fn compute_anew(mut world: DeferredWorld, context: HookContext) {
     outdate(&mut world, context.entity);
+}
+
+/// A shape that is new may be a part of a body.
+fn join_body(mut world: DeferredWorld, context: HookContext) {
+    regroup::note(&mut world, context.entity);
+}
+
+fn lose_shape(mut world: DeferredWorld, context: HookContext) {
+    regroup::note(&mut world, context.entity);
+    leave(&mut world, context.entity);
 }
 
 /// Takes an entity out of the index at the moment in which it loses its shape, its box, its entry

@@ -117,6 +117,11 @@ impl Frame {
         )
     }
 
+    /// The position in the world of what is at a position in this space.
+    pub(crate) fn position_in_world(&self, own: Vec3) -> Vec3 {
+        self.to_world.transform_point3(own.as_dvec3()).as_vec3()
+    }
+
     /// The position in this space of what is at a position in the world.
     pub(crate) fn own_position(&self, in_world: Vec3) -> Option<Vec3> {
         Some(self.to_own?.transform_point3(in_world.as_dvec3()).as_vec3())

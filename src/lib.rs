@@ -40,6 +40,7 @@
 //! | [`StaticShape`](filters::StaticShape) | says that it never meets its kind: walls, floors, levels |
 //! | [`Sensor`](filters::Sensor) | has it reported, and nothing bounce off it |
 //! | [`Detector`](filters::Detector) | has it hear of others that do not hear of it |
+//! | [`CollisionBody`](parts::CollisionBody) | makes it one thing with all shapes that hang on it |
 //! | [`InCollisionWorld`](worlds::InCollisionWorld) | puts it in a world of its own, apart from all others |
 //! | [`CollisionEventsEnabled`](contacts::CollisionEventsEnabled) | has its observers told of its contacts |
 //! | [`ManifoldsEnabled`](contacts::ManifoldsEnabled) | has the points found at which it lies on others |
@@ -123,11 +124,13 @@ pub mod motion;
 pub mod narrow_phase;
 pub mod octree;
 mod parallel;
+pub mod parts;
 #[cfg(feature = "picking")]
 pub mod picking;
 mod plugin;
 #[cfg(feature = "rapier")]
 pub mod rapier;
+mod regroup;
 pub mod response;
 pub mod scene;
 pub mod schedule;
@@ -183,7 +186,7 @@ pub mod prelude {
         collision_layers,
         components::CollisionShape,
         contacts::{
-            CollidingEntities, Collision, CollisionEnded, CollisionEventSettings,
+            BodyCollision, BodyCollisionEnded, BodyCollisionStarted, CollidingEntities, Collision, CollisionEnded, CollisionEventSettings,
             CollisionEventsEnabled, CollisionStarted, Collisions, Contacts, EventScope,
             ManifoldsEnabled,
         },
@@ -194,6 +197,7 @@ pub mod prelude {
         },
         motion::{MotionSettings, MovedElsewhere, PositionTrack, Step, Velocity},
         narrow_phase::{Contact, Placed, PolygonMesh, Shape},
+        parts::{BodyParts, CollisionBody, PartOf},
         plugin::OctreePlugins,
         response::Bounce,
         schedule::CollisionSystems,

@@ -17,10 +17,11 @@ use crate::{
     counters::CollisionCounters,
     filters::{self, FilterParts},
     narrow_phase::{Moving, NarrowPhase},
+    parts,
     schedule::{CollisionSystems, add_to_tick},
     settings::BroadPhaseSettings,
     shear::{self, Sheared},
-    swept::{self, Swept},
+    swept::{self, IsSwept},
     way::SweptWay,
 };
 
@@ -35,7 +36,10 @@ pub struct BroadPhasePlugin;
 impl Plugin for BroadPhasePlugin {
     fn build(&self, app: &mut App) {
         add_to_tick(app, |app, schedule| {
-            let maintain = (watch_disabling.run_if(some_new_disabling), mend, maintain).chain();
+            // What came or was hung elsewhere in this tick does not meet its own for a tick.
+            let regroup = parts::regroup.run_if(parts::is_regroup_due);
+            let watch = watch_disabling.run_if(some_new_disabling);
+            let maintain = (regroup, watch, mend, maintain).chain();
             app.add_systems(
                 schedule,
                 (
@@ -52,6 +56,7 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     if let Some(mut index) = world.get_resource_mut::<CollisionIndex>() {
         index.keep_search();
     }
+    parts::regroup(world);
     world.run_system_cached(watch_disabling)?;
     world.run_system_cached(mend)?;
     world.run_system_cached(maintain)
@@ -105,7 +110,7 @@ fn maintain(
     (settings, tests, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhase>, Res<Upkeep>),
     mut boxes: Query<Boxed, With<BroadPhaseProxy>>,
     newcomers: Query<(&Archetype, FilterParts)>,
-    (sheared, swept): (Query<&Sheared>, Query<(), With<Swept>>),
+    (sheared, swept): (Query<&Sheared>, Query<(), IsSwept>),
     mut counters: ResMut<CollisionCounters>,
     mut memory: Local<Memory>,
 ) {

@@ -15,6 +15,7 @@ use crate::{
     filters::FilterPlugin,
     maintenance::BroadPhasePlugin,
     motion::{self, CollisionClock, MotionPlugin},
+    parts,
     response::{self, BouncePlugin},
     scene::ScenePlugin,
     schedule::{CollisionSchedulePlugin, CollisionSystems, add_to_tick, expect_ticks},
@@ -149,6 +150,7 @@ impl Plugin for CollisionCorePlugin {
         shape_data::register(app);
         #[cfg(feature = "mesh")]
         crate::mesh_shape::register(app);
+        parts::register(app);
         swept::register(app);
         contacts::register(app);
         response::register(app);

@@ -153,6 +153,8 @@ use crate::{
     components::{self, BroadPhaseProxy, CollisionShape, WorldAabb},
     hierarchy::{self, Link},
     narrow_phase::{Moving, NarrowPhase, Placed},
+    parts::{BodyParts, CollisionBody, PartOf, RegroupSystems},
+    regroup::{self, Due, Regroup},
     schedule::{CollisionSystems, add_to_tick},
     shear::{self, Sheared},
 };
@@ -247,15 +249,39 @@ impl Default for Swept {
     }
 }
 
+/// Marks a part of a body that is [`Swept`]: so it is, too. Those who look for what is swept ask for
+/// [either](IsSwept).
+#[derive(Component, Clone, Copy, Debug, Default)]
+#[require(SweptWay)]
+#[component(on_insert = begin_part_anew, on_discard = shrink_box_of_part, clone_behavior = Ignore)]
+pub(crate) struct SweptWithBody;
+
+/// What is swept, by itself or with its body.
+pub(crate) type IsSwept = Or<(With<Swept>, With<SweptWithBody>)>;
+
 /// Whoever gets the component has been put where it is.
 fn begin_anew(mut world: DeferredWorld, context: HookContext) {
-    if let Some(mut way) = world.get_mut::<SweptWay>(context.entity) {
+    forget_way(&mut world, context.entity);
+    regroup::note_to_sweep(&mut world, context.entity);
+}
+
+fn begin_part_anew(mut world: DeferredWorld, context: HookContext) {
+    forget_way(&mut world, context.entity);
+}
+
+fn forget_way(world: &mut DeferredWorld, entity: Entity) {
+    if let Some(mut way) = world.get_mut::<SweptWay>(entity) {
         way.forget();
     }
 }
 
 /// What was swept no longer is: has the box computed anew.
 fn shrink_box(mut world: DeferredWorld, context: HookContext) {
+    components::outdate(&mut world, context.entity);
+    regroup::note_to_sweep(&mut world, context.entity);
+}
+
+fn shrink_box_of_part(mut world: DeferredWorld, context: HookContext) {
     components::outdate(&mut world, context.entity);
 }
 
@@ -267,25 +293,37 @@ pub struct SweptPlugin;
 impl Plugin for SweptPlugin {
     fn build(&self, app: &mut App) {
         add_to_tick(app, |app, schedule| {
+            let sweep_parts_if_due = sweep_parts
+                .run_if(|regroup: Res<Regroup>| regroup.is_sweep_due())
+                .after(RegroupSystems)
+                .before(CollisionSystems::Motion);
             let begin_ways = hierarchy::see_disabled(app.world_mut(), begin_ways);
-            let begin = begin_ways
+            let begin_way = hierarchy::see_disabled(app.world_mut(), begin_ways_of_bodies);
+            let begin = (begin_ways, begin_way)
                 .after(CollisionSystems::First)
+                .after(sweep_parts)
                 .before(CollisionSystems::Motion);
             let stretch = stretch_boxes
                 .in_set(CollisionSystems::Bounds)
                 .after(bounds::update_children);
-            let end = end_ways
+            let end_way = hierarchy::see_disabled(app.world_mut(), end_ways_of_bodies);
+            let end = (end_ways, end_way)
                 .after(CollisionSystems::Response)
                 .before(CollisionSystems::Report);
             app.add_systems(
                 schedule,
-                (begin, stretch, end).run_if(any_with_component::<Swept>),
+                (
+                    sweep_parts_if_due,
+                    (begin, stretch, end).run_if(any_with_component::<Swept>),
+                ),
             );
         });
     }
 }
 
-type IsSwept = (With<Swept>, With<CollisionShape>);
+/// A body without a shape of its own, with whose way its parts go.
+type SweptBody = (With<Swept>, With<CollisionBody>, Without<CollisionShape>);
+type SweptShape = (IsSwept, With<CollisionShape>);
 type Beginning<'a> = (
     Entity,
     &'a Transform,
@@ -296,7 +334,7 @@ type Beginning<'a> = (
 );
 
 /// The way of an entity that is new begins where it is before it first moves.
-fn begin_ways(mut swept: Query<Beginning, IsSwept>, links: Query<Link, Allow<Disabled>>) {
+fn begin_ways(mut swept: Query<Beginning, SweptShape>, links: Query<Link, Allow<Disabled>>) {
     for (entity, transform, has_parent, (shape, sheared), proxy, mut way) in &mut swept {
         if way.belongs_to(entity, proxy.id()) && way.has_begun() {
             continue;
@@ -316,8 +354,80 @@ fn begin_ways(mut swept: Query<Beginning, IsSwept>, links: Query<Link, Allow<Dis
 
 type Shaped<'a> = (&'a CollisionShape, Option<&'a Sheared>);
 
+/// As [`begin_ways`], of bodies without a shape of their own: of these, only the position counts.
+fn begin_ways_of_bodies(
+    mut bodies: Query<(Entity, &mut SweptWay), SweptBody>,
+    links: Query<Link, Allow<Disabled>>,
+) {
+    for (entity, mut way) in &mut bodies {
+        if !(way.belongs_to(entity, None) && way.has_begun()) {
+            let pose = position_in_world(entity, &links);
+            way.bypass_change_detection().begin(entity, pose);
+        }
+    }
+}
+
+/// Where an entity is, turned in no way.
+fn position_in_world(entity: Entity, links: &Query<Link, Allow<Disabled>>) -> Option<Transform> {
+    let pose = hierarchy::pose_in_world(entity, links)?;
+    Some(Transform::from_translation(pose.translation.as_vec3()))
+}
+
+/// As [`end_ways`], of bodies without a shape of their own.
+fn end_ways_of_bodies(
+    mut bodies: Query<(Entity, &mut SweptWay), SweptBody>,
+    links: Query<Link, Allow<Disabled>>,
+) {
+    for (entity, mut way) in &mut bodies {
+        if way.has_begun()
+            && way.belongs_to(entity, None)
+            && let Some(pose) = position_in_world(entity, &links)
+        {
+            way.bypass_change_detection().end(None, &pose);
+        }
+    }
+}
+
+/// Has the parts of bodies swept, or no longer, of which that may have changed.
+fn sweep_parts(world: &mut World) {
+    let Due { mut entities, all } = world.resource_mut::<Regroup>().take_to_sweep();
+    if all {
+        let mut parts = world.query_filtered::<Entity, (With<PartOf>, Allow<Disabled>)>();
+        entities.extend(parts.iter(world));
+        let mut swept = world.query_filtered::<Entity, (With<SweptWithBody>, Allow<Disabled>)>();
+        entities.extend(swept.iter(world));
+    }
+    entities.sort_unstable();
+    entities.dedup();
+    for entity in entities {
+        // A body that is swept anew has its parts put where they are.
+        if let Some(parts) = world.get::<BodyParts>(entity) {
+            let mut parts: Vec<_> = parts.entities().iter().copied().collect();
+            parts.sort_unstable();
+            parts
+                .into_iter()
+                .for_each(|part| sweep_part(world, part, true));
+        }
+        sweep_part(world, entity, false);
+    }
+}
+
+/// Has a part swept if its body is, and only then.
+fn sweep_part(world: &mut World, part: Entity, anew: bool) {
+    let body = world.get::<PartOf>(part).map(PartOf::body);
+    let is_swept = body.is_some_and(|body| world.get::<Swept>(body).is_some());
+    let Ok(mut part) = world.get_entity_mut(part) else {
+        return;
+    };
+    if is_swept && (anew || !part.contains::<SweptWithBody>()) {
+        part.insert(SweptWithBody);
+    } else if !is_swept && part.contains::<SweptWithBody>() {
+        part.remove::<SweptWithBody>();
+    }
+}
+
 /// Each way begins where the last one ended. Who has none in this tick gets one at the next.
-fn end_ways(mut swept: Query<(Entity, &BroadPhaseProxy, &mut SweptWay), IsSwept>) {
+fn end_ways(mut swept: Query<(Entity, &BroadPhaseProxy, &mut SweptWay), SweptShape>) {
     for (entity, proxy, mut way) in &mut swept {
         if way.has_begun() && way.belongs_to(entity, proxy.id()) {
             way.bypass_change_detection().end(proxy.id(), proxy.pose());
@@ -339,7 +449,7 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
 }
 
 /// Stretches boxes along the ways that led anywhere, and shrinks those of a tick ago.
-fn stretch_boxes(mut swept: Query<Stretched, With<Swept>>, tests: Res<NarrowPhase>) {
+fn stretch_boxes(mut swept: Query<Stretched, IsSwept>, tests: Res<NarrowPhase>) {
     for (entity, (own, sheared), proxy, mut way, mut aabb) in &mut swept {
         let shape = shear::shape(own, sheared);
         let start = way

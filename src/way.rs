@@ -81,6 +81,11 @@ impl SweptWay {
         self.start.as_ref().filter(elsewhere)
     }
 
+    /// Where it begins, if it has begun.
+    pub(crate) const fn start(&self) -> Option<&Transform> {
+        self.start.as_ref()
+    }
+
     pub(crate) const fn has_begun(&self) -> bool {
         self.start.is_some()
     }

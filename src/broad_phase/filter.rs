@@ -35,6 +35,9 @@ pub struct PairFilter {
     pub is_detector: bool,
     /// The number of the world that the object is in. Objects of different worlds do not meet.
     pub world: u32,
+    /// The number of the body that the object is a part of. Parts of one body do not meet each
+    /// other; what has [no body](Self::NO_BODY) meets all.
+    pub body: u32,
 }
 
 impl Default for PairFilter {
@@ -46,6 +49,7 @@ impl Default for PairFilter {
             is_static: false,
             is_detector: false,
             world: Self::DEFAULT_WORLD,
+            body: Self::NO_BODY,
         }
     }
 }
@@ -53,19 +57,27 @@ impl Default for PairFilter {
 impl PairFilter {
     /// The world of all objects that were given no other.
     pub const DEFAULT_WORLD: u32 = u32::MAX;
+    /// The body of all objects that are parts of none.
+    pub const NO_BODY: u32 = u32::MAX;
 
-    /// Returns `true` if two objects admit each other. They must be in the same world, and each on
-    /// a layer that the other may meet; what may meet a [detector](Self::is_detector) is up to that
-    /// alone.
+    /// Returns `true` if two objects admit each other. They must be in the same world, not parts of
+    /// one body, and each on a layer that the other may meet; what may meet a
+    /// [detector](Self::is_detector) is up to that alone.
     #[inline]
     #[must_use]
     pub const fn admits(&self, other: &Self) -> bool {
         self.world == other.world
+            && !self.is_of_one_body(other)
             && if self.filters & other.memberships != 0 {
                 other.filters & self.memberships != 0 || self.is_detector
             } else {
                 other.is_detector && other.filters & self.memberships != 0
             }
+    }
+
+    #[inline]
+    const fn is_of_one_body(&self, other: &Self) -> bool {
+        self.body == other.body && self.body != Self::NO_BODY
     }
 }
 

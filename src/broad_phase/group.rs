@@ -30,7 +30,8 @@ pub(super) struct Group {
     /// By block; none where nothing is filtered.
     filters: Vec<Filters>,
     kinds: PairKinds,
-    has_detectors: bool,
+    /// May some be detectors, or parts of bodies? The comparison of all others knows nothing of it.
+    has_special: bool,
     crowd: Crowd,
 }
 
@@ -44,6 +45,7 @@ struct Filters {
     statics: u32,
     /// A bit for each that is a detector.
     detectors: u32,
+    bodies: [u32; WIDTH],
 }
 
 impl Filters {
@@ -54,6 +56,7 @@ impl Filters {
         worlds: [0; WIDTH],
         statics: 0,
         detectors: 0,
+        bodies: [PairFilter::NO_BODY; WIDTH],
     };
 
     fn set(&mut self, lane: usize, filter: PairFilter) {
@@ -70,12 +73,13 @@ impl Filters {
             world: self.worlds[lane],
             is_static: self.statics >> lane & 1 != 0,
             is_detector: self.detectors >> lane & 1 != 0,
+            body: self.bodies[lane],
         }
     }
 
     /// Which of the eight make a pair with an object, if their boxes overlap: a bit for each.
     #[inline(always)]
-    fn admit<S: Simd, const DETECTORS: bool>(
+    fn admit<S: Simd, const SPECIAL: bool>(
         &self,
         simd: S,
         own: &PairFilter,
@@ -90,11 +94,16 @@ impl Filters {
             shared(own.memberships, &self.filters).simd_eq(nothing),
         ];
         let mut refused = (deaf | unheard).to_bitmask() as u32;
-        if DETECTORS {
+        if SPECIAL {
             // Of two of which one hears, only the other has to be a detector to be refused.
             let [deaf, unheard] = [deaf, unheard].map(|lanes| lanes.to_bitmask() as u32);
-            let own = u32::from(own.is_detector).wrapping_neg();
-            refused &= !(!deaf & own) & !(!unheard & self.detectors);
+            let detects = u32::from(own.is_detector).wrapping_neg();
+            refused &= !(!deaf & detects) & !(!unheard & self.detectors);
+            if own.body != PairFilter::NO_BODY {
+                let bodies = u32x8::from_slice(simd, &self.bodies);
+                let of_own = bodies.simd_eq(u32x8::splat(simd, own.body));
+                refused |= of_own.to_bitmask() as u32;
+            }
         }
         let same_world =
             u32x8::from_slice(simd, &self.worlds).simd_eq(u32x8::splat(simd, own.world));
@@ -160,18 +169,20 @@ impl Group {
                 }
                 self.filters.push(filters);
             }
-            self.has_detectors = proxies.has_detectors();
-            if self.has_detectors {
-                self.gather_detectors(proxies);
+            self.has_special = proxies.has_detectors() || proxies.has_bodies();
+            if self.has_special {
+                self.gather_special(proxies);
             }
         }
     }
 
     #[cold]
-    fn gather_detectors(&mut self, proxies: &Proxies) {
+    fn gather_special(&mut self, proxies: &Proxies) {
         for (eight, filters) in self.ids.chunks(WIDTH).zip(&mut self.filters) {
             for (lane, id) in eight.iter().enumerate() {
-                filters.detectors |= u32::from(proxies.filter(*id).is_detector) << lane;
+                let filter = proxies.filter(*id);
+                filters.detectors |= u32::from(filter.is_detector) << lane;
+                filters.bodies[lane] = filter.body;
             }
         }
     }
@@ -191,7 +202,7 @@ impl Group {
     /// boxes begins there.
     #[inline(always)]
     pub(super) fn overlaps<S: Simd>(&self, simd: S, pairs: &mut Vec<Pair>) -> u64 {
-        if self.has_detectors {
+        if self.has_special {
             self.overlaps_with::<S, true>(simd, pairs)
         } else {
             self.overlaps_with::<S, false>(simd, pairs)
@@ -199,7 +210,7 @@ impl Group {
     }
 
     #[inline(always)]
-    fn overlaps_with<S: Simd, const DETECTORS: bool>(&self, simd: S, pairs: &mut Vec<Pair>) -> u64 {
+    fn overlaps_with<S: Simd, const SPECIAL: bool>(&self, simd: S, pairs: &mut Vec<Pair>) -> u64 {
         let mut compared = 0;
         for first in 0..self.moved {
             compared += (self.ids.len() - first - 1) as u64;
@@ -215,7 +226,7 @@ impl Group {
                     && let Some(filters) = self.filters.get(number)
                 {
                     let own = self.filters[own].get(lane);
-                    hits &= filters.admit::<S, DETECTORS>(simd, &own, self.kinds);
+                    hits &= filters.admit::<S, SPECIAL>(simd, &own, self.kinds);
                 }
                 while hits != 0 {
                     let other = number * WIDTH + hits.trailing_zeros() as usize;

@@ -25,6 +25,8 @@ pub struct Proxies {
     filters: Vec<PairFilter>,
     /// Was one of them ever that of a detector?
     has_detectors: bool,
+    /// Was one of them ever that of a part of a body?
+    has_bodies: bool,
     kinds: PairKinds,
     /// Objects with a box that were inserted, moved, touched or removed.
     moved: Changes,
@@ -181,6 +183,13 @@ impl Proxies {
     #[must_use]
     pub const fn has_detectors(&self) -> bool {
         self.has_detectors
+    }
+
+    /// Returns `true` if one of the objects may be a [part of a body](PairFilter::body).
+    #[inline]
+    #[must_use]
+    pub const fn has_bodies(&self) -> bool {
+        self.has_bodies
     }
 
     /// Returns `true` if the object was inserted, moved or touched between the last two updates.
@@ -382,6 +391,7 @@ impl Proxies {
             }
             self.filters[id.index()] = filter;
             self.has_detectors |= filter.is_detector;
+            self.has_bodies |= filter.body != PairFilter::NO_BODY;
             let flags = &mut self.flags[id.index()];
             if !flags.has(Flags::UNBOUNDED.with(Flags::REFILTERED)) {
                 flags.set(Flags::REFILTERED);

@@ -6,7 +6,7 @@ use bevy::{
 };
 
 use super::list::Contacts;
-use crate::components::BroadPhaseProxy;
+use crate::{components::BroadPhaseProxy, parts::CollisionBody};
 
 /// The entities that this entity is in contact with, as far as it hears of them (see
 /// [`Detector`](crate::filters::Detector)). Add it to entities that are to have it; it is
@@ -19,6 +19,9 @@ use crate::components::BroadPhaseProxy;
 ///
 /// Where entities are copied into another world, as from a scene, those in the set are mapped to
 /// their copies.
+///
+/// That of a [`CollisionBody`](crate::parts::CollisionBody) lists the bodies that its parts touch,
+/// and what they touch that is part of none.
 ///
 /// The order in which it iterates is not that of the contacts: for that see
 /// [`Collisions::colliding_with`](super::Collisions::colliding_with).
@@ -39,8 +42,25 @@ pub(super) fn is_in_use(lists: Query<(), (With<CollidingEntities>, Allow<Disable
 }
 
 /// A disabled entity touches nothing, and its list says so.
-pub(super) fn follow_contacts(contacts: Res<Contacts>, mut lists: Query<Lists, Allow<Disabled>>) {
+pub(super) fn follow_contacts(
+    contacts: Res<Contacts>,
+    bodies: Query<(), With<CollisionBody>>,
+    mut lists: Query<Lists, Allow<Disabled>>,
+) {
     for (entity, mut list, proxy) in &mut lists {
+        if bodies.contains(entity) {
+            let others = || {
+                let pairs = contacts.body_pairs();
+                let heard = pairs.filter_map(move |pair| {
+                    let [a_hears, b_hears] = pair.hears;
+                    let hears = (pair.a == entity && a_hears) || (pair.b == entity && b_hears);
+                    pair.other(entity).filter(|_| hears)
+                });
+                heard
+            };
+            update(&mut list, others);
+            continue;
+        }
         let others = || {
             let own = proxy
                 .and_then(BroadPhaseProxy::id)
@@ -49,11 +69,18 @@ pub(super) fn follow_contacts(contacts: Res<Contacts>, mut lists: Query<Lists, A
                 .flatten()
                 .map(|contact| contact.other(entity))
         };
-        // No two contacts of an entity are with the same other.
-        if others().count() != list.len() || !others().all(|other| list.contains(&other)) {
-            list.0.clear();
-            list.0.extend(others());
-        }
+        update(&mut list, others);
+    }
+}
+
+/// Has a list consist of these, each given once, and touches it only if it does not.
+fn update<I: Iterator<Item = Entity>>(
+    list: &mut Mut<CollidingEntities>,
+    others: impl Fn() -> I,
+) {
+    if others().count() != list.len() || !others().all(|other| list.contains(&other)) {
+        list.0.clear();
+        list.0.extend(others());
     }
 }
 

@@ -3,6 +3,7 @@
 use bevy::{ecs::system::SystemParam, prelude::*};
 
 use super::{
+    bodies::BodyCollision,
     list::Contacts,
     pair::{Collision, ContactKey, ContactPair},
 };
@@ -67,6 +68,22 @@ impl Collisions<'_, '_> {
     #[must_use]
     pub fn manifold(&self, a: Entity, b: Entity) -> Option<Manifold> {
         self.contacts.manifold_of(self.find(a, b)?, a)
+    }
+
+    /// Returns all pairs of [bodies](crate::parts) in contact, as [`Contacts::body_pairs`].
+    pub fn body_pairs(&self) -> impl ExactSizeIterator<Item = BodyCollision> {
+        self.contacts.body_pairs()
+    }
+
+    /// Returns the contacts between the parts of two bodies, as [`Contacts::between_bodies`].
+    pub fn between_bodies(&self, a: Entity, b: Entity) -> impl Iterator<Item = Collision> {
+        self.contacts.between_bodies(a, b)
+    }
+
+    /// Returns the contacts of all parts of a body with what is not part of it, as
+    /// [`Contacts::of_body`].
+    pub fn of_body(&self, body: Entity) -> impl Iterator<Item = Collision> {
+        self.contacts.of_body(body)
     }
 
     /// Returns `true` if two entities are in contact. O(log n).

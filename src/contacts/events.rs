@@ -47,6 +47,8 @@ pub struct CollisionStarted {
     pub a: Entity,
     /// The other one.
     pub b: Entity,
+    /// The [bodies](crate::parts) that `a` and `b` are parts of; what is part of none is its own.
+    pub bodies: [Entity; 2],
     /// Where they meet, with the normal from `a` to `b`. `Some` in every event; in a message, if
     /// somebody [asked](super::CollisionEventSettings::geometry).
     pub contact: Option<Contact>,
@@ -77,6 +79,9 @@ pub struct CollisionEnded {
     pub a: Entity,
     /// The other one.
     pub b: Entity,
+    /// The [bodies](crate::parts) that `a` and `b` were parts of, when they were last found in
+    /// contact; what is part of none is its own.
+    pub bodies: [Entity; 2],
     /// Where they met when they were last found in contact, with the normal from `a` to `b`. `Some`
     /// in every event; in a message, if somebody had
     /// [asked](super::CollisionEventSettings::geometry) by then.
@@ -91,10 +96,11 @@ impl CollisionStarted {
     /// turned around.
     #[must_use]
     pub fn reversed(self) -> Self {
-        let [a, b] = self.layers;
+        let ([a, b], [body_a, body_b]) = (self.layers, self.bodies);
         Self {
             a: self.b,
             b: self.a,
+            bodies: [body_b, body_a],
             contact: self.contact.map(Contact::reversed),
             layers: [b, a],
             ..self
@@ -120,10 +126,11 @@ impl CollisionEnded {
     /// turned around.
     #[must_use]
     pub fn reversed(self) -> Self {
-        let [a, b] = self.layers;
+        let ([a, b], [body_a, body_b]) = (self.layers, self.bodies);
         Self {
             a: self.b,
             b: self.a,
+            bodies: [body_b, body_a],
             contact: self.contact.map(Contact::reversed),
             layers: [b, a],
         }
@@ -148,6 +155,7 @@ impl From<Collision> for CollisionStarted {
         Collision {
             a,
             b,
+            bodies,
             contact,
             layers,
             time,
@@ -156,6 +164,7 @@ impl From<Collision> for CollisionStarted {
         Self {
             a,
             b,
+            bodies,
             contact,
             layers,
             time,
@@ -168,6 +177,7 @@ impl From<Collision> for CollisionEnded {
         Collision {
             a,
             b,
+            bodies,
             contact,
             layers,
             ..
@@ -176,6 +186,7 @@ impl From<Collision> for CollisionEnded {
         Self {
             a,
             b,
+            bodies,
             contact,
             layers,
         }

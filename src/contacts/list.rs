@@ -6,6 +6,7 @@ use bevy::{ecs::entity::EntityHashMap, prelude::*};
 
 use super::{
     adjacency::Adjacency,
+    bodies::{Audience, BodyCollision, BodyContacts, BodyPair, Owners},
     ledger::{Changes, Ledger},
     manifolds::Manifolds,
     pair::{Collision, ContactKey, ContactPair, KeyedImpact, seek},
@@ -60,6 +61,11 @@ pub struct Contacts {
     watched_before: Vec<WatchedContact>,
     #[reflect(ignore)]
     watched_unreported: Vec<WatchedContact>,
+    /// Those of parts of bodies, now and at the last report.
+    #[reflect(ignore)]
+    bodies: BodyContacts,
+    #[reflect(ignore)]
+    bodies_before: BodyContacts,
     /// Where those lie on each other of which somebody asked, in the order of keys.
     #[reflect(ignore)]
     manifolds: Manifolds,
@@ -80,9 +86,13 @@ impl Contacts {
     /// Returns all contacts, each as seen from the entity with the lower index. O(1) for each.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Collision> {
         let mut watched = self.watched.iter().peekable();
+        let mut bodies = self.bodies.walk();
         self.all.iter().map(move |contact| {
             let watched = seek(&mut watched, &contact.key, WatchedContact::key);
-            contact.collision(watched.map(|watched| watched.geometry))
+            contact.collision(
+                watched.map(|watched| watched.geometry),
+                bodies(&contact.key),
+            )
         })
     }
 
@@ -170,6 +180,70 @@ impl Contacts {
     }
 }
 
+/// # By body
+///
+/// Of things [made of parts](crate::parts).
+impl Contacts {
+    /// Returns all pairs of bodies in contact, by the index of the one that has the lower, then by
+    /// that of the other. O(1) for each.
+    pub fn body_pairs(&self) -> impl ExactSizeIterator<Item = BodyCollision> {
+        self.bodies.pairs().iter().map(|pair| pair.collision)
+    }
+
+    /// Returns the contacts between the parts of two bodies, as seen from those of the first, in the
+    /// order of all. O(log n) for each.
+    pub fn between_bodies(&self, a: Entity, b: Entity) -> impl Iterator<Item = Collision> {
+        self.collisions(self.bodies.between(a, b), a)
+    }
+
+    /// Returns the contacts of all parts of a body with what is not part of it, as seen from these,
+    /// one body that it meets after the other. O(pairs of bodies in contact), and O(log n) for each.
+    pub fn of_body(&self, body: Entity) -> impl Iterator<Item = Collision> {
+        let pairs = self.bodies.pairs().iter();
+        let own = pairs.filter(move |pair| pair.collision.other(body).is_some());
+        own.flat_map(move |pair| self.collisions(self.bodies.keys(pair), body))
+            .filter(|collision| collision.hears()[0])
+    }
+
+    /// Contacts of parts, as seen from a body.
+    fn collisions(&self, keys: &[ContactKey], body: Entity) -> impl Iterator<Item = Collision> {
+        let found = keys.iter().filter_map(|key| self.find([key.a, key.b]));
+        found.map(move |contact| {
+            let collision = self.collision(contact);
+            if collision.bodies[0] == body {
+                collision
+            } else {
+                collision.reversed()
+            }
+        })
+    }
+
+    /// Brings what is known of bodies up to date with all contacts.
+    pub(super) fn merge_bodies(&mut self, owners: &Owners, audience: &Audience) {
+        self.bodies.refresh(self.all.iter(), owners, audience);
+    }
+
+    /// Are parts of bodies in contact, or were they at the last report?
+    pub(super) const fn some_bodies(&self) -> bool {
+        !(self.bodies.is_empty() && self.bodies_before.is_empty())
+    }
+
+    /// Those of the last report, and those of now.
+    pub(super) fn body_pairs_before_and_now(&self) -> (&[BodyPair], &[BodyPair]) {
+        (self.bodies_before.pairs(), self.bodies.pairs())
+    }
+
+    /// The same, of all their parts.
+    pub(super) const fn bodies_before_and_now(&self) -> (&BodyContacts, &BodyContacts) {
+        (&self.bodies_before, &self.bodies)
+    }
+
+    /// All that is known of bodies was told.
+    pub(super) fn note_bodies_reported(&mut self) {
+        self.bodies_before.copy(&self.bodies);
+    }
+}
+
 /// # By handle
 impl Contacts {
     /// All of them, in order.
@@ -225,7 +299,10 @@ impl Contacts {
     /// With what is known of it. O(log n).
     pub(super) fn collision(&self, contact: &ContactPair) -> Collision {
         let watched = watched::find(&self.watched, &contact.key);
-        contact.collision(watched.map(|watched| watched.geometry))
+        contact.collision(
+            watched.map(|watched| watched.geometry),
+            self.bodies.bodies(&contact.key),
+        )
     }
 }
 

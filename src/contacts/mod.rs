@@ -8,6 +8,8 @@
 //! ```
 
 mod adjacency;
+mod bodies;
+mod body_events;
 mod buckets;
 mod colliding_entities;
 mod collisions;
@@ -27,6 +29,8 @@ mod who;
 
 use bevy::prelude::*;
 
+pub use bodies::BodyCollision;
+pub use body_events::{BodyCollisionEnded, BodyCollisionStarted};
 pub use colliding_entities::CollidingEntities;
 pub use collisions::Collisions;
 pub use events::{CollisionEnded, CollisionStarted};
@@ -45,6 +49,8 @@ pub(crate) fn register(app: &mut App) {
         verdicts::register,
         settings::register,
         events::register,
+        bodies::register,
+        body_events::register,
         colliding_entities::register,
     ] {
         register(app);

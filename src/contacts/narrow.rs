@@ -3,11 +3,12 @@
 use bevy::prelude::*;
 
 use super::{
+    bodies::{Audience, Owners},
     buckets::{Buckets, Found},
     find_manifolds::{find_manifolds, wants_manifolds},
     list::Contacts,
     pair::{ContactKey, SweptContact},
-    settings::{CollisionEventSettings, CollisionEventsEnabled},
+    settings::{CollisionEventSettings, CollisionEventsEnabled, EventScope},
     verdicts::Verdicts,
     watched::Watch,
 };
@@ -19,6 +20,7 @@ use crate::{
     maintenance::find_candidates,
     narrow_phase::{Fit, NarrowPhase, StageCounters, Workspace},
     parallel,
+    parts::PartOf,
     schedule::{CollisionSystems, ImpactSystems, add_to_tick},
 };
 
@@ -244,8 +246,13 @@ fn merge_verdicts(
     index: Res<CollisionIndex>,
     tests: Res<NarrowPhase>,
     (mut contacts, mut verdicts): (ResMut<Contacts>, ResMut<Verdicts>),
+    (parts, bodies): (
+        Query<(&BroadPhaseProxy, &PartOf)>,
+        Query<(), With<CollisionEventsEnabled>>,
+    ),
+    event_settings: Res<CollisionEventSettings>,
     mut counters: ResMut<CollisionCounters>,
-    mut workspace: Local<Workspace>,
+    (mut workspace, mut owners): (Local<Workspace>, Local<Owners>),
 ) {
     let geometry = |key: &ContactKey| {
         index
@@ -254,6 +261,14 @@ fn merge_verdicts(
     };
     if let Some(search) = verdicts.take_search() {
         contacts.merge(search, &mut verdicts, &index, geometry);
+        let parts = parts.iter();
+        owners.refresh(parts.filter_map(|(proxy, part)| Some((proxy.id()?, part.body()))));
+        let audience = Audience {
+            is_enabled: &|body| bodies.contains(body),
+            messages_for_all: event_settings.messages == EventScope::All,
+            events_for_all: event_settings.observers == EventScope::All,
+        };
+        contacts.merge_bodies(&owners, &audience);
     }
     counters.tick.contacts = contacts.len() as u64;
 }

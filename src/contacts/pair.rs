@@ -33,7 +33,7 @@ pub(crate) struct ContactKey {
 
 /// The place of an entity in the order of all: by its index, and then by its generation.
 #[inline]
-const fn rank(entity: Entity) -> u64 {
+pub(super) const fn rank(entity: Entity) -> u64 {
     (entity.index_u32() as u64) << 32 | entity.generation().to_bits() as u64
 }
 
@@ -137,10 +137,15 @@ impl ContactPair {
     }
 
     /// The two, as seen from `a`.
-    pub(super) fn collision(&self, contact: Option<Contact>) -> Collision {
+    pub(super) const fn collision(
+        &self,
+        contact: Option<Contact>,
+        bodies: [Entity; 2],
+    ) -> Collision {
         Collision {
             a: self.key.a,
             b: self.key.b,
+            bodies,
             contact,
             layers: self.layers,
             time: self.time,
@@ -188,6 +193,8 @@ pub struct Collision {
     pub a: Entity,
     /// The other one.
     pub b: Entity,
+    /// The [bodies](crate::parts) that `a` and `b` are parts of; what is part of none is its own.
+    pub bodies: [Entity; 2],
     /// Where they meet, with the normal from `a` to `b`; `None` if nobody asked, by
     /// [`CollisionEventsEnabled`](super::CollisionEventsEnabled) on one of them, or for all by
     /// [`CollisionEventSettings::geometry`](super::CollisionEventSettings::geometry).
@@ -204,10 +211,11 @@ impl Collision {
     /// Returns the same contact as seen from the other one.
     #[must_use]
     pub fn reversed(self) -> Self {
-        let [a, b] = self.layers;
+        let ([a, b], [body_a, body_b]) = (self.layers, self.bodies);
         Self {
             a: self.b,
             b: self.a,
+            bodies: [body_b, body_a],
             contact: self.contact.map(Contact::reversed),
             layers: [b, a],
             ..self

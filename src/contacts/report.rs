@@ -5,6 +5,11 @@ use std::{cmp::Ordering, iter::Peekable, slice};
 use bevy::prelude::*;
 
 use super::{
+    bodies::BodyContacts,
+    body_events::{
+        BodyCollisionEnded, BodyCollisionStarted, some_bodies, trigger_body_events,
+        write_body_messages,
+    },
     colliding_entities::{follow_contacts, is_in_use},
     events::{CollisionEnded, CollisionStarted},
     list::Contacts,
@@ -25,14 +30,19 @@ pub struct ReportPlugin;
 impl Plugin for ReportPlugin {
     fn build(&self, app: &mut App) {
         app.add_message::<CollisionStarted>()
-            .add_message::<CollisionEnded>();
+            .add_message::<CollisionEnded>()
+            .add_message::<BodyCollisionStarted>()
+            .add_message::<BodyCollisionEnded>();
         add_to_tick(app, |app, schedule| {
             // Observers come last, so that they find everything else up to date, and see no change
             // but their own.
             let report = (
                 write_messages,
+                write_body_messages.run_if(some_bodies),
                 follow_contacts.run_if(is_in_use),
                 trigger_events.run_if(anything_watched),
+                trigger_body_events.run_if(some_bodies),
+                note_bodies_reported.run_if(some_bodies),
             );
             // Each change is told once, though the exact tests or this may be skipped in a tick.
             let report = report
@@ -54,6 +64,9 @@ fn write_messages(
     contacts.bypass_change_detection().note_reported();
     let ledger = contacts.ledger();
     let (watched_before, watched) = (contacts.watched_before(), contacts.watched());
+    let (bodies_before, bodies) = contacts.bodies_before_and_now();
+    let before_with = |old: &ContactPair| seen_with(old, watched_before, bodies_before);
+    let now_with = |new: &ContactPair| seen_with(new, watched, bodies);
     // Counters are about contacts, whoever is told.
     counters.tick.ended += ledger.ended().len() as u64;
     counters.tick.started += ledger.started().len() as u64;
@@ -61,11 +74,11 @@ fn write_messages(
     let before = scope_before.replace(scope).unwrap_or(scope);
     if (before, scope) == (EventScope::All, EventScope::All) {
         let ends = ledger.ended().iter();
-        ended.write_batch(ends.map(|old| seen_with(old, watched_before).heard().into()));
+        ended.write_batch(ends.map(|old| before_with(old).heard().into()));
         let starts = ledger.started();
         let messages = starts
             .iter()
-            .map(|new| CollisionStarted::from(seen_with(new, watched).heard()));
+            .map(|new| CollisionStarted::from(now_with(new).heard()));
         if starts.is_sorted_by(|a, b| a.time <= b.time) {
             started.write_batch(messages);
         } else {
@@ -79,8 +92,8 @@ fn write_messages(
                 old.filter(|old| told_before.includes(old)),
                 new.filter(|new| told.includes(new)),
             ) {
-                (Some(old), None) => _ = ended.write(seen_with(old, watched_before).heard().into()),
-                (None, Some(new)) => in_time.push(seen_with(new, watched).heard().into()),
+                (Some(old), None) => _ = ended.write(before_with(old).heard().into()),
+                (None, Some(new)) => in_time.push(now_with(new).heard().into()),
                 _ => {}
             }
         }
@@ -119,8 +132,21 @@ impl<'a> Told<'a> {
 }
 
 /// With what is known of it. O(log n).
-fn seen_with(contact: &ContactPair, watched: &[WatchedContact]) -> Collision {
-    contact.collision(watched::find(watched, &contact.key).map(|watched| watched.geometry))
+fn seen_with(
+    contact: &ContactPair,
+    watched: &[WatchedContact],
+    bodies: &BodyContacts,
+) -> Collision {
+    let watched = watched::find(watched, &contact.key);
+    contact.collision(
+        watched.map(|watched| watched.geometry),
+        bodies.bodies(&contact.key),
+    )
+}
+
+/// What comes next is compared with this.
+fn note_bodies_reported(mut contacts: ResMut<Contacts>) {
+    contacts.bypass_change_detection().note_bodies_reported();
 }
 
 fn anything_watched(contacts: Res<Contacts>) -> bool {
@@ -139,13 +165,19 @@ fn trigger_events(
 ) {
     let contacts = world.resource::<Contacts>();
     let (before, now) = (contacts.watched_before(), contacts.watched());
+    let (bodies_before, bodies) = contacts.bodies_before_and_now();
     for (old, new) in compare(before, now, WatchedContact::key) {
         for side in [0, 1] {
             let observed = |watched: &&WatchedContact| watched.observed[side];
             match (old.filter(observed), new.filter(observed)) {
                 // It goes on for others, perhaps: the latest that is known.
-                (Some(old), None) => ended.push(new.unwrap_or(old).seen_from(side).into()),
-                (None, Some(new)) => started.push(new.seen_from(side).into()),
+                (Some(old), None) => {
+                    let (last, known) = new.map_or((old, bodies_before), |new| (new, bodies));
+                    ended.push(last.seen_from(side, known.bodies(&last.key())).into());
+                }
+                (None, Some(new)) => {
+                    started.push(new.seen_from(side, bodies.bodies(&new.key())).into());
+                }
                 _ => {}
             }
         }

@@ -1,5 +1,7 @@
 //! Contacts of which more is known than that they are: where, and who is told.
 
+use bevy::prelude::*;
+
 use super::{
     pair::{Collision, ContactKey, ContactPair},
     settings::{CollisionEventSettings, EventScope},
@@ -22,9 +24,9 @@ impl WatchedContact {
         self.contact.key
     }
 
-    /// From one of its two sides.
-    pub(super) fn seen_from(&self, side: usize) -> Collision {
-        let collision = self.contact.collision(Some(self.geometry));
+    /// From one of its two sides, of bodies in the order of the contact.
+    pub(super) fn seen_from(&self, side: usize, bodies: [Entity; 2]) -> Collision {
+        let collision = self.contact.collision(Some(self.geometry), bodies);
         if side == 0 {
             collision
         } else {

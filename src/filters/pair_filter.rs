@@ -11,6 +11,7 @@ use super::{
 use crate::{
     broad_phase::{Pair, PairFilter},
     collision_index::CollisionIndex,
+    parts::PartOf,
     worlds::{self, InCollisionWorld},
 };
 
@@ -20,15 +21,17 @@ pub(crate) type FilterParts<'a> = (
     Has<StaticShape>,
     Has<Detector>,
     Option<&'a InCollisionWorld>,
+    Option<&'a PartOf>,
 );
 
 /// The same, for the broad phase.
 pub(crate) fn filter(
-    (layers, is_static, is_detector, world): (
+    (layers, is_static, is_detector, world, part): (
         Option<&CollisionLayers>,
         bool,
         bool,
         Option<&InCollisionWorld>,
+        Option<&PartOf>,
     ),
 ) -> PairFilter {
     let world = world.map_or(PairFilter::DEFAULT_WORLD, |world| worlds::number(world.0));
@@ -36,6 +39,7 @@ pub(crate) fn filter(
         is_static,
         is_detector,
         world,
+        body: part.map_or(PairFilter::NO_BODY, PartOf::number),
         ..PairFilter::default()
     };
     layers.copied().unwrap_or_default().put_into(&mut filter);

@@ -17,7 +17,7 @@ use crate::{
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
     parallel,
     shear::Sheared,
-    swept::Swept,
+    swept::{Swept, SweptWithBody},
     way::SweptWay,
 };
 
@@ -27,7 +27,7 @@ pub(super) type Boxed<'a> = (
     Ref<'a, WorldAabb>,
     Ref<'a, CollisionShape>,
     &'a mut BroadPhaseProxy,
-    (Has<Swept>, Option<&'a SweptWay>),
+    (Has<Swept>, Has<SweptWithBody>, Option<&'a SweptWay>),
     Has<Sheared>,
 );
 
@@ -36,7 +36,7 @@ pub(super) type Table<'a> = (
     ContiguousRef<'a, WorldAabb>,
     ContiguousRef<'a, CollisionShape>,
     &'a [BroadPhaseProxy],
-    (bool, Option<&'a [SweptWay]>),
+    (bool, bool, Option<&'a [SweptWay]>),
     bool,
 );
 
@@ -63,8 +63,8 @@ struct Rows<'a> {
 impl<'a> Rows<'a> {
     /// Cuts a table into the rows of the jobs.
     fn of(table: &'a Table) -> impl ExactSizeIterator<Item = Self> + Clone {
-        let (entities, boxes, shapes, proxies, (is_swept, ways), is_sheared) = table;
-        let ways = ways.filter(|_| *is_swept);
+        let (entities, boxes, shapes, proxies, (is_swept, goes_along, ways), is_sheared) = table;
+        let ways = ways.filter(|_| *is_swept || *goes_along);
         let (reshaped, boxed) = (shapes.changed_ticks_slice(), boxes.changed_ticks_slice());
         (0..entities.len().div_ceil(ROWS)).map(move |job| {
             let rows = job * ROWS..entities.len().min((job + 1) * ROWS);
@@ -114,7 +114,7 @@ impl<'a> Rows<'a> {
             pose: proxy.pose(),
             fit: proxy.fit(self.boxed[row], self.reshaped[row]),
             reshaped: self.reshaped[row],
-            start: start((true, self.ways.map(|ways| &ways[row])), entity, proxy),
+            start: start((true, false, self.ways.map(|ways| &ways[row])), entity, proxy),
         };
         !self.is_sheared && followers.follow(&now, moved)
     }
@@ -123,12 +123,12 @@ impl<'a> Rows<'a> {
 /// Where the way of an entity in this tick begins, if it is on one.
 #[inline]
 pub(super) fn start<'a>(
-    (is_swept, way): (bool, Option<&'a SweptWay>),
+    (is_swept, goes_along, way): (bool, bool, Option<&'a SweptWay>),
     entity: Entity,
     proxy: &BroadPhaseProxy,
 ) -> Option<&'a Transform> {
     // The way of who is not swept any more may still be there.
-    way.filter(|way| is_swept && way.belongs_to(entity, proxy.id()))
+    way.filter(|way| (is_swept || goes_along) && way.belongs_to(entity, proxy.id()))
         .and_then(|way| way.to(proxy.pose()))
 }
 
@@ -144,7 +144,7 @@ pub(super) fn follow(
     left: &mut Vec<Entity>,
 ) {
     let since = SinceLastRun::of(&table.1);
-    if table.4.0 {
+    if table.4.0 || table.4.1 {
         index.make_room_for_starts();
     }
     let rows = Rows::of(&table);

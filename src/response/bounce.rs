@@ -8,7 +8,8 @@ use bevy::{math::DVec3, prelude::*};
 /// through the whole hierarchy. One whose ancestors are scaled to nothing has no answer. Entities
 /// without this component pass through each other, and are only reported. Who does not hear of a
 /// contact with a [detector](crate::filters::Detector) does not answer. Those that are
-/// [swept](crate::swept::Swept), and what they meet, answer at the time of impact.
+/// [swept](crate::swept::Swept), and what they meet, answer at the time of impact. A
+/// [body](crate::parts) answers to what its parts meet.
 ///
 /// # Resting under a force of your own
 ///
@@ -149,6 +150,15 @@ pub(super) struct Party {
 impl Party {
     fn restitution(&self) -> Option<f32> {
         self.bounce.and_then(Bounce::restitution)
+    }
+
+    /// The same, of which a part meets something that is so much faster, and by no doing of its own.
+    pub(super) fn faster(self, faster: Vec3) -> Self {
+        Self {
+            velocity: self.velocity + faster,
+            drift: self.drift + faster,
+            ..self
+        }
     }
 
     /// The party after its velocity was reversed, if it is.

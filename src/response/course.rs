@@ -2,15 +2,20 @@
 
 use bevy::prelude::*;
 
-use super::bounce::{Bounce, Party, respond};
+use super::{
+    answering::lead_of,
+    bounce::{Bounce, Party, respond},
+};
 use crate::{
     broad_phase::ProxyId,
     collision_index::CollisionIndex,
+    components::BroadPhaseProxy,
     filters::Sensor,
     frame::{Ancestor, Frame},
     motion::{Velocity, is_moved_by_velocity},
     narrow_phase::{Contact, Moving, approach},
-    swept::{AtSolid, Swept},
+    swept::{AtSolid, Swept, SweptWithBody},
+    way::SweptWay,
 };
 
 /// Who says where a body goes.
@@ -30,6 +35,35 @@ pub(super) enum Turn {
     Keeps,
     /// It goes so much farther, per tick, than it would have.
     Diverts(Vec3),
+    /// It has stopped, though its mover has moved it on, and meets nothing any more.
+    Ends,
+}
+
+/// The body that answers in place of one of its parts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Lead {
+    pub(super) body: Entity,
+    /// How much faster the part is than the body.
+    faster: Vec3,
+}
+
+/// How fast something is: in the space that it is in, and in the world.
+struct Speed {
+    frame: Option<Frame>,
+    in_world: Vec3,
+}
+
+impl Speed {
+    fn of(entity: EntityRef, world: &World) -> Self {
+        let parent = entity.get::<ChildOf>().map(ChildOf::parent);
+        let frame =
+            parent.map(|parent| Frame::of(parent, |ancestor| Ancestor::of(ancestor, world)));
+        let own = entity
+            .get::<Velocity>()
+            .map_or(Vec3::ZERO, |velocity| velocity.0);
+        let in_world = frame.map_or(own, |frame| frame.velocity_in_world(own));
+        Self { frame, in_world }
+    }
 }
 
 /// A body that met something in this tick, and where it is going since.
@@ -38,6 +72,10 @@ pub(super) struct Course {
     pub(super) entity: Entity,
     /// What it hangs on, if anything.
     pub(super) frame: Option<Frame>,
+    /// The body that answers in its place, if there is one, and how much faster it is than that.
+    pub(super) lead: Option<Lead>,
+    /// Of a body, while a part of it meets something: how much faster that is.
+    faster: Vec3,
     /// Its velocity in the world, and how it answers.
     party: Party,
     is_sensor: bool,
@@ -70,16 +108,45 @@ impl Course {
         let index = world.resource::<CollisionIndex>();
         let (entity, moving) = (index.body(id)?.entity, index.moving(id)?);
         let of_world = world.get_entity(entity).ok()?;
-        let parent = of_world.get::<ChildOf>().map(ChildOf::parent);
-        let frame =
-            parent.map(|parent| Frame::of(parent, |ancestor| Ancestor::of(ancestor, world)));
-        let own = of_world
-            .get::<Velocity>()
-            .map_or(Vec3::ZERO, |velocity| velocity.0);
+        let speed = Speed::of(of_world, world);
+        let in_world = speed.in_world;
+        let way = [0.0, 1.0].map(|time| moving.at(time).translation);
+        let course = Self::along(way, of_world, speed);
+        let lead = lead_of(entity, world).and_then(|body| {
+            let faster = in_world - Speed::of(world.get_entity(body).ok()?, world).in_world;
+            Some(Lead { body, faster })
+        });
+        Some(Self { lead, ..course })
+    }
+
+    /// That of a body which answers for its parts, with or without a shape of its own. `None` if it
+    /// is gone, or nowhere.
+    pub(super) fn of_body(body: Entity, world: &World) -> Option<Self> {
+        let of_world = world.get_entity(body).ok()?;
+        let own = of_world.get::<Transform>()?.translation;
+        let speed = Speed::of(of_world, world);
+        let id = of_world.get().and_then(BroadPhaseProxy::id);
+        let moving = id.and_then(|id| world.resource::<CollisionIndex>().moving(id));
+        let way = if let Some(moving) = moving {
+            [0.0, 1.0].map(|time| moving.at(time).translation)
+        } else {
+            let end = speed.frame.map_or(own, |frame| frame.position_in_world(own));
+            let way = of_world.get::<SweptWay>().filter(|way| {
+                of_world.contains::<Swept>() && way.belongs_to(body, None)
+            });
+            let start = way.and_then(SweptWay::start);
+            [start.map_or(end, |start| start.translation), end]
+        };
+        Some(Self::along(way, of_world, speed))
+    }
+
+    /// That of an entity on its way in this tick, from its start to its end.
+    fn along([start, end]: [Vec3; 2], of_world: EntityRef, speed: Speed) -> Self {
+        let Speed { frame, in_world } = speed;
         // What cannot be told in its own space cannot change.
         let leads_back = frame.is_none_or(|frame| frame.leads_back());
         let party = Party {
-            velocity: frame.map_or(own, |frame| frame.velocity_in_world(own)),
+            velocity: in_world,
             drift: frame.map_or(Vec3::ZERO, |frame| frame.drift()),
             bounce: of_world
                 .get::<Bounce>()
@@ -94,24 +161,60 @@ impl Course {
             },
             _ => Steering::Foreign,
         };
-        Some(Self {
-            entity,
+        Self {
+            entity: of_world.id(),
             frame,
+            lead: None,
+            faster: Vec3::ZERO,
             party,
             is_sensor: of_world.contains::<Sensor>(),
-            is_swept: swept.is_some(),
+            is_swept: swept.is_some() || of_world.contains::<SweptWithBody>(),
             steering,
             stops: swept.is_some_and(|swept| swept.at_solid == AtSolid::Stop),
             stays: false,
             has_ended: false,
             since: 0.0,
-            from: moving.at(0.0).translation,
-            way: moving.at(1.0).translation - moving.at(0.0).translation,
+            from: start,
+            way: end - start,
             version: 0,
             has_turned: false,
             diverted: None,
             bounces: 0,
-        })
+        }
+    }
+
+    /// As that of a body which answers for this one, while this one meets something.
+    pub(super) fn led(&self, lead: &Lead, body: &Self) -> Self {
+        Self {
+            is_sensor: self.is_sensor,
+            faster: lead.faster,
+            ..*body
+        }
+    }
+
+    /// The body again, once its part has met it.
+    pub(super) const fn alone(self) -> Self {
+        Self {
+            faster: Vec3::ZERO,
+            ..self
+        }
+    }
+
+    /// Is it that of the shape of a body that answers for its parts, of which there is one, too?
+    pub(super) fn is_own_lead(&self) -> bool {
+        self.lead.is_some_and(|lead| lead.body == self.entity)
+    }
+
+    /// Its velocity as that of a part of a body which has this course.
+    pub(super) fn velocity_of_part(&self, lead: &Lead) -> Vec3 {
+        self.velocity() + lead.faster
+    }
+
+    /// Meets nothing any more in this tick: it has stopped, with its body, though its mover has
+    /// moved it on.
+    pub(super) const fn end(&mut self) {
+        self.has_ended = true;
+        self.version += 1;
     }
 
     /// Its velocity in its own space, as the impacts have made it.
@@ -123,11 +226,12 @@ impl Course {
 
     /// Its velocity in the world, for as long as it moves.
     pub(super) fn velocity(&self) -> Vec3 {
-        if self.stays {
+        let of_body = if self.stays {
             Vec3::ZERO
         } else {
             self.party.velocity
-        }
+        };
+        of_body + self.faster
     }
 
     /// Where it is after a share of the tick.
@@ -154,7 +258,7 @@ impl Course {
 
     /// Is it on no way, and elsewhere than it would have been?
     pub(super) const fn is_displaced(&self) -> bool {
-        !self.is_swept && self.version > 0
+        !self.is_swept && self.is_moved()
     }
 
     /// Goes along with what it hangs on, the way of which changes by so much per tick, of so many
@@ -188,15 +292,16 @@ impl Course {
                 ..Party::default()
             }
         } else if self.stays || self.is_spent() {
-            Party::default()
+            Party::default().faster(self.faster)
         } else if self.stops {
             // A wall that comes.
-            Party {
+            let party = Party {
                 bounce: None,
                 ..self.party
-            }
+            };
+            party.faster(self.faster)
         } else {
-            self.party
+            self.party.faster(self.faster)
         }
     }
 
@@ -206,7 +311,7 @@ impl Course {
             _ if !hears => Turn::Keeps,
             _ if self.stops => Turn::Keeps,
             _ if self.is_spent() => self.stop(time),
-            Some(velocity) => self.bounce(velocity, time, seconds),
+            Some(velocity) => self.bounce(velocity - self.faster, time, seconds),
             None => Turn::Keeps,
         }
     }
@@ -217,9 +322,8 @@ impl Course {
         if stayed || self.way == Vec3::ZERO {
             Turn::Keeps
         } else if self.steering == Steering::Foreign {
-            self.has_ended = true;
-            self.version += 1;
-            Turn::Keeps
+            self.end();
+            Turn::Ends
         } else {
             self.divert(time, Vec3::ZERO)
         }

@@ -6,6 +6,7 @@ use bevy::{
 };
 
 use super::{
+    answering::Answering,
     bounce::{Bounce, Party, respond},
     outcomes::Outcomes,
 };
@@ -38,6 +39,7 @@ pub(super) fn reverse(
     contacts: Res<Contacts>,
     sensors: Query<(), With<Sensor>>,
     outcomes: Res<Outcomes>,
+    answering: Answering,
     mut moving: Query<(&mut Velocity, &Bounce)>,
     mut counters: ResMut<CollisionCounters>,
     mut colliding: Local<Vec<Entity>>,
@@ -47,7 +49,18 @@ pub(super) fn reverse(
         let both = contact.entities().into_iter().zip(contact.hears());
         both.filter(|(_, hears)| *hears).map(|(entity, _)| entity)
     };
-    colliding.extend(solid(&contacts, &sensors).flat_map(hearing));
+    let solid = solid(&contacts, &sensors);
+    if answering.is_idle() {
+        colliding.extend(solid.flat_map(hearing));
+    } else {
+        // What is part of the same body as the other is not met by it.
+        let are_two = |contact: &ContactPair| {
+            let [a, b] = contact.entities();
+            answering.who(a) != answering.who(b)
+        };
+        let entities = solid.filter(are_two).flat_map(hearing);
+        colliding.extend(entities.map(|entity| answering.who(entity)));
+    }
     colliding.sort_unstable();
     colliding.dedup();
     for &entity in &*colliding {
@@ -112,6 +125,13 @@ impl Movers<'_, '_> {
         })
     }
 
+    /// How fast it is in the world.
+    fn velocity_in_world(&self, entity: Entity) -> Vec3 {
+        let own = self.velocity(entity);
+        let frame = self.frame(entity);
+        frame.map_or(own, |frame| frame.velocity_in_world(own))
+    }
+
     /// Gives an entity a velocity in the world, if its own leads there. Returns `true` if it has it.
     fn set(&mut self, entity: Entity, velocity: Vec3, frame: Option<&Frame>) -> bool {
         let own = match frame {
@@ -130,12 +150,21 @@ pub(super) fn reflect(
     contacts: Res<Contacts>,
     sensors: Query<(), With<Sensor>>,
     (index, tests): (Res<CollisionIndex>, Res<NarrowPhase>),
-    mut movers: Movers,
+    (answering, mut movers): (Answering, Movers),
     mut counters: ResMut<CollisionCounters>,
     mut workspace: Local<Workspace>,
 ) {
+    let some_answer_for_others = !answering.is_idle();
     for contact in solid(&contacts, &sensors) {
-        let entities = contact.entities();
+        let parts = contact.entities();
+        let entities = if some_answer_for_others {
+            parts.map(|entity| answering.who(entity))
+        } else {
+            parts
+        };
+        if entities[0] == entities[1] {
+            continue;
+        }
         let hears = contact.hears();
         let bounces = [0, 1].map(|which| {
             let entity = Some(entities[which]).filter(|_| hears[which])?;
@@ -151,8 +180,16 @@ pub(super) fn reflect(
             continue;
         };
         let frames = entities.map(|entity| movers.frame(entity));
-        let parties = [0, 1]
-            .map(|which| movers.party(entities[which], bounces[which], frames[which].as_ref()));
+        // How much faster parts are than the bodies that answer for them.
+        let faster = [0, 1].map(|which| {
+            let (part, body) = (parts[which], entities[which]);
+            let is_led = part != body;
+            is_led.then(|| movers.velocity_in_world(part) - movers.velocity_in_world(body))
+        });
+        let parties = [0, 1].map(|which| {
+            let party = movers.party(entities[which], bounces[which], frames[which].as_ref());
+            faster[which].map_or(party, |faster| party.faster(faster))
+        });
         // Which of several normals counts is up to the way that the two go, of which the geometry
         // that the contacts may have knows nothing.
         let way = parties[0].velocity - parties[1].velocity;
@@ -160,6 +197,7 @@ pub(super) fn reflect(
         let Some(geometry) = geometry else { continue };
         for (which, answer) in respond(parties, geometry.normal).into_iter().enumerate() {
             if let Some(velocity) = answer
+                && let velocity = velocity - faster[which].unwrap_or_default()
                 && movers.set(entities[which], velocity, frames[which].as_ref())
             {
                 counters.tick.bounces += 1;

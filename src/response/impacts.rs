@@ -8,6 +8,7 @@ use std::{
 use bevy::{platform::collections::HashMap, prelude::*};
 
 use super::{
+    answering::is_lead,
     course::{Course, Turn, meet},
     outcomes::Outcomes,
 };
@@ -21,6 +22,7 @@ use crate::{
     filters,
     motion::MotionSettings,
     narrow_phase::{Contact, Moving, NarrowPhase, Placed, TimedContact, Workspace, approach},
+    parts::{BodyParts, CollisionBody},
 };
 
 /// Two bodies meet, if neither changes course before.
@@ -76,6 +78,8 @@ impl Eq for Meeting {}
 #[derive(Debug)]
 pub(super) struct Resolver {
     courses: HashMap<ProxyId, Course>,
+    /// Those of bodies that answer for their parts, by entity: such a body need not have a shape.
+    leads: HashMap<Entity, Course>,
     to_come: BinaryHeap<Reverse<Meeting>>,
     happened: Vec<SweptContact>,
     /// What those touch, at the end of the tick, that are on no way, and are elsewhere than they
@@ -96,6 +100,7 @@ impl Default for Resolver {
     fn default() -> Self {
         Self {
             courses: HashMap::default(),
+            leads: HashMap::default(),
             to_come: BinaryHeap::new(),
             happened: Vec::new(),
             at_end: Vec::new(),
@@ -150,18 +155,16 @@ pub(super) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) 
         resolver.happened.push(impact);
         let turns = resolver.answer(world, &meeting, seconds);
         for (id, turn) in key.ids.into_iter().zip(turns) {
-            if let Turn::Diverts(change) = turn
-                && let Some(entity) = world.resource::<CollisionIndex>().entity(id)
-            {
-                resolver.turned.push(id);
-                resolver.carry(world, entity, change, (met.time, seconds));
-            }
+            resolver.follow(world, id, turn, (met.time, seconds));
         }
         resolver.note_parted(world.resource(), &meeting);
         resolver.look_ahead(world, met.time);
     }
     world.resource_scope(|world, mut outcomes: Mut<Outcomes>| {
-        outcomes.note(resolver.courses.values(), world);
+        // A body with a shape that answers for it is one.
+        let courses = resolver.courses.values();
+        let others = courses.filter(|course| !course.is_own_lead());
+        outcomes.note(others.chain(resolver.leads.values()), world);
     });
     let displaced = resolver
         .courses
@@ -180,7 +183,7 @@ pub(super) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) 
 impl Resolver {
     fn begin(&mut self, verdicts: &Verdicts, index: &CollisionIndex) {
         debug_assert!(
-            self.courses.is_empty() && self.to_come.is_empty(),
+            self.courses.is_empty() && self.leads.is_empty() && self.to_come.is_empty(),
             "nothing is left of the last tick"
         );
         let meeting = |impact: &SweptContact| {
@@ -223,12 +226,66 @@ impl Resolver {
         let normal = self.normal([&way_a, &way_b], meeting, world.resource::<NarrowPhase>());
         let at_point = [&way_a, &way_b].map(|way| way.velocity_at(0.0, contact.point));
         let come_nearer = approach(at_point, normal);
-        match self.courses.get_disjoint_mut(key.ids.each_ref()) {
-            [Some(a), Some(b)] => {
-                let contact = Contact { normal, ..contact };
-                meet([a, b], hears, &contact, come_nearer, (time, seconds))
+        let contact = Contact { normal, ..contact };
+        let [Some(a), Some(b)] = self.courses.get_disjoint_mut(key.ids.each_ref()) else {
+            return [Turn::Keeps; 2];
+        };
+        let leads = [a.lead, b.lead];
+        match leads.map(|lead| lead.map(|lead| lead.body)) {
+            [None, None] => meet([a, b], hears, &contact, come_nearer, (time, seconds)),
+            // What two parts do to each other changes nothing about how their body moves.
+            [a, b] if a == b => [Turn::Keeps; 2],
+            _ => {
+                let mut both = [*a, *b];
+                for (course, lead) in both.iter_mut().zip(&leads) {
+                    if let Some(lead) = lead
+                        && let Some(body) = self.leads.get(&lead.body)
+                    {
+                        *course = course.led(lead, body);
+                    }
+                }
+                let turns = meet(
+                    both.each_mut(),
+                    hears,
+                    &contact,
+                    come_nearer,
+                    (time, seconds),
+                );
+                for ((course, id), lead) in both.into_iter().zip(key.ids).zip(leads) {
+                    match lead {
+                        Some(lead) => _ = self.leads.insert(lead.body, course.alone()),
+                        None => _ = self.courses.insert(id, course),
+                    }
+                }
+                turns
             }
-            _ => [Turn::Keeps; 2],
+        }
+    }
+
+    /// Has all that goes with a body do what it does.
+    fn follow(&mut self, world: &World, id: ProxyId, turn: Turn, at: (f32, f32)) {
+        let lead = self.courses.get(&id).and_then(|course| course.lead);
+        match (turn, lead) {
+            (Turn::Keeps, _) | (Turn::Ends, None) => {}
+            (Turn::Diverts(change), None) => {
+                if let Some(entity) = world.resource::<CollisionIndex>().entity(id) {
+                    self.turned.push(id);
+                    self.carry(world, children(world, entity).collect(), change, at);
+                }
+            }
+            (Turn::Diverts(change), Some(lead)) => {
+                self.carry_body(world, lead.body, change, at);
+            }
+            (Turn::Ends, Some(lead)) => {
+                let parts = world.get::<BodyParts>(lead.body);
+                for part in parts.into_iter().flat_map(BodyParts::entities) {
+                    if let Some(course) = self.course_of(world, *part)
+                        && course.lead.is_some_and(|own| own.body == lead.body)
+                    {
+                        course.end();
+                    }
+                }
+            }
         }
     }
 
@@ -236,7 +293,7 @@ impl Resolver {
     /// short to tell.
     fn normal(&mut self, [a, b]: [&Moving; 2], meeting: &Meeting, tests: &NarrowPhase) -> Vec3 {
         let Meeting { key, met, .. } = *meeting;
-        let velocity = |id| self.courses.get(&id).map_or(Vec3::ZERO, Course::velocity);
+        let velocity = |id| self.courses.get(&id).map_or(Vec3::ZERO, |course| self.velocity(course));
         let velocities = key.ids.map(velocity);
         let (at_a, at_b) = (a.at(0.0), b.at(0.0));
         let placed = [Placed::new(a.shape(), &at_a), Placed::new(b.shape(), &at_b)];
@@ -250,32 +307,69 @@ impl Resolver {
         )
     }
 
-    /// Begins to follow a body, unless that was done. False if it is gone.
+    /// How fast a body is that is followed, in the world.
+    fn velocity(&self, course: &Course) -> Vec3 {
+        let lead = course
+            .lead
+            .and_then(|lead| Some(self.leads.get(&lead.body)?.velocity_of_part(&lead)));
+        lead.unwrap_or_else(|| course.velocity())
+    }
+
+    /// Begins to follow a body, and the one that answers for it, unless that was done. False if it
+    /// is gone.
     fn know(&mut self, id: ProxyId, world: &World) -> bool {
         if !self.courses.contains_key(&id) {
             let Some(course) = Course::of(id, world) else {
                 return false;
             };
+            if let Some(lead) = course.lead {
+                self.know_lead(lead.body, world);
+            }
             self.courses.insert(id, course);
         }
         true
     }
 
-    /// All that hangs on an entity which changed course goes with it.
-    fn carry(&mut self, world: &World, entity: Entity, change: Vec3, (time, seconds): (f32, f32)) {
-        let children = |entity| world.get::<Children>(entity).into_iter().flatten().copied();
-        let mut open: Vec<_> = children(entity).collect();
+    /// Begins to follow a body that answers for its parts, unless that was done.
+    fn know_lead(&mut self, body: Entity, world: &World) -> Option<&mut Course> {
+        if !self.leads.contains_key(&body) {
+            self.leads.insert(body, Course::of_body(body, world)?);
+        }
+        self.leads.get_mut(&body)
+    }
+
+    /// The course of an entity that takes part.
+    fn course_of(&mut self, world: &World, entity: Entity) -> Option<&mut Course> {
+        let id = world.get::<BroadPhaseProxy>(entity)?.id()?;
+        self.know(id, world);
+        self.courses.get_mut(&id)
+    }
+
+    /// All parts of a body which changed course, and all else that hangs on it, go with it.
+    fn carry_body(&mut self, world: &World, body: Entity, change: Vec3, at: (f32, f32)) {
+        self.carry_one(world, body, change, at);
+        self.carry(world, children(world, body).collect(), change, at);
+    }
+
+    /// These, and all that hangs on them, go with what they hang on, which changed course.
+    fn carry(&mut self, world: &World, mut open: Vec<Entity>, change: Vec3, at: (f32, f32)) {
         while let Some(child) = open.pop() {
-            let id = world
-                .get::<BroadPhaseProxy>(child)
-                .and_then(BroadPhaseProxy::id);
-            if let Some(id) = id.filter(|id| self.know(*id, world))
-                && let Some(course) = self.courses.get_mut(&id)
+            if world.get::<CollisionBody>(child).is_some()
+                && is_lead(child, world)
+                && let Some(lead) = self.know_lead(child, world)
             {
-                course.carry(change, time, seconds);
-                self.turned.push(id);
+                lead.carry(change, at.0, at.1);
             }
-            open.extend(children(child));
+            self.carry_one(world, child, change, at);
+            open.extend(children(world, child));
+        }
+    }
+
+    fn carry_one(&mut self, world: &World, entity: Entity, change: Vec3, at: (f32, f32)) {
+        if let Some(course) = self.course_of(world, entity) {
+            course.carry(change, at.0, at.1);
+            let id = world.get::<BroadPhaseProxy>(entity);
+            self.turned.extend(id.and_then(BroadPhaseProxy::id));
         }
     }
 
@@ -465,10 +559,15 @@ impl Resolver {
         {
             self.diverted.remove(handle);
         }
+        self.leads.clear();
         self.diverted.update();
         // Sums nobody reads.
         self.workspace.counters = Default::default();
     }
+}
+
+fn children(world: &World, entity: Entity) -> impl Iterator<Item = Entity> {
+    world.get::<Children>(entity).into_iter().flatten().copied()
 }
 
 /// How fast two come nearer to each other where they meet.

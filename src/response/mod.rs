@@ -1,5 +1,6 @@
 //! What contacts do to velocities.
 
+mod answering;
 mod bounce;
 mod course;
 mod discrete;
@@ -15,6 +16,7 @@ use crate::{
     swept::{AtSolid, Swept},
 };
 
+use answering::Answering;
 pub use bounce::Bounce;
 use discrete::{reflect, reverse};
 use impacts::resolve_impacts;
@@ -28,11 +30,11 @@ pub struct BouncePlugin;
 fn something_stops(
     verdicts: Res<Verdicts>,
     index: Res<CollisionIndex>,
-    swept: Query<&Swept>,
+    (swept, answering): (Query<&Swept>, Answering),
 ) -> bool {
     let stops = |entity| {
         swept
-            .get(entity)
+            .get(answering.who(entity))
             .is_ok_and(|swept| swept.at_solid == AtSolid::Stop)
     };
     let impacts = verdicts.impacts().iter();

@@ -113,14 +113,18 @@ impl Outcomes {
 /// Velocities and positions become what the impacts have made of them.
 pub(super) fn apply_outcomes(
     outcomes: Res<Outcomes>,
-    mut bodies: Query<(Option<&mut Velocity>, &mut Transform, &mut BroadPhaseProxy)>,
+    mut bodies: Query<(
+        Option<&mut Velocity>,
+        &mut Transform,
+        Option<&mut BroadPhaseProxy>,
+    )>,
     tests: Res<NarrowPhase>,
     mut index: ResMut<CollisionIndex>,
     mut counters: ResMut<CollisionCounters>,
 ) {
     for outcome in &outcomes.bodies {
         // It may be gone.
-        let Ok((velocity, mut transform, mut proxy)) = bodies.get_mut(outcome.entity) else {
+        let Ok((velocity, mut transform, proxy)) = bodies.get_mut(outcome.entity) else {
             continue;
         };
         if outcome.bounces > 0
@@ -129,9 +133,15 @@ pub(super) fn apply_outcomes(
             velocity.0 = answer;
             counters.tick.bounces += outcome.bounces;
         }
-        if let Some(position) = outcome.position
-            && let Some(id) = proxy.id()
-        {
+        let Some(position) = outcome.position else {
+            continue;
+        };
+        let Some(mut proxy) = proxy else {
+            // A body made of parts, without a shape of its own.
+            transform.translation = position.own.unwrap_or(transform.translation);
+            continue;
+        };
+        if let Some(id) = proxy.id() {
             if let Some(own) = position.own {
                 transform.translation = own;
             }

@@ -19,6 +19,7 @@ use crate::{broad_phase::PairFilter, filters::LayerMask, worlds};
 /// | [`in_world`](Self::in_world), [`in_any_world`](Self::in_any_world) | another world, or all of them |
 /// | [`on`](Self::on) | only what is on one of some layers |
 /// | [`except`](Self::except), [`excluding`](Self::excluding) | all but one entity, all but some |
+/// | [`without_body`](Self::without_body) | all but the parts of one [body](crate::parts) |
 /// | [`without_sensors`](Self::without_sensors) | all but what is a [`Sensor`](crate::filters::Sensor), which is seen like all others by default |
 /// | [`only`](Self::only) | what a function of yours says |
 ///
@@ -40,6 +41,7 @@ pub struct SpatialQueryFilter<'a> {
     except: Option<Entity>,
     excluded: Option<&'a EntityHashSet>,
     skips_sensors: bool,
+    excluded_body: Option<Entity>,
     predicate: Option<Predicate<'a>>,
 }
 
@@ -60,6 +62,7 @@ impl<'a> SpatialQueryFilter<'a> {
         except: None,
         excluded: None,
         skips_sensors: false,
+        excluded_body: None,
         predicate: None,
     };
 
@@ -131,6 +134,18 @@ impl<'a> SpatialQueryFilter<'a> {
         }
     }
 
+    /// Leaves out all parts of one [body](crate::parts): that which an entity is, or is a part of at
+    /// the moment of the query. Of an entity that is part of none, that one alone. Replaces an earlier
+    /// one; [`except`](Self::except) may leave out another.
+    #[must_use]
+    #[doc(alias("exclude rigid body", "self", "ship"))]
+    pub const fn without_body(self, entity: Entity) -> Self {
+        Self {
+            excluded_body: Some(entity),
+            ..self
+        }
+    }
+
     /// Lets only those pass for which `predicate` holds. Replaces an earlier predicate.
     ///
     /// It is asked before the exact tests, about no more entities than these would look at.
@@ -147,9 +162,14 @@ impl<'a> SpatialQueryFilter<'a> {
         self.skips_sensors
     }
 
+    /// Of which body are the parts left out?
+    pub(super) const fn excluded_body(&self) -> Option<Entity> {
+        self.excluded_body
+    }
+
     /// Returns `true` if an entity passes that the broad phase knows as `object`, as long as it is
-    /// not about [sensors](Self::without_sensors), which the entity alone can tell. The cheapest
-    /// questions come first.
+    /// not about [sensors](Self::without_sensors) or [bodies](Self::without_body), which the entity
+    /// alone can tell. The cheapest questions come first.
     #[must_use]
     pub fn accepts(&self, entity: Entity, object: &PairFilter) -> bool {
         self.world.is_none_or(|world| world == object.world)
@@ -172,6 +192,7 @@ impl fmt::Debug for SpatialQueryFilter<'_> {
             .field("except", &self.except)
             .field("excluded", &self.excluded)
             .field("skips_sensors", &self.skips_sensors)
+            .field("excluded_body", &self.excluded_body)
             .field("has_predicate", &self.predicate.is_some())
             .finish()
     }

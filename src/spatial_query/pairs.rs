@@ -200,7 +200,7 @@ impl SpatialQuery<'_, '_> {
     #[must_use]
     #[doc(alias("closest points", "gap"))]
     pub fn distance_between(&self, a: Entity, b: Entity) -> Option<PairHit> {
-        self.proximity(self.body_of(a)?, self.body_of(b)?)
+        self.proximity(self.entry_of(a)?, self.entry_of(b)?)
     }
 
     fn near(&self, a: ProxyId, b: ProxyId) -> Option<PairHit> {

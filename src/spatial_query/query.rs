@@ -2,7 +2,11 @@
 
 use std::ops::ControlFlow;
 
-use bevy::{ecs::system::SystemParam, math::bounding::Aabb3d, prelude::*};
+use bevy::{
+    ecs::{entity_disabling::Disabled, system::SystemParam},
+    math::bounding::Aabb3d,
+    prelude::*,
+};
 
 use super::filter::SpatialQueryFilter;
 use crate::{
@@ -11,6 +15,7 @@ use crate::{
     components::BroadPhaseProxy,
     filters::Sensor,
     narrow_phase::{NarrowPhase, Shape},
+    parts::PartOf,
 };
 
 /// Asks about entities with a [`CollisionShape`](crate::components::CollisionShape): what a ray or
@@ -69,6 +74,8 @@ pub struct SpatialQuery<'w, 's> {
     tests: Res<'w, NarrowPhase>,
     entries: Query<'w, 's, &'static BroadPhaseProxy>,
     sensors: Query<'w, 's, (), With<Sensor>>,
+    // What is disabled is not found, but may ask.
+    parts: Query<'w, 's, &'static PartOf, Allow<Disabled>>,
 }
 
 impl SpatialQuery<'_, '_> {
@@ -76,6 +83,23 @@ impl SpatialQuery<'_, '_> {
     #[must_use]
     pub fn index(&self) -> &CollisionIndex {
         &self.index
+    }
+
+    /// Returns the [body](crate::parts) that an entity is a part of; what is part of none is its
+    /// own.
+    ///
+    /// ```
+    /// # use bevy::prelude::*;
+    /// # use bevy_octree::prelude::*;
+    /// fn aim(ray: Ray3d, own: Entity, spatial: SpatialQuery) -> Option<Entity> {
+    ///     let filter = SpatialQueryFilter::DEFAULT.without_body(own);
+    ///     let hit = spatial.cast_ray(ray, 100.0, &filter)?;
+    ///     Some(spatial.body_of(hit.entity))
+    /// }
+    /// ```
+    #[must_use]
+    pub fn body_of(&self, entity: Entity) -> Entity {
+        self.parts.get(entity).map_or(entity, PartOf::body)
     }
 
     pub(super) fn tests(&self) -> &NarrowPhase {
@@ -88,11 +112,14 @@ impl SpatialQuery<'_, '_> {
         self.index.body(id).filter(|body| {
             filter.accepts(body.entity, &object)
                 && !(filter.skips_sensors() && self.sensors.contains(body.entity))
+                && filter
+                    .excluded_body()
+                    .is_none_or(|own| self.body_of(own) != self.body_of(body.entity))
         })
     }
 
     /// What is behind the handle of an entity.
-    pub(super) fn body_of(&self, entity: Entity) -> Option<&Body> {
+    pub(super) fn entry_of(&self, entity: Entity) -> Option<&Body> {
         let id = self.entries.get(entity).ok()?.id()?;
         self.index.body(id).filter(|body| body.entity == entity)
     }

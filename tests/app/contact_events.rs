@@ -20,6 +20,7 @@ fn events_and_messages_are_known_to_reflection() {
     let started = CollisionStarted {
         a,
         b,
+        bodies: [a, b],
         contact: None,
         layers,
         time: 1.0,
@@ -27,6 +28,7 @@ fn events_and_messages_are_known_to_reflection() {
     let ended = CollisionEnded {
         a,
         b,
+        bodies: [a, b],
         contact: None,
         layers,
     };

@@ -33,6 +33,7 @@ mod mesh_shapes;
 mod neighbors;
 #[cfg(feature = "picking")]
 mod picking;
+mod parts;
 mod plugin;
 mod random_scenes;
 #[cfg(feature = "rapier")]

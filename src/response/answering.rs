@@ -1,0 +1,61 @@
+//! Who answers to what an entity meets: itself, or the body that it is a part of.
+
+use bevy::{
+    ecs::{entity_disabling::DefaultQueryFilters, system::SystemParam},
+    prelude::*,
+};
+
+use super::bounce::Bounce;
+use crate::{
+    parts::{CollisionBody, PartOf},
+    swept::Swept,
+};
+
+/// Tells who answers in place of a part: its body, if that bounces or is swept.
+#[derive(SystemParam)]
+pub(super) struct Answering<'w, 's> {
+    parts: Query<'w, 's, &'static PartOf>,
+    bodies: Query<'w, 's, (), Answers>,
+}
+
+/// A body that answers for its parts.
+type Answers = (
+    With<CollisionBody>,
+    With<Transform>,
+    Or<(With<Bounce>, With<Swept>)>,
+);
+
+impl Answering<'_, '_> {
+    /// Does everything answer for itself?
+    pub(super) fn is_idle(&self) -> bool {
+        self.parts.is_empty() || self.bodies.is_empty()
+    }
+
+    pub(super) fn who(&self, entity: Entity) -> Entity {
+        let body = self.parts.get(entity).map(PartOf::body);
+        body.ok()
+            .filter(|body| self.bodies.contains(*body))
+            .unwrap_or(entity)
+    }
+}
+
+/// The body that answers in place of an entity, if there is one; that may be the entity itself. As
+/// [`Answering`] tells.
+pub(super) fn lead_of(entity: Entity, world: &World) -> Option<Entity> {
+    let body = world.get::<PartOf>(entity)?.body();
+    is_lead(body, world).then_some(body)
+}
+
+/// Does a body answer for its parts?
+pub(super) fn is_lead(body: Entity, world: &World) -> bool {
+    let is_disabled = |entity: EntityRef| {
+        let filters = world.get_resource::<DefaultQueryFilters>();
+        filters.is_some_and(|filters| filters.disabling_ids().any(|id| entity.contains_id(id)))
+    };
+    world.get_entity(body).is_ok_and(|entity| {
+        entity.contains::<CollisionBody>()
+            && entity.contains::<Transform>()
+            && (entity.contains::<Bounce>() || entity.contains::<Swept>())
+            && !is_disabled(entity)
+    })
+}
