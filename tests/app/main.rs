@@ -31,9 +31,9 @@ mod mesh_scenes;
 #[cfg(feature = "mesh")]
 mod mesh_shapes;
 mod neighbors;
+mod parts;
 #[cfg(feature = "picking")]
 mod picking;
-mod parts;
 mod plugin;
 mod random_scenes;
 #[cfg(feature = "rapier")]

@@ -22,6 +22,7 @@ fn collision(a: Entity, b: Entity) -> Collision {
     Collision {
         a,
         b,
+        bodies: [a, b],
         contact: Some(Contact {
             normal: Vec3::X,
             point: Vec3::ZERO,
