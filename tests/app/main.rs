@@ -30,6 +30,7 @@ mod mesh_shapes;
 mod neighbors;
 #[cfg(feature = "picking")]
 mod picking;
+mod part_histories;
 mod parts;
 mod plugin;
 mod random_scenes;
