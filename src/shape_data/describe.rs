@@ -1,24 +1,15 @@
 //! From shapes to data.
 
 use bevy::prelude::*;
-use thiserror::Error;
 
 use super::description::{CoreDescription, PartDescription, ShapeDescription};
+use super::error::NoDescriptionError;
 #[cfg(feature = "rapier")]
 use super::foreign;
 use crate::{
     components::CollisionShape,
     narrow_phase::{PolygonMesh, RoundedCore, Shape},
 };
-
-/// Why a shape has no data: it is one of Rapier's, of a kind that the crate has none for.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("there is no data for a shape of Rapier's of the kind {kind}")]
-#[non_exhaustive]
-pub struct NoDescriptionError {
-    /// What Rapier calls the kind.
-    pub kind: String,
-}
 
 impl ShapeDescription {
     /// Returns the data of a shape, of which [`build`](Self::build) makes the same one.

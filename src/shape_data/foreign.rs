@@ -4,8 +4,8 @@ use bevy::prelude::*;
 use bevy_rapier3d::parry::shape::{self as parry, SharedShape, TypedShape};
 
 use super::{
-    describe::NoDescriptionError,
     description::{CoreDescription, PartDescription, ShapeDescription},
+    error::NoDescriptionError,
 };
 use crate::narrow_phase::{RapierShape, Shape};
 

@@ -11,11 +11,12 @@ mod build;
 mod collision_shape;
 mod describe;
 mod description;
+mod error;
 mod follow;
 #[cfg(feature = "rapier")]
 mod foreign;
 
-pub use describe::NoDescriptionError;
+pub use error::NoDescriptionError;
 pub use description::{CoreDescription, PartDescription, ShapeDescription};
 pub use follow::ShapeDescriptionError;
 pub(crate) use follow::register;

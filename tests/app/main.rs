@@ -31,6 +31,7 @@ mod mesh_scenes;
 #[cfg(feature = "mesh")]
 mod mesh_shapes;
 mod neighbors;
+mod part_histories;
 mod parts;
 #[cfg(feature = "picking")]
 mod picking;

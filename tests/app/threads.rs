@@ -146,6 +146,19 @@ impl Crowd {
                 world.spawn((shape, arm, ChildOf(parent)));
                 parent
             }
+            6 if number % 20 == 6 => {
+                // A thing made of parts, every third one swept.
+                let body = (CollisionBody::default(), turned, velocity, reflect);
+                let body = world.spawn(body).id();
+                if number % 60 == 6 {
+                    world.entity_mut(body).insert(Swept::default());
+                }
+                for arm in [Vec3::ZERO, Vec3::X * 0.8, Vec3::Z * 0.8] {
+                    let arm = Transform::from_translation(arm);
+                    world.spawn((shape.clone(), arm, ChildOf(body)));
+                }
+                body
+            }
             6 => {
                 let ray = RayCaster::default().with_max_hits(3).with_length(4.0);
                 let casts = (ray, ShapeCaster::default().with_length(1.0));
@@ -178,7 +191,11 @@ impl Crowd {
         let world = self.app.world();
         let hasher = &mut self.hasher;
         for event in self.started.read(world.resource()) {
-            (event.a, event.b, event.time.to_bits()).hash(hasher);
+            (event.a, event.b, event.bodies, event.time.to_bits()).hash(hasher);
+        }
+        let bodies = world.resource::<Contacts>().body_pairs();
+        for BodyCollision { a, b, parts, contacts, .. } in bodies {
+            (a, b, parts, contacts).hash(hasher);
         }
         for event in self.ended.read(world.resource()) {
             (event.a, event.b).hash(hasher);

@@ -239,3 +239,39 @@ fn an_app_takes_as_much_after_many_ticks_as_after_a_few() {
         app.update();
     });
 }
+
+#[test]
+fn bodies_take_as_much_after_many_ticks_as_after_a_few() {
+    let _alone = alone();
+    let mut app = app(1.0 / 64.0);
+    for x in [-4.0, 4.0] {
+        let wall = CollisionShape::from_half_size(Vec3::new(0.1, 5.0, 5.0));
+        app.world_mut()
+            .spawn((wall, Transform::from_xyz(x, 0.0, 0.0)));
+    }
+    let ship = |app: &mut App| {
+        let bounce = Bounce::Reflect { restitution: 1.0 };
+        let ship = (CollisionBody::default(), Velocity(Vec3::X * 900.0), bounce);
+        let ship = app.world_mut().spawn((ship, Swept::default())).id();
+        for x in [-0.5, 0.0, 0.5] {
+            let part = (CollisionShape::sphere(0.4), Transform::from_xyz(x, 0.0, 0.0));
+            app.world_mut().spawn((part, ChildOf(ship)));
+        }
+        app.world_mut()
+            .entity_mut(ship)
+            .insert((CollisionEventsEnabled, CollidingEntities::default()));
+        ship
+    };
+    let first = ship(&mut app);
+    assert_flat("a ship between two walls", 1000, 5000, || app.update());
+    let part = app.world().get::<Children>(first).unwrap()[0];
+    assert_flat("ships that come and go, and lose a part", 200, 2000, || {
+        let other = ship(&mut app);
+        app.world_mut().entity_mut(part).insert(ChildOf(other));
+        app.update();
+        app.world_mut().entity_mut(part).insert(ChildOf(first));
+        app.update();
+        app.world_mut().despawn(other);
+        app.update();
+    });
+}
