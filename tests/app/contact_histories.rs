@@ -305,8 +305,9 @@ impl History {
             .map(|contact| {
                 assert_eq!(contacts.between(contact.a, contact.b), Some(contact));
                 assert!(contacts.contains(contact.b, contact.a));
+                // How many steps a way was cut into shows in the last bits.
                 format!(
-                    "{contact:?} {:?} {:?}",
+                    "{contact:.3?} {:.3?} {:.3?}",
                     contacts.manifold(contact.a, contact.b),
                     contacts.time_of_impact(contact.a, contact.b)
                 )

@@ -148,7 +148,7 @@ fn queries(arguments: &Arguments) -> Vec<Query> {
     let mut random = fastrand::Rng::with_seed(arguments.seed);
     let mut vector = || Vec3::from_array([0; 3].map(|_| random.f32() * 2.0 - 1.0));
     let pose = |at: &Transform| {
-        let Quat { x, y, z, w } = at.rotation;
+        let [x, y, z, w] = at.rotation.to_array();
         let rotation = Rotation::from_xyzw(x, y, z, w);
         Pose::from_parts(at.translation.to_array().into(), rotation)
     };
@@ -209,7 +209,7 @@ fn ask_theirs(
         match operation {
             Operation::Intersects => {
                 let found = query::intersection_test(at_a, a, at_b, b);
-                found.ok()?.then_some(0.0)
+                found.ok()?.intersecting.then_some(0.0)
             }
             // As deep as it is within no margin.
             Operation::Contact => {
