@@ -1,7 +1,7 @@
 //! Casts what casters say, all of them side by side.
 
 use bevy::{
-    ecs::{component::Mutable, entity_disabling::Disabled},
+    ecs::{component::Mutable, entity_disabling::Disabled, query::QueryData},
     math::DAffine3,
     prelude::*,
 };
@@ -41,6 +41,8 @@ type Parts<'a, C> = (
     Has<Disabled>,
 );
 
+type Item<'a, 'w, 's, C> = <Parts<'a, C> as QueryData>::Item<'w, 's>;
+
 /// A disabled entity meets nothing, and its hits say so.
 pub(super) fn cast<C: Caster>(
     mut casters: Query<Parts<C>, Allow<Disabled>>,
@@ -49,7 +51,8 @@ pub(super) fn cast<C: Caster>(
     spatial: SpatialQuery,
 ) {
     let parent = |entity| parents.get(entity).ok().map(ChildOf::parent);
-    let renew = |(entity, caster, mut hits, world, is_disabled): <Parts<C> as bevy::ecs::query::QueryData>::Item<'_, '_>| {
+    let renew = |caster: Item<'_, '_, '_, C>| {
+        let (entity, caster, mut hits, world, is_disabled) = caster;
         let has_changed = hits.bypass_change_detection().renew(|hits| {
             let filter = caster.filter().filter(|_| !is_disabled);
             if let Some(filter) = filter

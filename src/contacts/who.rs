@@ -51,7 +51,7 @@ macro_rules! who_is_who {
                 /// Returns the same as seen from one of the two, which is `a` of it, and whose normal
                 /// leads away from it; `None` if the entity is neither.
                 #[must_use]
-                pub fn as_seen_from(self, entity: Entity) -> Option<Self> {
+                pub fn seen_by(self, entity: Entity) -> Option<Self> {
                     if self.a == entity {
                         Some(self)
                     } else {

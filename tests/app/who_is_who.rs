@@ -74,7 +74,7 @@ fn the_two_are_told_apart_in_whatever_order_they_come() {
                 assert_eq!(collision.involves(entity), is_one);
                 assert_eq!(started.involves(entity), is_one);
                 assert_eq!(started.other(entity).is_some(), is_one);
-                let seen = started.as_seen_from(entity);
+                let seen = started.seen_by(entity);
                 assert_eq!(seen.map(|seen| seen.a), is_one.then_some(entity));
                 assert_eq!(seen.map(|seen| seen.b), started.other(entity));
                 if let Some(seen) = seen {
