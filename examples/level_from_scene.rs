@@ -55,10 +55,7 @@ fn main() {
     })
     .init_resource::<Story>()
     .add_systems(Startup, open)
-    .add_systems(
-        Update,
-        (load_scene, fall).before(CollisionSystems::Motion),
-    );
+    .add_systems(Update, (load_scene, fall).before(CollisionSystems::Motion));
 
     // A loading screen.
     for _ in 0..10_000 {
