@@ -249,7 +249,7 @@ fn other_rules_take_back_what_the_former_gave() {
         world.spawn(mesh).id()
     });
     assert_eq!(ready(&mut app), (root, [2, 0, 0]));
-    let has = |app: &App, entity| {
+    let has = |app: &App, entity: Entity| {
         let entity = app.world().entity(entity);
         [
             entity.contains::<Wet>(),
