@@ -225,6 +225,8 @@ fn build_shapes(
     all: Query<Asking>,
     changed: Query<Asking, Changes>,
 ) {
+    // What is still there is about rules that are gone.
+    settled.0.clear();
     let mut stale: HashSet<AssetId<Mesh>> = HashSet::new();
     for event in events.read() {
         match event {

@@ -203,7 +203,11 @@ pub(super) fn register(app: &mut App) {
         app.add_systems(
             schedule,
             (
-                follow_rules.run_if(has_news).before(MeshShapeSystems),
+                // What else is in the set measures, or has nothing to do with meshes.
+                follow_rules
+                    .run_if(has_news)
+                    .before(MeshShapeSystems)
+                    .ambiguous_with_all(),
                 tell_ready
                     .run_if(any_with_component::<ShapesProgress>)
                     .after(MeshShapeSystems),

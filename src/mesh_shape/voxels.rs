@@ -6,9 +6,8 @@ use crate::narrow_phase::{Shape, ShapeError, Voxels};
 
 /// How many voxels the box around a mesh may have.
 const MOST: usize = 1 << 24;
-/// A triangle that lies on a border between voxels is in those behind it: as if it were so much of
-/// their side further back.
-const BEHIND: f64 = 1e-3;
+/// As near to a border between voxels as this share of their side, a corner is on it.
+const ON_BORDER: f64 = 1e-4;
 
 /// The voxels of a side of `size` that triangles pass through, and those that are enclosed by these.
 /// Voxel (0, 0, 0) is from the origin to `size` along each axis.
@@ -26,15 +25,9 @@ fn filled(triangles: &[[Vec3; 3]], size: f32) -> Result<Vec<IVec3>, ShapeError> 
         return Err(ShapeError::VoxelSize(size));
     }
     let too_many = ShapeError::TooManyVoxels { size, most: MOST };
-    // In cells, each a little behind where it is.
     let triangles: Vec<[DVec3; 3]> = triangles
         .iter()
-        .filter_map(|corners| {
-            let corners = corners.map(|corner| corner.as_dvec3() / f64::from(size));
-            let [a, b, c] = corners;
-            let normal = (b - a).cross(c - a).try_normalize()?;
-            Some(corners.map(|corner| corner - normal * BEHIND))
-        })
+        .filter_map(|corners| in_cells(*corners, size))
         .collect();
     let corners = || triangles.iter().flatten();
     let low = corners().fold(DVec3::INFINITY, |low, corner| low.min(*corner));
@@ -52,6 +45,27 @@ fn filled(triangles: &[[Vec3; 3]], size: f32) -> Result<Vec<IVec3>, ShapeError> 
     }
     grid.flood();
     Ok(grid.filled())
+}
+
+/// A triangle in the coordinates of cells; `None` if it has no area. One that lies on a border
+/// between cells is put into the middle of those behind it.
+fn in_cells(corners: [Vec3; 3], size: f32) -> Option<[DVec3; 3]> {
+    let mut corners = corners.map(|corner| {
+        let corner = corner.as_dvec3() / f64::from(size);
+        let border = corner.round();
+        let is_on = (corner - border).abs().cmple(DVec3::splat(ON_BORDER));
+        DVec3::select(is_on, border, corner)
+    });
+    let [a, b, c] = corners;
+    let normal = (b - a).cross(c - a).try_normalize()?;
+    for axis in 0..3 {
+        if a[axis] == b[axis] && a[axis] == c[axis] && a[axis] == a[axis].round() {
+            for corner in &mut corners {
+                corner[axis] -= 0.5_f64.copysign(normal[axis]);
+            }
+        }
+    }
+    Some(corners)
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,7 +163,7 @@ const DIRECTIONS: [IVec3; 6] = [
     IVec3::Z,
 ];
 
-/// Do a triangle and a cell of side 1 overlap? By the 13 axes that may part them (Akenine-Möller,
+/// Do a triangle and a cell of side 1 overlap? To touch is not enough. By the 13 axes that may part them (Akenine-Möller,
 /// *Fast 3D Triangle-Box Overlap Testing*, 2001).
 fn touches(triangle: &[DVec3; 3], cell: IVec3) -> bool {
     let corners = triangle.map(|corner| corner - (cell.as_dvec3() + 0.5));
@@ -162,8 +176,8 @@ fn touches(triangle: &[DVec3; 3], cell: IVec3) -> bool {
             along.into_iter().fold(f64::INFINITY, f64::min),
             along.into_iter().fold(f64::NEG_INFINITY, f64::max),
         ];
-        // What no more than touches is in the next one.
-        axis != DVec3::ZERO && (low >= reach || high <= -reach)
+        // Edges along an axis have no cross product with it.
+        reach > 1e-12 && (low >= reach || high <= -reach)
     };
     let crosses = DVec3::AXES
         .into_iter()

@@ -249,11 +249,15 @@ fn other_rules_take_back_what_the_former_gave() {
         world.spawn(mesh).id()
     });
     assert_eq!(ready(&mut app), (root, [2, 0, 0]));
-    assert!(
-        app.world()
-            .entity(pond)
-            .contains::<(Wet, Sensor, StaticShape)>()
-    );
+    let has = |app: &App, entity: Entity| {
+        let entity = app.world().entity(entity);
+        [
+            entity.contains::<Wet>(),
+            entity.contains::<Sensor>(),
+            entity.contains::<StaticShape>(),
+        ]
+    };
+    assert_eq!(has(&app, pond), [true; 3]);
     assert!(!app.world().entity(rock).contains::<Wet>());
 
     // In place: the form of the rock is the same, and so is its shape.
@@ -268,7 +272,7 @@ fn other_rules_take_back_what_the_former_gave() {
         .get_ref::<CollisionShape>()
         .unwrap()
         .last_changed();
-    *app.world_mut().get_mut(root).unwrap() =
+    *app.world_mut().get_mut::<ShapesFromMeshes>(root).unwrap() =
         rules.clone().name("rock", MeshRule::default().with(Wet));
     // A rule without a form gives nothing.
     assert_eq!(ready(&mut app), (root, [1, 0, 1]));
