@@ -16,7 +16,7 @@ mod follow;
 #[cfg(feature = "rapier")]
 mod foreign;
 
-pub use error::NoDescriptionError;
 pub use description::{CoreDescription, PartDescription, ShapeDescription};
+pub use error::NoDescriptionError;
 pub use follow::ShapeDescriptionError;
 pub(crate) use follow::register;
