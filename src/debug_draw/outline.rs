@@ -87,11 +87,12 @@ impl<Config: GizmoConfigGroup, Clear: Send + Sync + 'static> Pen<'_, Config, Cle
                 (corner, Vec2::from_angle(angle * share).rotate(from))
             }));
         }
-        let rotation = at.rotation.normalize();
+        // What is mirrored is put out the other way.
+        let (rotation, mirror) = (at.rotation.normalize(), at.scale.signum());
         let place = |(corner, out): (Vec2, Vec2), angle: f32| {
             let (sin, cos) = angle.sin_cos();
             let around = |v: Vec2| Vec3::new(v.x * cos, v.y, v.x * sin);
-            at.transform_point(around(corner)) + rotation * around(out) * grown
+            at.transform_point(around(corner)) + rotation * (mirror * around(out)) * grown
         };
         for side in 0..SIDES {
             let angle = f32::from(side) / f32::from(SIDES) * TAU;

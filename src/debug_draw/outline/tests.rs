@@ -84,6 +84,13 @@ fn each_kind_is_drawn_as_large_as_it_is() {
         -reach,
         reach,
     );
+    let mirrored = HERE.with_scale(Vec3::new(2.0, -2.0, 2.0));
+    let reach = Vec3::splat(3.0);
+    assert_near(
+        bounds(|pen| pen.rounded_frustum(&mirrored, tall, 0.5)),
+        -reach,
+        reach,
+    );
     assert_near(
         bounds(|pen| pen.rounded_cuboid(&HERE, half, 0.5)),
         -half - 0.5,
