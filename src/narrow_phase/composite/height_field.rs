@@ -36,7 +36,7 @@ use crate::narrow_phase::{error::ShapeError, length::length};
 /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
 /// ```
 #[doc(alias("terrain", "heightmap", "heightfield"))]
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct HeightField {
     rows: usize,
     columns: usize,
@@ -485,6 +485,14 @@ impl HeightField {
             below: Below::Node(tile),
         };
         (!range.is_nothing()).then(child)
+    }
+}
+
+/// The same heights and holes, in cells of the same size.
+impl PartialEq for HeightField {
+    fn eq(&self, other: &Self) -> bool {
+        let size = |field: &Self| (field.rows, field.columns, field.cell_size);
+        size(self) == size(other) && self.heights == other.heights && self.holes().eq(other.holes())
     }
 }
 
