@@ -221,7 +221,6 @@ impl HeightField {
     }
 
     /// Returns the cells that are holes, by their rows and columns.
-    #[must_use]
     pub fn holes(&self) -> impl Iterator<Item = (usize, usize)> {
         let columns = self.columns - 1;
         let all = 0..(self.rows - 1) * columns;
@@ -533,7 +532,7 @@ fn at(index: usize, count: usize, size: f32) -> f32 {
 /// The cell in which a coordinate is, and how far in it, as a share.
 fn cell_of(coordinate: f32, count: usize, size: f32) -> Option<(usize, f64)> {
     // The border as it is rounded to 32 bits is on the field.
-    if !(coordinate.abs() <= at(count - 1, count, size)) {
+    if coordinate.is_nan() || coordinate.abs() > at(count - 1, count, size) {
         return None;
     }
     let last = (count - 1) as f64;
