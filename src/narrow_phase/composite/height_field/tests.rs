@@ -16,7 +16,7 @@ fn field(random: &mut fastrand::Rng) -> HeightField {
 fn numbers(field: &HeightField) -> Vec<u32> {
     let mut found = Vec::new();
     field.walk(&mut |_, _| true, &mut |triangle| {
-        found.push(triangle.number)
+        found.push(triangle.number);
     });
     found.sort_unstable();
     found
