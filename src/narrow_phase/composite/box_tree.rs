@@ -47,8 +47,7 @@ pub trait BoxTree {
         Self: Sized,
     {
         // Those that wait, the nearest of each family last; when they were asked about.
-        let mut waiting: SmallVec<[(f32, u32, Child<Self::Node, Self::Leaf>); WAITING]> =
-            SmallVec::new();
+        let mut waiting: Waiting<Self::Node, Self::Leaf> = SmallVec::new();
         let mut visited = 0;
         if let Some(top) = self.top()
             && let Some(rank) = distance(top.low, top.high)
@@ -86,6 +85,9 @@ pub struct Child<N, L> {
     pub high: Vec3A,
     pub below: Below<N, L>,
 }
+
+/// What waits to be looked at: how near it is, after how many visits that was told, and what it is.
+type Waiting<N, L> = SmallVec<[(f32, u32, Child<N, L>); WAITING]>;
 
 /// What is in a box.
 #[derive(Clone, Copy, Debug)]

@@ -36,7 +36,7 @@ use crate::narrow_phase::{error::ShapeError, length::length};
 /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
 /// ```
 #[doc(alias("terrain", "heightmap", "heightfield"))]
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct HeightField {
     rows: usize,
     columns: usize,
@@ -221,7 +221,6 @@ impl HeightField {
     }
 
     /// Returns the cells that are holes, by their rows and columns.
-    #[must_use]
     pub fn holes(&self) -> impl Iterator<Item = (usize, usize)> {
         let columns = self.columns - 1;
         let all = 0..(self.rows - 1) * columns;
@@ -488,6 +487,14 @@ impl HeightField {
     }
 }
 
+/// The same heights and holes, in cells of the same size.
+impl PartialEq for HeightField {
+    fn eq(&self, other: &Self) -> bool {
+        let size = |field: &Self| (field.rows, field.columns, field.cell_size);
+        size(self) == size(other) && self.heights == other.heights && self.holes().eq(other.holes())
+    }
+}
+
 impl BoxTree for HeightField {
     type Node = Tile;
     type Leaf = FieldTriangle;
@@ -525,7 +532,7 @@ fn at(index: usize, count: usize, size: f32) -> f32 {
 /// The cell in which a coordinate is, and how far in it, as a share.
 fn cell_of(coordinate: f32, count: usize, size: f32) -> Option<(usize, f64)> {
     // The border as it is rounded to 32 bits is on the field.
-    if !(coordinate.abs() <= at(count - 1, count, size)) {
+    if coordinate.is_nan() || coordinate.abs() > at(count - 1, count, size) {
         return None;
     }
     let last = (count - 1) as f64;

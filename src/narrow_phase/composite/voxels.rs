@@ -241,7 +241,6 @@ impl Voxels {
     }
 
     /// Returns all full cells, near ones one after the other.
-    #[must_use]
     pub fn iter(&self) -> impl Iterator<Item = IVec3> {
         self.bricks()
             .flat_map(|(brick, mask)| brick::cells(brick, mask))

@@ -126,7 +126,7 @@ fn nothing_more_is_visited_once_nothing_is_admitted() {
     ] {
         let found = Cell::new(0);
         of.walk(&mut |_, _| found.get() == 0, &mut |_| {
-            found.set(found.get() + 1)
+            found.set(found.get() + 1);
         });
         assert_eq!(found.get(), 1);
     }

@@ -24,7 +24,7 @@ impl ConvexMesh {
     /// Its vertices are points that were given, in their order. Points in a plane make one polygon.
     /// What is within a few millionths of the size of a polygon's plane, or of its rounding where
     /// the points are far from the origin, is in that plane: so no point is outside by more than
-    /// that, and repeated points and such as are nearly in a plane do no harm. O(n log n).
+    /// that, and repeated points and such as are nearly in a plane do no harm. O(n log n) for most points.
     ///
     /// ```
     /// use bevy::math::Vec3;

@@ -2,7 +2,7 @@
 //!
 //! Quickhull (Barber, Dobkin and Huhdanpaa, *The quickhull algorithm for convex hulls*, 1996), in 64
 //! bits, with a tolerance that is far above their rounding: faces that are not clearly convex
-//! against a neighbour are merged with it, as Lloyd's QuickHull3D does. So points in one plane make
+//! against a neighbour are merged with it, as Lloyd's `QuickHull3D` does. So points in one plane make
 //! one polygon, slivers vanish in what they are beside, and no decision hangs on the last bit.
 
 mod surface;

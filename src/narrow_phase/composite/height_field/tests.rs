@@ -16,7 +16,7 @@ fn field(random: &mut fastrand::Rng) -> HeightField {
 fn numbers(field: &HeightField) -> Vec<u32> {
     let mut found = Vec::new();
     field.walk(&mut |_, _| true, &mut |triangle| {
-        found.push(triangle.number)
+        found.push(triangle.number);
     });
     found.sort_unstable();
     found
@@ -152,7 +152,7 @@ fn edits_are_as_if_it_had_been_made_so() {
         }
         let anew = HeightField::new(rows, columns, field.heights().to_vec(), field.cell_size());
         let anew = anew.unwrap().with_holes(field.holes()).unwrap();
-        assert_eq!(anew.levels, field.levels);
+        assert_eq!((&anew, &anew.levels), (&field, &field.levels));
         assert_eq!(anew.local_bounds(), field.local_bounds());
         assert_eq!(numbers(&anew), numbers(&field));
     }
@@ -203,4 +203,11 @@ fn holes_alone_are_nothing() {
     assert_eq!((center, half), (Vec3A::ZERO, Vec3A::new(1.0, 0.0, 1.5)));
     field.set_hole(1, 1, false).unwrap();
     assert_eq!(numbers(&field), [6, 7]);
+    for (row, column) in field.holes().collect::<Vec<_>>() {
+        field.set_hole(row, column, false).unwrap();
+    }
+    assert_eq!(
+        field,
+        HeightField::from_fn(4, 3, Vec2::ONE, |x, _| x).unwrap()
+    );
 }

@@ -48,7 +48,6 @@ impl Faces {
     }
 
     /// Returns the faces in the set, in the order of [`Face::ALL`].
-    #[must_use]
     pub fn iter(self) -> impl Iterator<Item = Face> {
         Face::ALL
             .into_iter()

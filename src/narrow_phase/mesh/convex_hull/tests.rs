@@ -234,7 +234,7 @@ fn volumes_are_those_of_the_other_hull() {
         let points: Vec<Vec3> = points.iter().map(|point| *point * size).collect();
         let ours = volume(&checked(&points, 2e-6));
         let (vertices, triangles) = convex_hull(&points);
-        let at = |v: u32| Vec3::from(vertices[v as usize]).as_dvec3();
+        let at = |v: u32| vertices[v as usize].as_dvec3();
         let other = triangles
             .iter()
             .map(|[a, b, c]| at(*a).dot(at(*b).cross(at(*c))) / 6.0);
