@@ -341,7 +341,7 @@ impl History {
                 assert_eq!(found, expected, "{entity}");
             }
             seen.push(format!(
-                "{:?} {:?}",
+                "{:.3?} {:.3?}",
                 world.get::<Transform>(*entity),
                 world.get::<Velocity>(*entity)
             ));
