@@ -33,7 +33,13 @@ struct Ship;
 
 fn spawn(mut commands: Commands) {
     let bounce = Bounce::Reflect { restitution: 1.0 };
-    let ship = (Ship, CollisionBody::default(), Velocity(Vec3::X * 8.0), bounce, Swept::default());
+    let ship = (
+        Ship,
+        CollisionBody::default(),
+        Velocity(Vec3::X * 8.0),
+        bounce,
+        Swept::default(),
+    );
     let ship = commands.spawn((Name::new("ship"), ship)).id();
     let turned = Quat::from_rotation_y;
     // Its parts overlap each other, which nobody hears of.
@@ -86,10 +92,11 @@ fn report_parts(
         } else {
             message.reversed()
         };
-        if let Ok([part, body, other]) =
-            names.get_many([message.a, message.bodies[0], message.b])
-        {
-            println!("{}    by the {part} of the {body}, the {other}", clock.tick());
+        if let Ok([part, body, other]) = names.get_many([message.a, message.bodies[0], message.b]) {
+            println!(
+                "{}    by the {part} of the {body}, the {other}",
+                clock.tick()
+            );
         }
     }
 }
@@ -109,7 +116,10 @@ fn lose_wing(
                 && let Ok([ship, own]) = places.get_many([part_of.body(), part])
             {
                 println!("     the {name} comes off");
-                commands.entity(part).remove::<ChildOf>().insert(*ship * *own);
+                commands
+                    .entity(part)
+                    .remove::<ChildOf>()
+                    .insert(*ship * *own);
             }
         }
     }

@@ -176,9 +176,9 @@ pub mod prelude {
         collision_layers,
         components::CollisionShape,
         contacts::{
-            BodyCollision, BodyCollisionEnded, BodyCollisionStarted, CollidingEntities, Collision, CollisionEnded, CollisionEventSettings,
-            CollisionEventsEnabled, CollisionStarted, Collisions, Contacts, EventScope,
-            ManifoldsEnabled,
+            BodyCollision, BodyCollisionEnded, BodyCollisionStarted, CollidingEntities, Collision,
+            CollisionEnded, CollisionEventSettings, CollisionEventsEnabled, CollisionStarted,
+            Collisions, Contacts, EventScope, ManifoldsEnabled,
         },
         counters::CollisionCounters,
         filters::{

@@ -74,10 +74,7 @@ pub(super) fn follow_contacts(
 }
 
 /// Has a list consist of these, each given once, and touches it only if it does not.
-fn update<I: Iterator<Item = Entity>>(
-    list: &mut Mut<CollidingEntities>,
-    others: impl Fn() -> I,
-) {
+fn update<I: Iterator<Item = Entity>>(list: &mut Mut<CollidingEntities>, others: impl Fn() -> I) {
     if others().count() != list.len() || !others().all(|other| list.contains(&other)) {
         list.0.clear();
         list.0.extend(others());

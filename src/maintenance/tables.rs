@@ -114,7 +114,11 @@ impl<'a> Rows<'a> {
             pose: proxy.pose(),
             fit: proxy.fit(self.boxed[row], self.reshaped[row]),
             reshaped: self.reshaped[row],
-            start: start((true, false, self.ways.map(|ways| &ways[row])), entity, proxy),
+            start: start(
+                (true, false, self.ways.map(|ways| &ways[row])),
+                entity,
+                proxy,
+            ),
         };
         !self.is_sheared && followers.follow(&now, moved)
     }

@@ -130,10 +130,12 @@ impl Course {
         let way = if let Some(moving) = moving {
             [0.0, 1.0].map(|time| moving.at(time).translation)
         } else {
-            let end = speed.frame.map_or(own, |frame| frame.position_in_world(own));
-            let way = of_world.get::<SweptWay>().filter(|way| {
-                of_world.contains::<Swept>() && way.belongs_to(body, None)
-            });
+            let end = speed
+                .frame
+                .map_or(own, |frame| frame.position_in_world(own));
+            let way = of_world
+                .get::<SweptWay>()
+                .filter(|way| of_world.contains::<Swept>() && way.belongs_to(body, None));
             let start = way.and_then(SweptWay::start);
             [start.map_or(end, |start| start.translation), end]
         };

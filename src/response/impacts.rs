@@ -293,7 +293,11 @@ impl Resolver {
     /// short to tell.
     fn normal(&mut self, [a, b]: [&Moving; 2], meeting: &Meeting, tests: &NarrowPhase) -> Vec3 {
         let Meeting { key, met, .. } = *meeting;
-        let velocity = |id| self.courses.get(&id).map_or(Vec3::ZERO, |course| self.velocity(course));
+        let velocity = |id| {
+            self.courses
+                .get(&id)
+                .map_or(Vec3::ZERO, |course| self.velocity(course))
+        };
         let velocities = key.ids.map(velocity);
         let (at_a, at_b) = (a.at(0.0), b.at(0.0));
         let placed = [Placed::new(a.shape(), &at_a), Placed::new(b.shape(), &at_b)];

@@ -28,10 +28,10 @@ mod mesh_floors;
 #[cfg(feature = "mesh")]
 mod mesh_shapes;
 mod neighbors;
-#[cfg(feature = "picking")]
-mod picking;
 mod part_histories;
 mod parts;
+#[cfg(feature = "picking")]
+mod picking;
 mod plugin;
 mod random_scenes;
 #[cfg(feature = "rapier")]

@@ -27,7 +27,10 @@ fn follow(
     mut told: ResMut<Told>,
     mut started: MessageReader<BodyCollisionStarted>,
     mut ended: MessageReader<BodyCollisionEnded>,
-    mut parts: (MessageReader<CollisionStarted>, MessageReader<CollisionEnded>),
+    mut parts: (
+        MessageReader<CollisionStarted>,
+        MessageReader<CollisionEnded>,
+    ),
 ) {
     told.last.clear();
     for message in ended.read() {
@@ -96,7 +99,11 @@ impl History {
         let place = Transform::from_translation(self.vector(reach));
         let turns = self.rng.bool();
         let turn = Quat::from_scaled_axis(self.vector(2.0));
-        if turns { place.with_rotation(turn) } else { place }
+        if turns {
+            place.with_rotation(turn)
+        } else {
+            place
+        }
     }
 
     fn body(&mut self) -> Entity {
@@ -144,17 +151,17 @@ impl History {
         let other = self.parts[self.rng.usize(0..PARTS)];
         let (kind, to, place) = (self.rng.u8(0..26), self.vector(1.0), self.place(REACH));
         let (own, own_part) = (self.bodies[body], self.parts[part]);
-        self.log.push(format!("{kind} {own} {own_part} {other} {to}"));
+        self.log
+            .push(format!("{kind} {own} {own_part} {other} {to}"));
         let world = self.app.world_mut();
         match kind {
             0..3 => _ = world.entity_mut(own_part).insert(ChildOf(own)),
             3 => _ = world.entity_mut(own_part).remove::<ChildOf>(),
             4 if own_part != other => {
-                let would_be_circle =
-                    std::iter::successors(Some(other), |entity| {
-                        world.get::<ChildOf>(*entity).map(ChildOf::parent)
-                    })
-                    .any(|entity| entity == own_part);
+                let would_be_circle = std::iter::successors(Some(other), |entity| {
+                    world.get::<ChildOf>(*entity).map(ChildOf::parent)
+                })
+                .any(|entity| entity == own_part);
                 if !would_be_circle {
                     world.entity_mut(own_part).insert(ChildOf(other));
                 }
@@ -192,7 +199,11 @@ impl History {
             23 if self.moves => _ = world.entity_mut(own).insert(Swept::default()),
             24 if self.moves => _ = world.entity_mut(own).remove::<Swept>(),
             _ => {
-                let target = if kind == 25 && to.x > 0.5 { own } else { own_part };
+                let target = if kind == 25 && to.x > 0.5 {
+                    own
+                } else {
+                    own_part
+                };
                 world.despawn(target);
                 for place in 0..BODIES {
                     if self.app.world().get_entity(self.bodies[place]).is_err() {
@@ -220,7 +231,10 @@ impl History {
 
     /// Checks all that follows from the hierarchy.
     fn check(&mut self, what: &str) {
-        let what = &format!("{what}: {:#?}", &self.log[self.log.len().saturating_sub(12)..]);
+        let what = &format!(
+            "{what}: {:#?}",
+            &self.log[self.log.len().saturating_sub(12)..]
+        );
         let app = &mut self.app;
         let world = app.world();
         let body_of = |entity: Entity| {
@@ -270,7 +284,10 @@ impl History {
         let total = expected.len();
         expected.dedup();
         let found: Vec<_> = all.body_pairs().collect();
-        assert_eq!(found.iter().map(|c| c.contacts as usize).sum::<usize>(), total);
+        assert_eq!(
+            found.iter().map(|c| c.contacts as usize).sum::<usize>(),
+            total
+        );
         for pair in &found {
             let between = all.between_bodies(pair.b, pair.a);
             assert_eq!(between.count(), pair.contacts as usize, "{what}");
@@ -306,7 +323,10 @@ fn state(history: &History) -> Vec<String> {
     let world = history.app.world();
     let mut state = world.resource::<Told>().last.clone();
     state.extend(history.all().map(|entity| {
-        let (place, velocity) = (world.get::<Transform>(entity), world.get::<Velocity>(entity));
+        let (place, velocity) = (
+            world.get::<Transform>(entity),
+            world.get::<Velocity>(entity),
+        );
         format!("{entity} {place:?} {velocity:?}")
     }));
     state.extend(
@@ -348,7 +368,12 @@ fn run(seeds: std::ops::Range<u64>, moves: bool) {
             one.check(&what);
             let (found, expected) = (state(&one), state(&other));
             for (found, expected) in found.iter().zip(&expected) {
-                assert_eq!(found, expected, "{what}: {:#?}", &one.log[one.log.len().saturating_sub(12)..]);
+                assert_eq!(
+                    found,
+                    expected,
+                    "{what}: {:#?}",
+                    &one.log[one.log.len().saturating_sub(12)..]
+                );
             }
             assert_eq!(found.len(), expected.len(), "{what}");
             seen += one.app.world().resource::<Contacts>().body_pairs().len();

@@ -22,7 +22,9 @@ fn record(
     for message in ended.read() {
         let pair = pair(message.a, message.b);
         let place = bodies.open.iter().position(|open| *open == pair);
-        bodies.open.swap_remove(place.expect("what ends has started"));
+        bodies
+            .open
+            .swap_remove(place.expect("what ends has started"));
         bodies.ended.push(pair);
     }
     for message in started.read() {
@@ -89,7 +91,7 @@ fn parts_of(app: &App, body: Entity) -> Vec<Entity> {
         .flat_map(BodyParts::entities)
         .copied()
         .collect();
-    parts.sort();
+    parts.sort_by_key(|part| part.index_u32());
     parts
 }
 
@@ -173,7 +175,10 @@ fn parts_hang_at_any_depth_and_come_at_any_time() {
     let leaf = part(&mut app, knot, 0.1, 0.0);
     hang(&mut app, knot, node);
     tick(&mut app, 1);
-    assert_eq!((part_of(&app, leaf), part_of(&app, root)), (None, Some(root)));
+    assert_eq!(
+        (part_of(&app, leaf), part_of(&app, root)),
+        (None, Some(root))
+    );
     assert_eq!(contacts(&app), [pair(root, leaf)]);
     hang(&mut app, node, root);
     tick(&mut app, 1);
@@ -184,9 +189,7 @@ fn parts_hang_at_any_depth_and_come_at_any_time() {
     app.world_mut()
         .entity_mut(knot)
         .insert(CollisionShape::default());
-    app.world_mut()
-        .entity_mut(leaf)
-        .remove::<CollisionShape>();
+    app.world_mut().entity_mut(leaf).remove::<CollisionShape>();
     tick(&mut app, 1);
     assert_eq!(parts_of(&app, root), [root, knot]);
     assert_eq!(part_of(&app, leaf), None);
@@ -234,7 +237,10 @@ fn what_comes_in_the_middle_of_a_tick_does_not_meet_its_own() {
                 }
             }
         };
-        app.add_systems(FixedPostUpdate, (spawn, update_spatial_index).chain().after(gap));
+        app.add_systems(
+            FixedPostUpdate,
+            (spawn, update_spatial_index).chain().after(gap),
+        );
         tick(&mut app, 3);
         assert_eq!(app.world().resource::<Log>().started, [], "{gap:?}");
     }
@@ -326,7 +332,11 @@ fn two_bodies_are_in_contact_once() {
     assert_eq!(pairs[0].parts, [parts[0], others[0]]);
     let between: Vec<_> = all.between_bodies(other, ship).collect();
     assert_eq!(between.len(), 7);
-    assert!(between.iter().all(|c| c.bodies == [other, ship] && others.contains(&c.a)));
+    assert!(
+        between
+            .iter()
+            .all(|c| c.bodies == [other, ship] && others.contains(&c.a))
+    );
     assert_eq!(all.of_body(ship).count(), 7);
     assert!(all.of_body(ship).all(|c| parts.contains(&c.a)));
     // They part, part by part.
@@ -410,7 +420,10 @@ fn a_part_changes_bodies_in_contact() {
     get_mut::<Transform>(&mut app, parts[0]).translation.x = -20.0;
     tick(&mut app, 1);
     assert_eq!(messages_about(&app, pair(parts[0], wall)), (1, 0));
-    assert_eq!((told(&app, ship, wall), told(&app, other, wall)), ((1, 1), (1, 0)));
+    assert_eq!(
+        (told(&app, ship, wall), told(&app, other, wall)),
+        ((1, 1), (1, 0))
+    );
     let contact = app.world().resource::<Contacts>().between(parts[0], wall);
     assert_eq!(contact.unwrap().bodies, [other, wall]);
     // On what it touches.
@@ -451,13 +464,19 @@ fn lists_and_observers_of_bodies() {
     struct Heard(Vec<(Entity, Entity, [Entity; 2], bool)>);
     let mut app = parts_app();
     app.init_resource::<Heard>();
-    let ship = body(&mut app, 0.0, (CollisionEventsEnabled, CollidingEntities::default()));
+    let ship = body(
+        &mut app,
+        0.0,
+        (CollisionEventsEnabled, CollidingEntities::default()),
+    );
     let parts = [0.0, 0.9].map(|x| part(&mut app, ship, x, 0.0));
     app.world_mut()
         .entity_mut(ship)
-        .observe(|event: On<BodyCollisionStarted>, mut heard: ResMut<Heard>| {
-            heard.0.push((event.a, event.b, event.parts, true));
-        })
+        .observe(
+            |event: On<BodyCollisionStarted>, mut heard: ResMut<Heard>| {
+                heard.0.push((event.a, event.b, event.parts, true));
+            },
+        )
         .observe(|event: On<BodyCollisionEnded>, mut heard: ResMut<Heard>| {
             heard.0.push((event.a, event.b, event.parts, false));
         });
@@ -468,7 +487,12 @@ fn lists_and_observers_of_bodies() {
     tick(&mut app, 3);
     let first = (ship, other, [parts[0], others[0]], true);
     assert_eq!(app.world().resource::<Heard>().0, [first]);
-    let list = |app: &App, of| get::<CollidingEntities>(app, of).iter().copied().collect::<Vec<_>>();
+    let list = |app: &App, of| {
+        get::<CollidingEntities>(app, of)
+            .iter()
+            .copied()
+            .collect::<Vec<_>>()
+    };
     assert_eq!(list(&app, ship), [other]);
     assert_eq!(list(&app, parts[0]), [others[0]]);
     // It opts out, and is told that it ended.
@@ -486,7 +510,8 @@ fn lists_and_observers_of_bodies() {
 
 #[test]
 fn messages_about_bodies_are_for_those_who_asked() {
-    let mut app = app(BroadPhaseMethod::default());
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)));
     let mut cursor = app
         .world()
         .resource::<Messages<BodyCollisionStarted>>()
@@ -526,7 +551,10 @@ fn a_part_that_is_not_heard_is_not_heard_of_its_body_either() {
         .get_cursor();
     tick(&mut app, 1);
     let message = *cursor.read(app.world().resource()).next().unwrap();
-    assert_eq!((message.a, message.b, message.hears), (ship, wall, [true, false]));
+    assert_eq!(
+        (message.a, message.b, message.hears),
+        (ship, wall, [true, false])
+    );
     assert_eq!(get::<CollidingEntities>(&app, ship).len(), 1);
     assert_eq!(get::<CollidingEntities>(&app, wall).len(), 0);
 }
@@ -538,7 +566,11 @@ fn each_part_says_for_itself_in_which_world_it_is() {
     let place = app.world_mut().spawn_empty().id();
     let elsewhere = app
         .world_mut()
-        .spawn((CollisionShape::default(), at(0.9, 0.0), InCollisionWorld(place)))
+        .spawn((
+            CollisionShape::default(),
+            at(0.9, 0.0),
+            InCollisionWorld(place),
+        ))
         .id();
     tick(&mut app, 1);
     assert!(contacts(&app).is_empty());
@@ -565,7 +597,8 @@ fn queries_answer_by_body() {
     tick(&mut app, 1);
     let look = move |spatial: SpatialQuery| {
         let ray = Ray3d::new(Vec3::X * -5.0, Dir3::X);
-        let first = |filter: SpatialQueryFilter| spatial.cast_ray(ray, 100.0, &filter).unwrap().entity;
+        let first =
+            |filter: SpatialQueryFilter| spatial.cast_ray(ray, 100.0, &filter).unwrap().entity;
         let all = SpatialQueryFilter::DEFAULT;
         assert_eq!(first(all), parts[0]);
         assert_eq!(spatial.body_of(first(all)), ship);
@@ -581,7 +614,9 @@ fn queries_answer_by_body() {
         spatial.sphere_intersections(Vec3::ZERO, 100.0, &near, &mut found);
         assert_eq!(found.len(), 4);
     };
-    app.world_mut().run_system_cached_with(ask, Box::new(look)).unwrap();
+    app.world_mut()
+        .run_system_cached_with(ask, Box::new(look))
+        .unwrap();
 }
 
 fn ask(In(look): In<Box<dyn Fn(SpatialQuery) + Send + Sync>>, spatial: SpatialQuery) {
@@ -595,11 +630,27 @@ fn ship(app: &mut App, x: f32, parts: impl Bundle) -> (Entity, Vec<Entity>) {
     let ship = body(app, x, parts);
     let turned = |angle: f32| Quat::from_rotation_z(angle);
     let poses = [
-        (Vec3::new(1.5, 0.0, 0.0), Vec3::new(1.0, 0.5, 0.5), Quat::IDENTITY),
+        (
+            Vec3::new(1.5, 0.0, 0.0),
+            Vec3::new(1.0, 0.5, 0.5),
+            Quat::IDENTITY,
+        ),
         (Vec3::ZERO, Vec3::new(3.0, 1.0, 1.0), Quat::IDENTITY),
-        (Vec3::new(-0.5, 1.0, 0.0), Vec3::new(0.8, 2.0, 0.2), turned(0.4)),
-        (Vec3::new(-0.5, -1.0, 0.0), Vec3::new(0.8, 2.0, 0.2), turned(-0.4)),
-        (Vec3::new(-1.2, 0.0, 0.6), Vec3::new(0.5, 0.2, 1.0), Quat::IDENTITY),
+        (
+            Vec3::new(-0.5, 1.0, 0.0),
+            Vec3::new(0.8, 2.0, 0.2),
+            turned(0.4),
+        ),
+        (
+            Vec3::new(-0.5, -1.0, 0.0),
+            Vec3::new(0.8, 2.0, 0.2),
+            turned(-0.4),
+        ),
+        (
+            Vec3::new(-1.2, 0.0, 0.6),
+            Vec3::new(0.5, 0.2, 1.0),
+            Quat::IDENTITY,
+        ),
     ];
     let parts = poses.map(|(at, size, rotation)| {
         let shape = CollisionShape::cuboid(size.x, size.y, size.z);
@@ -655,9 +706,11 @@ fn what_parts_have_of_a_bounce_does_not_count_if_the_body_answers() {
     let speed = 0.25 * TICKS_PER_SECOND;
     let ship = body(&mut app, 0.0, (Velocity(Vec3::X * speed), ELASTIC));
     let nose = part(&mut app, ship, 0.0, 0.0);
-    app.world_mut()
-        .entity_mut(nose)
-        .insert((Velocity::default(), Bounce::Reverse, Swept::stopping()));
+    app.world_mut().entity_mut(nose).insert((
+        Velocity::default(),
+        Bounce::Reverse,
+        Swept::stopping(),
+    ));
     wall(&mut app, 0.8);
     tick(&mut app, 4);
     assert_eq!(velocity(&app, ship), Vec3::X * -speed);
@@ -677,13 +730,11 @@ fn parts_of_a_body_that_does_not_answer_answer_for_themselves() {
     tick(&mut app, 4);
     assert_eq!(velocity(&app, cart), Vec3::X * -speed);
     // So do those of a body that is disabled.
-    app.world_mut().entity_mut(rail).insert((
-        Velocity::default(),
-        ELASTIC,
-        Disabled,
-    ));
+    app.world_mut()
+        .entity_mut(rail)
+        .insert((Velocity::default(), ELASTIC, Disabled));
     wall(&mut app, -0.8);
-    tick(&mut app, 6);
+    tick(&mut app, 4);
     assert_eq!(velocity(&app, cart), Vec3::X * speed);
 }
 
@@ -755,7 +806,11 @@ fn a_fast_body_is_carried_from_the_first_impact_of_any_part() {
     for (hangs, has_shape) in [(false, false), (true, false), (false, true), (true, true)] {
         for angle in [0.0, 0.3, 1.6, 2.9] {
             let mut app = parts_app();
-            let (ship, parts) = ship(&mut app, 0.0, (Velocity(Vec3::X * FAST), ELASTIC, Swept::default()));
+            let (ship, parts) = ship(
+                &mut app,
+                0.0,
+                (Velocity(Vec3::X * FAST), ELASTIC, Swept::default()),
+            );
             get_mut::<Transform>(&mut app, ship).rotation = Quat::from_rotation_z(angle);
             if has_shape {
                 app.world_mut()
@@ -783,9 +838,7 @@ fn a_fast_body_is_carried_from_the_first_impact_of_any_part() {
                     let center = (turn * place.translation).x;
                     let extent: f32 = [Vec3::X, Vec3::Y, Vec3::Z]
                         .iter()
-                        .map(|axis| {
-                            (turn * place.rotation * *axis).x.abs() * half_size.dot(*axis)
-                        })
+                        .map(|axis| (turn * place.rotation * *axis).x.abs() * half_size.dot(*axis))
                         .sum();
                     center + extent
                 })
@@ -934,13 +987,20 @@ fn what_hangs_on_a_fast_body_and_is_a_body_itself_goes_with_it() {
         (Velocity(Vec3::X * FAST), ELASTIC, Swept::default()),
     );
     // Behind it, and so it meets nothing.
-    let trailer = body(&mut app, -10.0, (Velocity::default(), ELASTIC, Swept::default()));
+    let trailer = body(
+        &mut app,
+        -10.0,
+        (Velocity::default(), ELASTIC, Swept::default()),
+    );
     hang(&mut app, trailer, ship);
     let box_of_trailer = part(&mut app, trailer, 0.0, 0.0);
     wall(&mut app, 50.0);
     tick(&mut app, 1);
     let back = position(&app, ship).x;
-    assert!((back - (2.0 * (50.0 - 0.005 - 2.0) - 100.0)).abs() < 0.01, "{back}");
+    assert!(
+        (back - (2.0 * (50.0 - 0.005 - 2.0) - 100.0)).abs() < 0.01,
+        "{back}"
+    );
     assert_eq!(position(&app, trailer), Vec3::X * -10.0);
     assert_eq!(velocity(&app, trailer), Vec3::ZERO);
     let index = app
@@ -955,12 +1015,23 @@ fn what_hangs_on_a_fast_body_and_is_a_body_itself_goes_with_it() {
 #[test]
 fn a_body_is_as_a_single_shape_where_it_consists_of_one() {
     for swept in [false, true] {
-        for bounce in [ELASTIC, Bounce::Reflect { restitution: 0.4 }, Bounce::Reverse] {
+        for bounce in [
+            ELASTIC,
+            Bounce::Reflect { restitution: 0.4 },
+            Bounce::Reverse,
+        ] {
             let mut rng = fastrand::Rng::with_seed(5);
-            let mut apps = [(); 2].map(|()| app(BroadPhaseMethod::default()));
+            let mut apps = [(); 2].map(|()| {
+                let mut app = app(BroadPhaseMethod::default());
+                // What observes bodies comes with the first of them.
+                let first = app.world_mut().spawn(CollisionBody::default()).id();
+                app.world_mut().despawn(first);
+                app
+            });
             let mut movers: Vec<[Entity; 2]> = Vec::new();
             for number in 0..40 {
-                let mut vector = |size: f32| Vec3::from_array([0; 3].map(|_| (rng.f32() - 0.5) * size));
+                let mut vector =
+                    |size: f32| Vec3::from_array([0; 3].map(|_| (rng.f32() - 0.5) * size));
                 let place = Transform::from_translation(vector(12.0))
                     .with_rotation(Quat::from_scaled_axis(vector(3.0)));
                 let velocity = Velocity(vector(1.0) * TICKS_PER_SECOND);
@@ -970,11 +1041,17 @@ fn a_body_is_as_a_single_shape_where_it_consists_of_one() {
                     let world = apps[which].world_mut();
                     // As many entities in the same order.
                     let [body, shaped] = [(); 2].map(|()| world.spawn_empty().id());
-                    let (own, hung) = if which == 0 { (shaped, None) } else { (body, Some(shaped)) };
+                    let (own, hung) = if which == 0 {
+                        (shaped, None)
+                    } else {
+                        (body, Some(shaped))
+                    };
                     world.entity_mut(own).insert(place);
                     if let Some(part) = hung {
                         world.entity_mut(body).insert(CollisionBody::default());
-                        world.entity_mut(part).insert((shape.clone(), ChildOf(body)));
+                        world
+                            .entity_mut(part)
+                            .insert((shape.clone(), ChildOf(body)));
                     } else {
                         world.entity_mut(shaped).insert(shape.clone());
                     }
@@ -993,7 +1070,10 @@ fn a_body_is_as_a_single_shape_where_it_consists_of_one() {
                 assert_eq!(contacts(&apps[0]), contacts(&apps[1]), "tick {number}");
                 for [one, other] in &movers {
                     let apart = position(&apps[0], *one).distance(position(&apps[1], *other));
-                    assert!(apart < 1e-3, "{swept} {bounce:?} tick {number}: {one} {apart}");
+                    assert!(
+                        apart < 1e-3,
+                        "{swept} {bounce:?} tick {number}: {one} {apart}"
+                    );
                 }
             }
         }

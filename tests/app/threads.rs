@@ -180,7 +180,14 @@ impl Crowd {
             (event.a, event.b, event.bodies, event.time.to_bits()).hash(hasher);
         }
         let bodies = world.resource::<Contacts>().body_pairs();
-        for BodyCollision { a, b, parts, contacts, .. } in bodies {
+        for BodyCollision {
+            a,
+            b,
+            parts,
+            contacts,
+            ..
+        } in bodies
+        {
             (a, b, parts, contacts).hash(hasher);
         }
         for event in self.ended.read(world.resource()) {

@@ -252,7 +252,10 @@ fn bodies_take_as_much_after_many_ticks_as_after_a_few() {
         let ship = (CollisionBody::default(), Velocity(Vec3::X * 900.0), bounce);
         let ship = app.world_mut().spawn((ship, Swept::default())).id();
         for x in [-0.5, 0.0, 0.5] {
-            let part = (CollisionShape::sphere(0.4), Transform::from_xyz(x, 0.0, 0.0));
+            let part = (
+                CollisionShape::sphere(0.4),
+                Transform::from_xyz(x, 0.0, 0.0),
+            );
             app.world_mut().spawn((part, ChildOf(ship)));
         }
         app.world_mut()
