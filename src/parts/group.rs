@@ -7,7 +7,28 @@ use crate::{
     ancestors,
     components::CollisionShape,
     regroup::{Due, Regroup},
+    schedule::{CollisionSystems, add_to_tick},
 };
+
+/// Parts are told to which bodies they belong in this set: before anything moves.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct RegroupSystems;
+
+pub(super) fn register(app: &mut App) {
+    add_to_tick(app, |app, schedule| {
+        let regroup = regroup.in_set(RegroupSystems).run_if(is_regroup_due);
+        let set = RegroupSystems
+            .after(CollisionSystems::First)
+            .before(CollisionSystems::Motion);
+        app.configure_sets(schedule, set)
+            .add_systems(schedule, regroup);
+    });
+}
+
+/// May something belong to another body than is known?
+pub(crate) fn is_regroup_due(regroup: Res<Regroup>) -> bool {
+    regroup.is_due()
+}
 
 /// Brings [`PartOf`] up to date on all entities of which it may have changed, and on what hangs on
 /// them. Linear in these.

@@ -94,36 +94,11 @@ mod relation;
 
 use bevy::prelude::*;
 
-pub(crate) use group::regroup;
+pub(crate) use group::{RegroupSystems, is_regroup_due, regroup};
 pub use relation::{BodyParts, CollisionBody, PartOf};
-
-use crate::{
-    regroup::Regroup,
-    schedule::{CollisionSystems, add_to_tick},
-};
-
-/// Parts are told to which bodies they belong in this set: before anything moves.
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct RegroupSystems;
 
 /// What others read though nothing is in contact.
 pub(crate) fn register(app: &mut App) {
     relation::register(app);
-    add_to_tick(app, |app, schedule| {
-        app.configure_sets(
-            schedule,
-            RegroupSystems
-                .after(CollisionSystems::First)
-                .before(CollisionSystems::Motion),
-        )
-        .add_systems(
-            schedule,
-            regroup.in_set(RegroupSystems).run_if(is_regroup_due),
-        );
-    });
-}
-
-/// May something belong to another body than is known?
-pub(crate) fn is_regroup_due(regroup: Res<Regroup>) -> bool {
-    regroup.is_due()
+    group::register(app);
 }

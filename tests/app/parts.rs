@@ -91,7 +91,7 @@ fn parts_of(app: &App, body: Entity) -> Vec<Entity> {
         .flat_map(BodyParts::entities)
         .copied()
         .collect();
-    parts.sort();
+    parts.sort_by_key(|part| part.index_u32());
     parts
 }
 
@@ -510,7 +510,8 @@ fn lists_and_observers_of_bodies() {
 
 #[test]
 fn messages_about_bodies_are_for_those_who_asked() {
-    let mut app = app(BroadPhaseMethod::default());
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)));
     let mut cursor = app
         .world()
         .resource::<Messages<BodyCollisionStarted>>()
@@ -733,7 +734,7 @@ fn parts_of_a_body_that_does_not_answer_answer_for_themselves() {
         .entity_mut(rail)
         .insert((Velocity::default(), ELASTIC, Disabled));
     wall(&mut app, -0.8);
-    tick(&mut app, 6);
+    tick(&mut app, 4);
     assert_eq!(velocity(&app, cart), Vec3::X * speed);
 }
 
@@ -1020,7 +1021,13 @@ fn a_body_is_as_a_single_shape_where_it_consists_of_one() {
             Bounce::Reverse,
         ] {
             let mut rng = fastrand::Rng::with_seed(5);
-            let mut apps = [(); 2].map(|()| app(BroadPhaseMethod::default()));
+            let mut apps = [(); 2].map(|()| {
+                let mut app = app(BroadPhaseMethod::default());
+                // What observes bodies comes with the first of them.
+                let first = app.world_mut().spawn(CollisionBody::default()).id();
+                app.world_mut().despawn(first);
+                app
+            });
             let mut movers: Vec<[Entity; 2]> = Vec::new();
             for number in 0..40 {
                 let mut vector =
