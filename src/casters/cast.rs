@@ -85,7 +85,7 @@ fn pose(entity: Entity, links: &Query<Link, Allow<Disabled>>) -> Option<DAffine3
             local.map(|local| local * below)
         })
         .ok()
-        .filter(|pose| pose.is_finite())
+        .filter(DAffine3::is_finite)
 }
 
 /// A direction of an entity's own space in the world; `None` if nothing is left of it there.
