@@ -141,8 +141,8 @@
 
 use bevy::{
     ecs::{
-        entity_disabling::Disabled, lifecycle::HookContext, system::RegisteredSystemError,
-        world::DeferredWorld,
+        entity_disabling::Disabled, lifecycle::HookContext, message::signal_message_update_system,
+        system::RegisteredSystemError, world::DeferredWorld,
     },
     math::primitives::HalfSpace,
     prelude::*,
@@ -294,6 +294,7 @@ impl Plugin for SweptPlugin {
     fn build(&self, app: &mut App) {
         add_to_tick(app, |app, schedule| {
             let sweep_parts_if_due = sweep_parts
+                .ambiguous_with(signal_message_update_system)
                 .run_if(|regroup: Res<Regroup>| regroup.is_sweep_due())
                 .after(RegroupSystems)
                 .before(CollisionSystems::Motion);

@@ -76,6 +76,8 @@ pub(super) fn cast<C: Caster>(
 
 /// Where an entity is in the world, by now; `None` if that is nowhere.
 fn pose(entity: Entity, links: &Query<Link, Allow<Disabled>>) -> Option<DAffine3> {
+    // Without a transform of its own, there is no walk up.
+    links.get(entity).ok()?;
     let look = |entity| {
         let (transform, parent) = links.get(entity).ok()?;
         Some((hierarchy::local(transform), parent.map(ChildOf::parent)))

@@ -1,6 +1,9 @@
 //! Which body each shape belongs to, looked up where that may have changed.
 
-use bevy::{ecs::entity::EntityHashSet, prelude::*};
+use bevy::{
+    ecs::{entity::EntityHashSet, message::signal_message_update_system},
+    prelude::*,
+};
 
 use super::relation::{CollisionBody, PartOf};
 use crate::{
@@ -16,7 +19,11 @@ pub(crate) struct RegroupSystems;
 
 pub(super) fn register(app: &mut App) {
     add_to_tick(app, |app, schedule| {
-        let regroup = regroup.in_set(RegroupSystems).run_if(is_regroup_due);
+        // Bevy's own system lets messages age, and touches nothing else.
+        let regroup = regroup
+            .in_set(RegroupSystems)
+            .ambiguous_with(signal_message_update_system)
+            .run_if(is_regroup_due);
         let set = RegroupSystems
             .after(CollisionSystems::First)
             .before(CollisionSystems::Motion);
