@@ -9,6 +9,7 @@ use bevy_rapier3d::dynamics::{RigidBody, RigidBodyDisabled, Velocity as RapierVe
 use super::shape::ShapeFromRapier;
 use crate::{
     motion::{MovedElsewhere, Velocity},
+    parts::RegroupSystems,
     response::Bounce,
     schedule::CollisionSystems,
 };
@@ -26,7 +27,7 @@ pub(super) fn add_systems(app: &mut App, schedule: InternedScheduleLabel) {
             (begin_to_mirror, read)
                 .chain()
                 .after(CollisionSystems::First)
-                .before(CollisionSystems::Motion),
+                .before(RegroupSystems),
             write
                 .after(CollisionSystems::Response)
                 .before(CollisionSystems::Report),
