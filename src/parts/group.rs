@@ -1,6 +1,9 @@
 //! Which body each shape belongs to, looked up where that may have changed.
 
-use bevy::{ecs::entity::EntityHashSet, prelude::*};
+use bevy::{
+    ecs::{archetype::ArchetypeEntity, entity::EntityHashSet},
+    prelude::*,
+};
 
 use super::relation::{CollisionBody, PartOf};
 use crate::{
@@ -74,7 +77,7 @@ fn all_of(world: &World) -> Vec<Entity> {
         ids.any(|id| archetype.contains(id))
     });
     archetypes
-        .flat_map(|archetype| archetype.entities().iter().map(|entity| entity.id()))
+        .flat_map(|archetype| archetype.entities().iter().map(ArchetypeEntity::id))
         .collect()
 }
 
