@@ -225,6 +225,11 @@ pub(super) fn replay(mut checked: Checked, steps: &[Step]) {
                         is_static: bits >> 4 & 1 == 1,
                         is_detector: bits >> 6 & 1 == 1,
                         world,
+                        body: if bits % 3 == 0 {
+                            u32::from(bits % 2)
+                        } else {
+                            PairFilter::NO_BODY
+                        },
                     };
                     checked.index.set_filter(id, filter).unwrap();
                 }

@@ -51,12 +51,11 @@ pub(super) fn follow_contacts(
         if bodies.contains(entity) {
             let others = || {
                 let pairs = contacts.body_pairs();
-                let heard = pairs.filter_map(move |pair| {
+                pairs.filter_map(move |pair| {
                     let [a_hears, b_hears] = pair.hears;
                     let hears = (pair.a == entity && a_hears) || (pair.b == entity && b_hears);
                     pair.other(entity).filter(|_| hears)
-                });
-                heard
+                })
             };
             update(&mut list, others);
             continue;

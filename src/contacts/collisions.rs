@@ -71,6 +71,7 @@ impl Collisions<'_, '_> {
     }
 
     /// Returns all pairs of [bodies](crate::parts) in contact, as [`Contacts::body_pairs`].
+    #[must_use]
     pub fn body_pairs(&self) -> impl ExactSizeIterator<Item = BodyCollision> {
         self.contacts.body_pairs()
     }

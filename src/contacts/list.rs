@@ -186,6 +186,7 @@ impl Contacts {
 impl Contacts {
     /// Returns all pairs of bodies in contact, by the index of the one that has the lower, then by
     /// that of the other. O(1) for each.
+    #[must_use]
     pub fn body_pairs(&self) -> impl ExactSizeIterator<Item = BodyCollision> {
         self.bodies.pairs().iter().map(|pair| pair.collision)
     }

@@ -246,11 +246,11 @@ fn merge_verdicts(
     index: Res<CollisionIndex>,
     tests: Res<NarrowPhase>,
     (mut contacts, mut verdicts): (ResMut<Contacts>, ResMut<Verdicts>),
-    (parts, bodies): (
-        Query<(&BroadPhaseProxy, &PartOf)>,
+    parts: Query<(&BroadPhaseProxy, &PartOf)>,
+    (event_settings, enabled): (
+        Res<CollisionEventSettings>,
         Query<(), With<CollisionEventsEnabled>>,
     ),
-    event_settings: Res<CollisionEventSettings>,
     mut counters: ResMut<CollisionCounters>,
     (mut workspace, mut owners): (Local<Workspace>, Local<Owners>),
 ) {
@@ -264,7 +264,7 @@ fn merge_verdicts(
         let parts = parts.iter();
         owners.refresh(parts.filter_map(|(proxy, part)| Some((proxy.id()?, part.body()))));
         let audience = Audience {
-            is_enabled: &|body| bodies.contains(body),
+            is_enabled: &|body| enabled.contains(body),
             messages_for_all: event_settings.messages == EventScope::All,
             events_for_all: event_settings.observers == EventScope::All,
         };

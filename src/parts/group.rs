@@ -1,7 +1,9 @@
 //! Which body each shape belongs to, looked up where that may have changed.
 
 use bevy::{
-    ecs::{entity::EntityHashSet, message::signal_message_update_system},
+    ecs::{
+        archetype::ArchetypeEntity, entity::EntityHashSet, message::signal_message_update_system,
+    },
     prelude::*,
 };
 
@@ -81,7 +83,7 @@ fn all_of(world: &World) -> Vec<Entity> {
         ids.any(|id| archetype.contains(id))
     });
     archetypes
-        .flat_map(|archetype| archetype.entities().iter().map(|entity| entity.id()))
+        .flat_map(|archetype| archetype.entities().iter().map(ArchetypeEntity::id))
         .collect()
 }
 

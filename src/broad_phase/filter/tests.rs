@@ -55,6 +55,7 @@ fn a_broad_phase_need_not_ask_filters() {
             is_static: rng.bool(),
             is_detector: rng.bool(),
             world: rng.u32(0..2),
+            body: *rng.choice(&[0, 1, PairFilter::NO_BODY]).unwrap(),
         };
         index.set_filter(id, filter).unwrap();
     }
@@ -86,7 +87,10 @@ fn both_must_admit() {
     assert!(detector.admits(&on(4, 0)) && on(4, 0).admits(&detector));
     assert!(!detector.admits(&on(2, u32::MAX)) && !on(2, u32::MAX).admits(&detector));
     assert!(!detector.admits(&detector));
-    assert_eq!(size_of::<PairFilter>(), 16, "detectors take no room");
+    assert_eq!(size_of::<PairFilter>(), 20, "detectors take no room");
+    let of_body = |body| PairFilter { body, ..any };
+    assert!(!of_body(3).admits(&of_body(3)) && of_body(3).admits(&of_body(4)));
+    assert!(of_body(3).admits(&any) && any.admits(&of_body(3)));
     let elsewhere = PairFilter { world: 7, ..any };
     assert!(elsewhere.admits(&elsewhere) && !elsewhere.admits(&any) && !any.admits(&elsewhere));
 }
