@@ -47,6 +47,7 @@ mod seams;
 mod shape_contacts;
 mod shape_data;
 mod shape_matrix;
+mod shape_wholes;
 mod shapes;
 mod shear;
 mod spaces;

@@ -619,7 +619,9 @@ fn queries_answer_by_body() {
         .unwrap();
 }
 
-fn ask(In(look): In<Box<dyn Fn(SpatialQuery) + Send + Sync>>, spatial: SpatialQuery) {
+type Look = Box<dyn Fn(SpatialQuery) + Send + Sync>;
+
+fn ask(In(look): In<Look>, spatial: SpatialQuery) {
     look(spatial);
 }
 
