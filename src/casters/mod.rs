@@ -23,8 +23,8 @@
 //! # Where they start
 //!
 //! Origin and direction are in the entity's own space, that of its
-//! [`GlobalTransform`](bevy::transform::components::GlobalTransform) as it will be at the end of the
-//! tick: by the [`Transform`](bevy::transform::components::Transform)s of the entity and its
+//! [`GlobalTransform`] as it will be at the end of the
+//! tick: by the [`Transform`]s of the entity and its
 //! ancestors, so that nothing lags behind. A direction goes along as an arrow that is painted on the
 //! entity would, whatever the scale; lengths and distances are those of the world. An entity that is
 //! nowhere (its own ancestor, not finite, or scaled to nothing along the direction) casts nothing,

@@ -1,7 +1,9 @@
 //! Convex shapes by their support functions: a core, and all that is within a radius of it. In 64-bit
 //! floats, so that neither the size of one nor a position far from the other costs exactness.
 
-use bevy::math::{DMat3, DQuat, DVec3, Vec3};
+#[cfg(feature = "rapier")]
+use bevy::math::DQuat;
+use bevy::math::{DMat3, DVec3, Vec3};
 use bevy::transform::components::Transform;
 
 use super::foreign_core::ForeignCore;
@@ -32,6 +34,7 @@ impl Isometry {
     }
 
     /// That of a part, given how it is turned in the whole and where it is.
+    #[cfg(feature = "rapier")]
     pub fn of_part(&self, rotation: DQuat, translation: DVec3) -> Self {
         Self {
             rotation: self.rotation * DMat3::from_quat(rotation.normalize()),
