@@ -50,16 +50,21 @@ fn filled(triangles: &[[Vec3; 3]], size: f32) -> Result<Vec<IVec3>, ShapeError> 
 /// A triangle in the coordinates of cells; `None` if it has no area. One that lies on a border
 /// between cells is put into the middle of those behind it.
 fn in_cells(corners: [Vec3; 3], size: f32) -> Option<[DVec3; 3]> {
-    let mut corners = corners.map(|corner| {
-        let corner = corner.as_dvec3() / f64::from(size);
+    let exact = corners.map(|corner| corner.as_dvec3() / f64::from(size));
+    let snapped = exact.map(|corner| {
         let border = corner.round();
         let is_on = (corner - border).abs().cmple(DVec3::splat(ON_BORDER));
         DVec3::select(is_on, border, corner)
     });
-    let [a, b, c] = corners;
-    let normal = (b - a).cross(c - a).try_normalize()?;
+    let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).try_normalize();
+    // What is that small beside a cell stays where it is.
+    let Some(normal) = normal(snapped) else {
+        return normal(exact).map(|_| exact);
+    };
+    let mut corners = snapped;
     for axis in 0..3 {
-        if a[axis] == b[axis] && a[axis] == c[axis] && a[axis] == a[axis].round() {
+        let [a, b, c] = snapped.map(|corner| corner[axis]);
+        if a == b && a == c && a == a.round() {
             for corner in &mut corners {
                 corner[axis] -= 0.5_f64.copysign(normal[axis]);
             }

@@ -73,9 +73,22 @@ fn bad_sizes_are_refused() {
             "{size}"
         );
     }
-    assert!(voxels(&cube, 1e28).is_ok());
+    assert!(voxels(&cube, 1e6).is_ok());
+    assert_eq!(filled(&cube, 1e30).map(|cells| cells.len()), Ok(8));
     let needle = [[Vec3::ZERO, Vec3::X, Vec3::X]];
     assert!(matches!(voxels(&needle, 1.0), Err(ShapeError::Empty)));
+}
+
+/// Two cubes that share an edge, or a corner, are solid for all that.
+#[test]
+fn cells_that_meet_at_an_edge_are_solid() {
+    for other in [IVec3::new(1, 1, 0), IVec3::ONE] {
+        let Ok(Shape::Mesh(mesh)) = surface_of(&[IVec3::ZERO, other], 2.0) else {
+            panic!("a mesh")
+        };
+        assert!(mesh.has_inside());
+        assert_eq!(mesh.polygon_count(), 12);
+    }
 }
 
 proptest! {

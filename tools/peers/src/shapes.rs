@@ -216,7 +216,7 @@ fn ask_theirs(
                 let found = query::contact(at_a, a, at_b, b, 0.0).ok()??;
                 Some(-found.dist)
             }
-            Operation::Distance => query::distance(at_a, a, at_b, b).ok(),
+            Operation::Distance => Some(query::distance(at_a, a, at_b, b).ok()?.distance),
             Operation::Sweep => {
                 let way: Vector = query.way.to_array().into();
                 let found = query::cast_shapes(at_a, way, a, at_b, Vector::ZERO, b, options);
