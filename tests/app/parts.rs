@@ -619,7 +619,9 @@ fn queries_answer_by_body() {
         .unwrap();
 }
 
-fn ask(In(look): In<Box<dyn Fn(SpatialQuery) + Send + Sync>>, spatial: SpatialQuery) {
+type Question = Box<dyn Fn(SpatialQuery) + Send + Sync>;
+
+fn ask(In(look): In<Question>, spatial: SpatialQuery) {
     look(spatial);
 }
 
