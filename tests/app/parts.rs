@@ -619,15 +619,9 @@ fn queries_answer_by_body() {
         .unwrap();
 }
 
-<<<<<<< HEAD
-type Look = Box<dyn Fn(SpatialQuery) + Send + Sync>;
-
-fn ask(In(look): In<Look>, spatial: SpatialQuery) {
-=======
 type Question = Box<dyn Fn(SpatialQuery) + Send + Sync>;
 
 fn ask(In(look): In<Question>, spatial: SpatialQuery) {
->>>>>>> i13-p
     look(spatial);
 }
 

@@ -79,18 +79,6 @@ fn bad_sizes_are_refused() {
     assert!(matches!(voxels(&needle, 1.0), Err(ShapeError::Empty)));
 }
 
-/// Two cubes that share an edge, or a corner, are solid for all that.
-#[test]
-fn cells_that_meet_at_an_edge_are_solid() {
-    for other in [IVec3::new(1, 1, 0), IVec3::ONE] {
-        let Ok(Shape::Mesh(mesh)) = surface_of(&[IVec3::ZERO, other], 2.0) else {
-            panic!("a mesh")
-        };
-        assert!(mesh.has_inside());
-        assert_eq!(mesh.polygon_count(), 12);
-    }
-}
-
 proptest! {
     #[test]
     fn every_point_of_a_triangle_is_in_a_voxel(
