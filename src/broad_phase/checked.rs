@@ -96,7 +96,8 @@ fn make_a_pair(proxies: &Proxies, a: ProxyId, b: ProxyId) -> bool {
     };
     let (a_hears, b_hears) = (b.memberships & a.filters > 0, a.memberships & b.filters > 0);
     let is_wanted = (a_hears && (b_hears || a.is_detector)) || (b_hears && b.is_detector);
-    is_sought && a.world == b.world && is_wanted
+    let are_of_one_body = a.body == b.body && a.body != PairFilter::NO_BODY;
+    is_sought && a.world == b.world && is_wanted && !are_of_one_body
 }
 
 /// One step of a random history. Places are in units of a 64th, so that borders are met exactly,
