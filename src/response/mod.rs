@@ -9,7 +9,6 @@ mod outcomes;
 use bevy::prelude::*;
 
 use crate::{
-    collision_index::CollisionIndex,
     contacts::Verdicts,
     schedule::{CollisionSystems, ImpactSystems, add_to_tick},
     swept::{AtSolid, Swept},
@@ -25,11 +24,7 @@ use outcomes::{Outcomes, apply_outcomes, clear_outcomes};
 pub struct BouncePlugin;
 
 /// Has something met another that is to stop there?
-fn something_stops(
-    verdicts: Res<Verdicts>,
-    index: Res<CollisionIndex>,
-    swept: Query<&Swept>,
-) -> bool {
+fn something_stops(verdicts: Res<Verdicts>, swept: Query<&Swept>) -> bool {
     let stops = |entity| {
         swept
             .get(entity)
@@ -37,7 +32,7 @@ fn something_stops(
     };
     let impacts = verdicts.impacts().iter();
     impacts
-        .flat_map(|impact| index.entities(impact.pair))
+        .flat_map(|impact| [impact.key.a, impact.key.b])
         .any(stops)
 }
 
