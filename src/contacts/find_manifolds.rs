@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use super::{
     list::Contacts,
     manifolds::Manifolds,
-    pair::{ContactKey, KeyedImpact, seek},
+    pair::{ContactKey, SweptContact, seek},
     settings::{CollisionEventSettings, EventScope, ManifoldsEnabled},
     verdicts::Verdicts,
 };
@@ -90,7 +90,7 @@ pub(super) fn find_manifolds(
 /// Where two met on the way: at that moment, unless one of them was elsewhere by then, since it
 /// changed course.
 fn on_the_way(
-    impact: &KeyedImpact,
+    impact: &SweptContact,
     index: &CollisionIndex,
     tests: &NarrowPhase,
     workspace: &mut Workspace,

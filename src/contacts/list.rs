@@ -9,7 +9,7 @@ use super::{
     bodies::{Audience, BodyCollision, BodyContacts, BodyPair, Owners},
     ledger::{Changes, Ledger},
     manifolds::Manifolds,
-    pair::{Collision, ContactKey, ContactPair, KeyedImpact, seek},
+    pair::{Collision, ContactKey, ContactPair, SweptContact, seek},
     verdicts::Verdicts,
     watched::{self, WatchedContact},
 };
@@ -71,7 +71,7 @@ pub struct Contacts {
     manifolds: Manifolds,
     /// When and how those met of which one is swept, in the order of keys.
     #[reflect(ignore)]
-    impacts: Vec<KeyedImpact>,
+    impacts: Vec<SweptContact>,
     /// Made when they are first asked for in a tick.
     #[reflect(ignore)]
     by_object: OnceLock<Adjacency>,
@@ -291,7 +291,7 @@ impl Contacts {
         &mut self,
     ) -> (
         impl Iterator<Item = (&ContactPair, bool)>,
-        &[KeyedImpact],
+        &[SweptContact],
         &mut Manifolds,
     ) {
         (self.all.with_found(), &self.impacts, &mut self.manifolds)
@@ -366,7 +366,7 @@ impl Contacts {
             self.impacts.clear();
             return self.all.enter_by_job(found, at_the_end, rests, changes);
         }
-        verdicts.sort(index, &mut self.impacts);
+        verdicts.sort(&mut self.impacts);
         let impacts = &self.impacts;
         let contact = |key: &ContactKey| ContactPair {
             time: time_of_impact(impacts, key).unwrap_or(1.0),
@@ -464,7 +464,7 @@ fn turn<'a, T>(
     last
 }
 
-fn time_of_impact(impacts: &[KeyedImpact], key: &ContactKey) -> Option<f32> {
+fn time_of_impact(impacts: &[SweptContact], key: &ContactKey) -> Option<f32> {
     let index = impacts
         .binary_search_by_key(key, |impact| impact.key)
         .ok()?;

@@ -37,7 +37,7 @@ pub use events::{CollisionEnded, CollisionStarted};
 pub use list::Contacts;
 pub use narrow::NarrowPhasePlugin;
 pub use pair::Collision;
-pub(crate) use pair::{ContactKey, ContactPair, KeyedImpact, SweptContact};
+pub(crate) use pair::{ContactKey, ContactPair, SweptContact};
 pub use report::ReportPlugin;
 pub use settings::{CollisionEventSettings, CollisionEventsEnabled, EventScope, ManifoldsEnabled};
 pub(crate) use verdicts::Verdicts;

@@ -167,7 +167,7 @@ fn test_with_care(
         None => {}
         Some(Candidate::OnTheWay([a, b])) => {
             if let Some(met) = tests.time_of_impact(&a, &b, workspace) {
-                verdicts.meet(SweptContact::of(&key, met));
+                verdicts.meet(SweptContact { key, met });
             }
         }
         Some(Candidate::AtTheEnd([a, b])) => {

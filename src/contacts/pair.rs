@@ -62,44 +62,10 @@ impl ContactKey {
         Pair::new(self.ids[0], self.ids[1])
     }
 
-    /// Turns a contact from the order of entities to that of handles, as pairs of the broad phase
-    /// have them, or back.
-    pub(super) fn turned(&self, contact: Contact) -> Contact {
-        if self.ids[0] > self.ids[1] {
-            contact.reversed()
-        } else {
-            contact
-        }
-    }
-
     /// Where it stands to the contact of two entities, in any order.
     pub(super) fn cmp_entities(&self, [a, b]: [Entity; 2]) -> Ordering {
         let (a, b) = (rank(a), rank(b));
         (rank(self.a), rank(self.b)).cmp(&(a.min(b), a.max(b)))
-    }
-}
-
-impl SweptContact {
-    /// Two in the order of their entities, the lower handle first.
-    pub(crate) fn of(key: &ContactKey, met: TimedContact) -> Self {
-        Self {
-            pair: key.pair(),
-            met: TimedContact {
-                contact: key.turned(met.contact),
-                ..met
-            },
-        }
-    }
-
-    /// In the order of their entities.
-    pub(crate) fn keyed(&self, index: &CollisionIndex) -> KeyedImpact {
-        let key = ContactKey::of(self.pair, index);
-        let contact = key.turned(self.met.contact);
-        let met = TimedContact {
-            contact,
-            ..self.met
-        };
-        KeyedImpact { key, met }
     }
 }
 
@@ -170,16 +136,9 @@ impl ContactPair {
     }
 }
 
-/// Two that met on the way, the lower handle first.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SweptContact {
-    pub(crate) pair: Pair,
-    pub(crate) met: TimedContact,
-}
-
 /// Two that met on the way, in the order of their entities.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct KeyedImpact {
+pub(crate) struct SweptContact {
     pub(crate) key: ContactKey,
     pub(crate) met: TimedContact,
 }

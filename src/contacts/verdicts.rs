@@ -5,14 +5,10 @@ use bevy::prelude::*;
 use super::{
     buckets::{Buckets, Found},
     order::Sorter,
-    pair::{ContactKey, KeyedImpact, SweptContact},
+    pair::{ContactKey, SweptContact},
     watched::Watch,
 };
-use crate::{
-    broad_phase::{Pair, ProxyId},
-    collision_index::CollisionIndex,
-    narrow_phase::Contact,
-};
+use crate::{broad_phase::ProxyId, narrow_phase::Contact};
 
 /// The verdicts of a tick, on their way from the exact tests, which write them, by the response to
 /// impacts, which may replace some, to the list of contacts, which [merges](super::Contacts::merge)
@@ -32,11 +28,10 @@ pub(crate) struct Verdicts {
     may_repeat: bool,
     /// Where they meet, of those that somebody asked about.
     geometry: Vec<(ContactKey, Contact)>,
-    /// What is found to be in contact at the end of the tick after all, and where, the lower handle
-    /// first.
-    found_later: Vec<(Pair, Contact)>,
+    /// What is found to be in contact at the end of the tick after all, and where.
+    found_later: Vec<(ContactKey, Contact)>,
     /// When and how the pairs met of which one is swept: the first time of each, in the order of
-    /// pairs.
+    /// keys.
     impacts: Vec<SweptContact>,
     /// Who is elsewhere at the end of the tick than where it was looked at, in the order of
     /// handles.
@@ -83,11 +78,11 @@ impl Verdicts {
         self.impacts.push(impact);
     }
 
-    /// The first of each pair, in the order of pairs.
+    /// The first of each pair, in the order of keys.
     pub(super) fn sort_impacts(&mut self) {
         self.impacts
-            .sort_by(|a, b| a.pair.cmp(&b.pair).then(a.met.time.total_cmp(&b.met.time)));
-        self.impacts.dedup_by_key(|impact| impact.pair);
+            .sort_by(|a, b| a.key.cmp(&b.key).then(a.met.time.total_cmp(&b.met.time)));
+        self.impacts.dedup_by_key(|impact| impact.key);
     }
 }
 
@@ -109,7 +104,7 @@ impl Verdicts {
         &mut self,
         impacts: impl Iterator<Item = SweptContact>,
         displaced: impl Iterator<Item = ProxyId>,
-        found: impl Iterator<Item = (Pair, Contact)>,
+        found: impl Iterator<Item = (ContactKey, Contact)>,
     ) {
         self.impacts.clear();
         self.impacts.extend(impacts);
@@ -153,16 +148,14 @@ impl Verdicts {
 
     /// Puts all in the order of keys: those in contact once each, those that met on the way among
     /// them. Returns these, the first time of each, which replace those of the last tick.
-    pub(super) fn sort(&mut self, index: &CollisionIndex, impacts: &mut Vec<KeyedImpact>) {
+    pub(super) fn sort(&mut self, impacts: &mut Vec<SweptContact>) {
         self.collect();
-        for (pair, contact) in std::mem::take(&mut self.found_later) {
-            let key = ContactKey::of(pair, index);
-            self.touch(key, key.turned(contact));
-            self.may_repeat = true;
-        }
+        self.may_repeat |= !self.found_later.is_empty();
+        self.found
+            .extend(self.found_later.iter().map(|(key, _)| *key));
+        self.geometry.append(&mut self.found_later);
         impacts.clear();
-        impacts.extend(self.impacts.drain(..).map(|impact| impact.keyed(index)));
-        impacts.sort_unstable_by_key(|impact| impact.key);
+        impacts.append(&mut self.impacts);
         self.found.extend(impacts.iter().map(|impact| impact.key));
         self.sorter.sort(&mut self.found, 0);
         self.may_repeat |= !impacts.is_empty();

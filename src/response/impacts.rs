@@ -18,7 +18,7 @@ use crate::{
     },
     collision_index::CollisionIndex,
     components::BroadPhaseProxy,
-    contacts::{ContactKey, KeyedImpact, SweptContact, Verdicts},
+    contacts::{ContactKey, SweptContact, Verdicts},
     filters,
     motion::MotionSettings,
     narrow_phase::{Contact, Moving, NarrowPhase, Placed, TimedContact, Workspace, approach},
@@ -84,7 +84,7 @@ pub(super) struct Resolver {
     happened: Vec<SweptContact>,
     /// What those touch, at the end of the tick, that are on no way, and are elsewhere than they
     /// would have been.
-    at_end: Vec<(Pair, Contact)>,
+    at_end: Vec<(ContactKey, Contact)>,
     /// Those who change course at an impact.
     turned: Vec<ProxyId>,
     diverted: SpatialIndex,
@@ -147,12 +147,11 @@ pub(super) fn resolve_impacts(world: &mut World, mut resolver: Local<Resolver>) 
         if key.ids.map(|id| resolver.version(id)) != versions {
             continue;
         }
-        let impact = SweptContact::of(&key, met);
         if at_end {
-            resolver.at_end.push((impact.pair, impact.met.contact));
+            resolver.at_end.push((key, met.contact));
             continue;
         }
-        resolver.happened.push(impact);
+        resolver.happened.push(SweptContact { key, met });
         let turns = resolver.answer(world, &meeting, seconds);
         for (id, turn) in key.ids.into_iter().zip(turns) {
             resolver.follow(world, id, turn, (met.time, seconds));
@@ -186,8 +185,7 @@ impl Resolver {
             self.courses.is_empty() && self.leads.is_empty() && self.to_come.is_empty(),
             "nothing is left of the last tick"
         );
-        let meeting = |impact: &SweptContact| {
-            let KeyedImpact { key, met } = impact.keyed(index);
+        let meeting = |&SweptContact { key, met }: &SweptContact| {
             let [a, b] = key.ids.map(|id| index.moving(id));
             Some(Reverse(Meeting {
                 key,

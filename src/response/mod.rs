@@ -10,7 +10,6 @@ mod outcomes;
 use bevy::prelude::*;
 
 use crate::{
-    collision_index::CollisionIndex,
     contacts::Verdicts,
     schedule::{CollisionSystems, ImpactSystems, add_to_tick},
     swept::{AtSolid, Swept},
@@ -29,7 +28,6 @@ pub struct BouncePlugin;
 /// Has something met another that is to stop there?
 fn something_stops(
     verdicts: Res<Verdicts>,
-    index: Res<CollisionIndex>,
     (swept, answering): (Query<&Swept>, Answering),
 ) -> bool {
     let stops = |entity| {
@@ -39,7 +37,7 @@ fn something_stops(
     };
     let impacts = verdicts.impacts().iter();
     impacts
-        .flat_map(|impact| index.entities(impact.pair))
+        .flat_map(|impact| [impact.key.a, impact.key.b])
         .any(stops)
 }
 

@@ -9,11 +9,12 @@ use bevy::{
 };
 use bevy_octree::{
     components::WorldAabb,
+    diagnostics::STAGES,
     motion::{MotionSettings, Step},
     narrow_phase::NarrowPhase,
     prelude::*,
 };
-use common::*;
+use common::{interrupted::*, *};
 use fastrand::Rng;
 
 const COUNT: usize = 24;
@@ -25,37 +26,6 @@ struct Tricks {
     rng: Option<Rng>,
     boxes: bool,
     flush: bool,
-}
-
-/// What does not run in the tick to come.
-#[derive(Resource, Default)]
-struct Skipped(Vec<CollisionSystems>);
-
-#[derive(Resource, Default, Debug, PartialEq, Clone)]
-struct Told {
-    open: Vec<EntityPair>,
-    last: Vec<String>,
-}
-
-fn follow(
-    mut told: ResMut<Told>,
-    mut started: MessageReader<CollisionStarted>,
-    mut ended: MessageReader<CollisionEnded>,
-) {
-    told.last.clear();
-    for message in ended.read() {
-        let pair = pair(message.a, message.b);
-        let place = told.open.iter().position(|other| *other == pair);
-        told.open.swap_remove(place.expect("what ends has started"));
-        told.last.push(format!("- {} {}", message.a, message.b));
-    }
-    for message in started.read() {
-        let pair = pair(message.a, message.b);
-        assert!(!told.open.contains(&pair), "{pair:?} started twice");
-        told.open.push(pair);
-        told.last
-            .push(format!("+ {} {} {}", message.a, message.b, message.time));
-    }
 }
 
 fn enlarge(mut tricks: ResMut<Tricks>, mut boxes: Query<&mut WorldAabb>) {
@@ -98,16 +68,9 @@ fn make_app(method: BroadPhaseMethod) -> App {
         .insert_resource(MotionSettings {
             step: Step::Seconds(1.0 / 64.0),
         })
-        .init_resource::<Skipped>()
-        .init_resource::<Tricks>()
-        .init_resource::<Told>();
+        .init_resource::<Tricks>();
+    let_sets_be_skipped(&mut app);
     app.world_mut().resource_mut::<BroadPhaseSettings>().method = method;
-    for set in SETS {
-        app.configure_sets(
-            Update,
-            set.run_if(move |skipped: Res<Skipped>| !skipped.0.contains(&set)),
-        );
-    }
     for gap in 1..SETS.len() {
         let flush = |world: &mut World| {
             let mut tricks = world.resource_mut::<Tricks>();
@@ -126,12 +89,9 @@ fn make_app(method: BroadPhaseMethod) -> App {
     }
     app.add_systems(
         Update,
-        (
-            enlarge
-                .after(CollisionSystems::Bounds)
-                .before(CollisionSystems::Maintenance),
-            follow.in_set(CollisionSystems::Last),
-        ),
+        enlarge
+            .after(CollisionSystems::Bounds)
+            .before(CollisionSystems::Maintenance),
     );
     app
 }
@@ -383,15 +343,7 @@ fn check(kind: Kind, seeds: std::ops::Range<u64>) {
             outdate_all(&mut other.app);
             let mut skipped: Vec<CollisionSystems> = Vec::new();
             if kind.skips && rng.bool() {
-                for set in [
-                    CollisionSystems::Motion,
-                    CollisionSystems::Bounds,
-                    CollisionSystems::Maintenance,
-                    CollisionSystems::BroadPhase,
-                    CollisionSystems::NarrowPhase,
-                    CollisionSystems::Response,
-                    CollisionSystems::Report,
-                ] {
+                for set in STAGES {
                     if rng.u8(0..3) == 0 {
                         skipped.push(set);
                     }
@@ -399,7 +351,7 @@ fn check(kind: Kind, seeds: std::ops::Range<u64>) {
             }
             one.log.push(format!("tick {number} without {skipped:?}"));
             for app in [&mut one.app, &mut other.app] {
-                app.world_mut().resource_mut::<Skipped>().0 = skipped.clone();
+                skip(app, &skipped);
                 app.update();
             }
             if skipped.is_empty() {
@@ -417,21 +369,20 @@ fn check(kind: Kind, seeds: std::ops::Range<u64>) {
                         &one.log[one.log.len().saturating_sub(14)..]
                     );
                 }
-                let told = one.app.world().resource::<Told>().clone();
                 if !kind.skips {
+                    let last =
+                        |history: &History| history.app.world().resource::<Told>().last.clone();
                     assert_eq!(
-                        &told.last,
-                        &other.app.world().resource::<Told>().last,
+                        last(&one),
+                        last(&other),
                         "{kind:?} seed {seed}, tick {number}"
                     );
                 }
                 seen_contacts += one.app.world().resource::<Contacts>().len();
             }
             if !skipped.contains(&CollisionSystems::Report) {
-                let mut open = one.app.world().resource::<Told>().open.clone();
-                open.sort_unstable_by_key(|pair| pair.map(Entity::index_u32));
                 assert_eq!(
-                    open,
+                    told(&one.app),
                     contacts(&one.app),
                     "{kind:?} seed {seed}, tick {number}"
                 );
