@@ -3,6 +3,7 @@
 use bevy::math::Vec3A;
 use bevy::transform::components::Transform;
 
+use super::cores::{Bodies, QuickPair};
 use super::error::BoundsError;
 use super::frame::case::Case;
 use super::frame::edge_polygon;
@@ -42,11 +43,26 @@ impl NarrowPhase {
             return verdict;
         }
         let (a, b, _) = in_order(a, b);
+        if let Some(pair) = self.quick(a, b) {
+            let verdict = pair.intersects(self.tolerance());
+            pair.count(self.tolerance(), verdict, &mut workspace.counters);
+            return verdict;
+        }
         match PlacedPair::new(a, b, self.tolerance()) {
             Ok(pair) if pair.is_large() => self.decide_large(&pair, workspace),
             Ok(pair) => self.decide(&pair, workspace),
             Err(BoundsError::Unbounded) => unbounded(a, b, self.tolerance(), workspace),
             Err(BoundsError::NonFinite) => false,
+        }
+    }
+
+    /// Two of which all is told in closed form.
+    #[inline]
+    pub(super) fn quick(&self, a: Placed, b: Placed) -> Option<QuickPair> {
+        if self.exactness() == Exactness::Cheapest {
+            QuickPair::of(a, b)
+        } else {
+            None
         }
     }
 
@@ -157,6 +173,9 @@ fn sphere_box(pair: &PlacedPair) -> Option<bool> {
 }
 
 fn complete(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
+    if let Some(verdict) = Bodies::of_case(pair).and_then(|bodies| bodies.intersects()) {
+        return verdict;
+    }
     match pair.case() {
         Case::Spheres => spheres(pair) == Some(true),
         Case::SphereFirst => edge_polygon::sphere_intersects(pair, workspace),

@@ -5,6 +5,7 @@ use bevy::math::Vec3A;
 use super::{convex, mesh, meshes, sphere};
 use crate::narrow_phase::{
     answer::{Contact, LocalContact},
+    cores::Bodies,
     error::BoundsError,
     frame::{
         case::Case,
@@ -15,7 +16,7 @@ use crate::narrow_phase::{
         workspace::Workspace,
     },
     settings::NarrowPhase,
-    shape::Shape,
+    shape::Kind,
     stage::Stage,
     support,
 };
@@ -59,7 +60,7 @@ impl NarrowPhase {
     #[doc(alias = "penetration")]
     #[must_use]
     pub fn contact(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Contact> {
-        if let Some(found) = self.sphere_mesh(a, b, workspace) {
+        if let Some(found) = self.at_once(a, b, workspace) {
             return found;
         }
         if !self.intersects(a, b, workspace) {
@@ -98,37 +99,50 @@ fn in_world(found: LocalContact, first: Placed, swapped: bool) -> Contact {
     }
 }
 
-/// # Of spheres on meshes
+/// # By one search for the verdict and the point
 impl NarrowPhase {
-    /// The contact of a sphere and a mesh, convex or not, by one search for the verdict and the point. `None` if
+    /// The contact of two shapes of which it costs no more to tell where they meet than whether: those
+    /// of a closed form, spheres on meshes, and convex shapes by their support functions. `None` if
     /// they are something else, or large.
     #[inline]
-    fn sphere_mesh(
-        &self,
-        a: Placed,
-        b: Placed,
-        workspace: &mut Workspace,
-    ) -> Option<Option<Contact>> {
-        let are_these = matches!(
-            (a.shape, b.shape),
-            (Shape::Sphere { .. }, Shape::Mesh(_) | Shape::Convex(_))
-                | (Shape::Mesh(_) | Shape::Convex(_), Shape::Sphere { .. })
-        );
-        if !are_these {
-            return None;
-        }
+    fn at_once(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Option<Contact>> {
         let (first, second, swapped) = in_order(a, b);
+        if let Some(pair) = self.quick(first, second) {
+            let met = pair.contact(self.tolerance())?;
+            pair.count(self.tolerance(), met.is_some(), &mut workspace.counters);
+            return Some(met.map(|found| in_world(found, first, swapped)));
+        }
+        let case = Case::of(a.shape, b.shape);
+        let is_cuboid = |placed: Placed| placed.shape.kind() == Kind::Cuboid;
+        match case {
+            Case::Parts => {}
+            Case::SphereFirst if !is_cuboid(b) => {}
+            Case::SphereSecond if !is_cuboid(a) => {}
+            _ => return None,
+        }
         let pair = PlacedPair::new(first, second, self.tolerance()).ok()?;
         if pair.is_large() {
             return None;
         }
+        let bodies = Bodies::of_case(&pair);
+        if bodies.is_none() && case == Case::Parts {
+            return None;
+        }
+        let counters = workspace.counters;
         if self.decide_early(&pair, workspace) == Some(false) {
             return Some(None);
         }
-        let met = match pair.case() {
-            Case::SphereFirst => sphere::sphere_mesh(&pair, workspace),
-            _ => sphere::sphere_mesh(&pair.swapped(), workspace)
-                .map(|found| found.map(LocalContact::reversed)),
+        let met = match bodies.and_then(|bodies| bodies.contact()) {
+            Some(met) => met.map(Some),
+            None => match pair.case() {
+                Case::SphereFirst => sphere::sphere_mesh(&pair, workspace),
+                Case::SphereSecond => sphere::sphere_mesh(&pair.swapped(), workspace)
+                    .map(|found| found.map(LocalContact::reversed)),
+                _ => {
+                    workspace.counters = counters;
+                    return None;
+                }
+            },
         };
         let counters = &mut workspace.counters;
         counters.count(Stage::Complete, Some(met.is_some()));

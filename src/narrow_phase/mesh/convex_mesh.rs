@@ -7,7 +7,7 @@ use bevy::math::{
     primitives::{HalfSpace, ViewFrustum},
 };
 
-use super::{polygon_mesh::PolygonMesh, topology::NO_NEIGHBOR};
+use super::{corners::Corners, polygon_mesh::PolygonMesh, topology::NO_NEIGHBOR};
 use crate::narrow_phase::error::ShapeError;
 
 /// How far a vertex may be outside the plane of a polygon, as a share of the mesh's radius.
@@ -30,7 +30,10 @@ const LONG: usize = 8;
 #[doc(alias = "convex hull")]
 #[doc(alias = "polyhedron")]
 #[derive(Clone, Debug)]
-pub struct ConvexMesh(PolygonMesh);
+pub struct ConvexMesh {
+    mesh: PolygonMesh,
+    corners: Corners,
+}
 
 impl ConvexMesh {
     /// Checks that the mesh is convex, and turns its polygons outwards.
@@ -65,7 +68,7 @@ impl ConvexMesh {
             mesh.flip();
         }
         match Check::new(&mesh).find_outside(inner) {
-            None => Ok(Self(mesh)),
+            None => Ok(Self::trusted(mesh)),
             Some(Outside {
                 polygon,
                 vertex,
@@ -80,14 +83,20 @@ impl ConvexMesh {
     }
 
     /// A mesh that is known to be convex already.
-    pub(in crate::narrow_phase) const fn trusted(mesh: PolygonMesh) -> Self {
-        Self(mesh)
+    pub(in crate::narrow_phase) fn trusted(mesh: PolygonMesh) -> Self {
+        let corners = Corners::of(&mesh);
+        Self { mesh, corners }
+    }
+
+    /// The corners of its polygons, for its support function.
+    pub(in crate::narrow_phase) const fn corners(&self) -> &Corners {
+        &self.corners
     }
 
     /// Returns the mesh without the knowledge.
     #[must_use]
     pub fn into_inner(self) -> PolygonMesh {
-        self.0
+        self.mesh
     }
 }
 
@@ -95,7 +104,7 @@ impl Deref for ConvexMesh {
     type Target = PolygonMesh;
 
     fn deref(&self) -> &PolygonMesh {
-        &self.0
+        &self.mesh
     }
 }
 

@@ -4,6 +4,7 @@
 pub(super) mod bevy_mesh;
 mod convex_hull;
 pub(super) mod convex_mesh;
+pub(super) mod corners;
 pub(super) mod cube;
 mod duplicates;
 mod edges;

@@ -8,6 +8,7 @@ use bevy::transform::components::Transform;
 use super::{boxes, polygons};
 use crate::narrow_phase::{
     answer::Proximity,
+    cores::{Bodies, Closest, QuickPair},
     error::BoundsError,
     frame::{
         case::Case,
@@ -121,6 +122,9 @@ impl NarrowPhase {
         if let Some(points) = spheres(first, second) {
             return found(first, points, swapped);
         }
+        if let Some(pair) = QuickPair::of(first, second) {
+            return found(first, pair.closest_points(), swapped);
+        }
         let points = match PlacedPair::new(first, second, self.tolerance()) {
             Ok(pair) if pair.is_wide() => match Smaller::of(&pair, self) {
                 Some(smaller) => {
@@ -134,7 +138,7 @@ impl NarrowPhase {
                 None => local_points(&pair, workspace),
             },
             Ok(pair) => local_points(&pair, workspace),
-            Err(BoundsError::Unbounded) => unbounded(first, second),
+            Err(BoundsError::Unbounded) => unbounded(first, second).map(Closest::from),
             Err(BoundsError::NonFinite) => None,
         };
         found(first, points?, swapped)
@@ -142,11 +146,16 @@ impl NarrowPhase {
 }
 
 /// What was found in the frame of the first, by the order in which it was asked for.
-fn found(first: Placed, [mut from, mut to]: [Vec3A; 2], swapped: bool) -> Option<Proximity> {
+fn found(first: Placed, closest: impl Into<Closest>, swapped: bool) -> Option<Proximity> {
+    let Closest {
+        points: [mut from, mut to],
+        mut offset,
+    } = closest.into();
     if swapped {
         std::mem::swap(&mut from, &mut to);
+        offset = -offset;
     }
-    let (origin, offset) = (first.transform.translation, to - from);
+    let origin = first.transform.translation;
     let points = [from, to].map(|point| origin + Vec3::from(point));
     Proximity {
         distance: length(offset),
@@ -218,19 +227,24 @@ fn larger(found: Proximity, factor: f32, swapped: bool) -> Option<Proximity> {
 }
 
 /// The closest points of two shapes, in the frame of the pair.
-fn local_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
-    match pair.case() {
+fn local_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Closest> {
+    if let Some(points) = Bodies::of_case(pair).and_then(|bodies| bodies.closest_points()) {
+        return Some(points);
+    }
+    let points = match pair.case() {
         Case::Spheres | Case::SphereFirst => sphere_other(pair, workspace),
         Case::SphereSecond => {
-            let [on_ball, on_other] = sphere_other(&pair.swapped(), workspace)?;
-            Some([on_other, on_ball])
+            sphere_other(&pair.swapped(), workspace).map(|[on_ball, on_other]| [on_other, on_ball])
         }
         Case::Cuboids => boxes::closest_points(pair, workspace),
         Case::Convex | Case::Polygons => polygons::closest_points(pair, workspace),
         Case::Parts => parts(pair, workspace),
-        Case::Foreign => support::with_own_pair(pair, |pair| local_points(pair, workspace))
-            .unwrap_or_else(|| parts(pair, workspace)),
-    }
+        Case::Foreign => {
+            return support::with_own_pair(pair, |pair| local_points(pair, workspace))
+                .unwrap_or_else(|| Some(parts(pair, workspace)?.into()));
+        }
+    };
+    points.map(Closest::from)
 }
 
 /// Two that the support functions are asked about.
@@ -306,7 +320,8 @@ mod tests {
             if let Some(points) = spheres(a, b) {
                 let pair = PlacedPair::new(a, b, 1e-6).unwrap();
                 assert!(!pair.is_wide());
-                assert_eq!(local_points(&pair, &mut workspace), Some(points));
+                let found = local_points(&pair, &mut workspace);
+                assert_eq!(found.map(|found| found.points), Some(points));
             }
             let point = at_a.translation;
             if let Some(closest) = closest_on_sphere(b, point) {

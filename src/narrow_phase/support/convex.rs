@@ -8,7 +8,7 @@ use bevy::transform::components::Transform;
 
 use super::foreign_core::ForeignCore;
 use crate::narrow_phase::{
-    composite::voxels::Faces, mesh::polygon_mesh::PolygonMesh, rounded::RoundedCore,
+    composite::voxels::Faces, mesh::convex_mesh::ConvexMesh, rounded::RoundedCore,
 };
 
 /// Where something is, and how it is turned.
@@ -80,7 +80,7 @@ enum Core<'a> {
         half_height: f64,
         scale: DVec3,
     },
-    Mesh(&'a PolygonMesh, DVec3),
+    Mesh(&'a ConvexMesh, DVec3),
     #[cfg_attr(
         not(feature = "rapier"),
         expect(dead_code, reason = "nobody else is there")
@@ -131,7 +131,7 @@ impl<'a> Convex<'a> {
     }
 
     /// A mesh that is convex, at a scale.
-    pub fn mesh(mesh: &'a PolygonMesh, scale: DVec3, at: Isometry) -> Self {
+    pub fn mesh(mesh: &'a ConvexMesh, scale: DVec3, at: Isometry) -> Self {
         Self::new(Core::Mesh(mesh, scale), 0.0, at)
     }
 
@@ -289,7 +289,7 @@ impl Core<'_> {
             }
             // Vertices that no polygon names are no part of it.
             Self::Mesh(mesh, scale) => {
-                let corners = mesh.edges().as_flattened().iter();
+                let corners = mesh.corners().vertices().iter();
                 of(&mut corners.map(|&corner| wide(mesh.vertices()[corner as usize]) * scale))
             }
             Self::Foreign(core) => core.furthest(direction),

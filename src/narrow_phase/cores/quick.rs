@@ -1,0 +1,330 @@
+//! Balls, capsules and cuboids in closed form, straight from where they are.
+//!
+//! These are what games have most, and what is told about two of them takes less than to put any two
+//! shapes into a frame. Numbers that are so large, so small or so wrong that products of them are no
+//! numbers any more are left to the tests for all shapes, and so are two cuboids.
+
+use std::ops::RangeInclusive;
+
+use bevy::math::{Mat3A, Quat, Vec3A};
+
+use super::nearest::{Closest, Nearest};
+use super::segments::{Segment, segment_box, segments, way_out};
+use crate::narrow_phase::{
+    answer::LocalContact,
+    frame::placed::{Placed, ROUNDING},
+    shape::Shape,
+    stage::{Stage, StageCounters},
+};
+
+/// Numbers whose squares are numbers, and not nothing.
+const FAIR: RangeInclusive<f32> = 1e-8..=1e8;
+
+/// The least distance of two cores that tells a direction, as a share of the sizes.
+const LEAST: f32 = 1e-4;
+
+/// How many times larger a box is of which the place of the other is computed in 64-bit floats.
+const MUCH_LARGER: f32 = 8.0;
+
+/// Two shapes, relative to the position of the first.
+#[derive(Clone, Copy, Debug)]
+pub struct QuickPair {
+    kind: Kind,
+    /// The sum of the greatest half extents.
+    size: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Rounds {
+        segments: [Segment; 2],
+        radii: [f32; 2],
+    },
+    WithBox {
+        /// In the axes of the box, around its centre.
+        segment: Segment,
+        radius: f32,
+        half: Vec3A,
+        axes: Mat3A,
+        /// Where the box is.
+        center: Vec3A,
+        is_box_first: bool,
+    },
+}
+
+/// A turn of unit length, if it is one at all.
+#[inline]
+fn turn(rotation: Quat) -> Option<Quat> {
+    let squared = rotation.length_squared();
+    FAIR.contains(&squared)
+        .then(|| rotation * squared.sqrt().recip())
+}
+
+/// The half of the segment, and the radius around it, of a ball or a capsule.
+#[inline]
+fn round(placed: Placed) -> Option<(Vec3A, f32)> {
+    let scale = placed.transform.scale.abs();
+    let rotation = placed.transform.rotation;
+    match placed.shape {
+        // It looks alike from all sides, if it is turned at all.
+        Shape::Sphere { radius } => FAIR
+            .contains(&rotation.length_squared())
+            .then(|| (Vec3A::ZERO, radius.abs() * scale.max_element())),
+        Shape::Capsule {
+            radius,
+            half_length,
+        } => {
+            let radius = radius.abs() * scale.x.max(scale.z);
+            let length = half_length.abs() * scale.y;
+            Some((turn(rotation)? * Vec3A::Y * length, radius))
+        }
+        _ => None,
+    }
+}
+
+impl QuickPair {
+    /// Two of which each is a ball, a capsule or a cuboid, and not both are cuboids.
+    #[inline]
+    pub fn of(a: Placed, b: Placed) -> Option<Self> {
+        let offset = Vec3A::from(b.transform.translation - a.transform.translation);
+        let pair = match (a.shape, b.shape) {
+            (Shape::Cuboid { .. }, Shape::Sphere { .. } | Shape::Capsule { .. }) => {
+                Self::with_box(a, b, offset, true)
+            }
+            (Shape::Sphere { .. } | Shape::Capsule { .. }, Shape::Cuboid { .. }) => {
+                Self::with_box(b, a, -offset, false)
+            }
+            (
+                Shape::Sphere { .. } | Shape::Capsule { .. },
+                Shape::Sphere { .. } | Shape::Capsule { .. },
+            ) => {
+                let ((half_a, radius_a), (half_b, radius_b)) = (round(a)?, round(b)?);
+                let center = Vec3A::ZERO;
+                let lengths = half_a.abs().max_element() + half_b.abs().max_element();
+                Some(Self {
+                    kind: Kind::Rounds {
+                        segments: [
+                            Segment {
+                                center,
+                                half: half_a,
+                            },
+                            Segment {
+                                center: offset,
+                                half: half_b,
+                            },
+                        ],
+                        radii: [radius_a, radius_b],
+                    },
+                    size: lengths + radius_a + radius_b,
+                })
+            }
+            _ => None,
+        }?;
+        let is_fair = FAIR.contains(&pair.size)
+            && pair.is_finite()
+            && offset.is_finite()
+            && offset.abs().max_element() <= *FAIR.end()
+            && a.transform.scale.is_finite()
+            && b.transform.scale.is_finite();
+        is_fair.then_some(pair)
+    }
+
+    /// A box, and what is round, by the way from the box to it.
+    #[inline]
+    fn with_box(cuboid: Placed, other: Placed, offset: Vec3A, is_box_first: bool) -> Option<Self> {
+        let Shape::Cuboid { half_size } = cuboid.shape else {
+            return None;
+        };
+        let half = Vec3A::from((*half_size * cuboid.transform.scale).abs());
+        let (way, radius) = round(other)?;
+        let rotation = turn(cuboid.transform.rotation)?;
+        let axes = Mat3A::from_quat(rotation);
+        let back = axes.transpose();
+        let reach = way.abs().max_element() + radius;
+        // Beside what is much larger, where it is takes more digits than it has.
+        let at = if half.max_element() > MUCH_LARGER * reach {
+            let turn = rotation.as_dquat().normalize();
+            let [from, to] = [cuboid, other].map(|placed| placed.transform.translation.as_dvec3());
+            (turn.inverse() * (to - from)).as_vec3a()
+        } else {
+            back * offset
+        };
+        Some(Self {
+            kind: Kind::WithBox {
+                segment: Segment {
+                    center: at,
+                    half: back * way,
+                },
+                radius,
+                half,
+                axes,
+                center: if is_box_first { Vec3A::ZERO } else { -offset },
+                is_box_first,
+            },
+            size: half.max_element() + reach,
+        })
+    }
+
+    /// Is no extent lost in the greatest of them?
+    #[inline]
+    fn is_finite(&self) -> bool {
+        match &self.kind {
+            Kind::Rounds { radii: [a, b], .. } => (a + b).is_finite(),
+            Kind::WithBox { half, radius, .. } => (half.element_sum() + radius).is_finite(),
+        }
+    }
+
+    /// Counts a verdict where the stages come to it: each looks at the pair as long as none before
+    /// has parted it.
+    #[inline]
+    pub fn count(&self, tolerance: f32, verdict: bool, counters: &mut StageCounters) {
+        let slack = 2.0 * self.tolerance(tolerance);
+        let (apart, reach, radii) = match &self.kind {
+            Kind::Rounds {
+                segments: [a, b],
+                radii,
+            } => {
+                let radii = radii[0] + radii[1];
+                let halves = a.half.length() + b.half.length();
+                (
+                    b.center,
+                    a.half.abs() + b.half.abs() + radii,
+                    halves + radii,
+                )
+            }
+            Kind::WithBox {
+                segment,
+                radius,
+                half,
+                axes,
+                center,
+                is_box_first,
+            } => {
+                let way = *axes * segment.half;
+                let apart = if *is_box_first {
+                    *axes * segment.center
+                } else {
+                    *center
+                };
+                let reach = axes.abs() * *half + way.abs() + *radius;
+                (apart, reach, half.length() + way.length() + radius)
+            }
+        };
+        let is_parted = !verdict && (apart.abs() - reach).max_element() > slack;
+        if counters
+            .count(Stage::Bounds, is_parted.then_some(false))
+            .is_some()
+        {
+            return;
+        }
+        let stage = self.stage();
+        let is_parted = !verdict && apart.length() - radii > slack;
+        if stage == Stage::Spheres || is_parted {
+            counters.count(Stage::Spheres, Some(verdict));
+            return;
+        }
+        counters.count(Stage::Spheres, None);
+        if stage != Stage::Boxes {
+            counters.count(Stage::Boxes, None);
+        }
+        counters.count(stage, Some(verdict));
+    }
+
+    /// The stage that decides two such shapes: for balls, their spheres are all there is.
+    #[inline]
+    fn stage(&self) -> Stage {
+        match &self.kind {
+            Kind::Rounds {
+                segments: [a, b], ..
+            } if a.is_point() && b.is_point() => Stage::Spheres,
+            Kind::WithBox { segment, .. } if segment.is_point() => Stage::Boxes,
+            _ => Stage::Complete,
+        }
+    }
+
+    /// At least what rounding leaves uncertain.
+    #[inline]
+    fn tolerance(&self, tolerance: f32) -> f32 {
+        tolerance.max(ROUNDING * self.size)
+    }
+
+    /// Where the two are closest, without their radii, and these.
+    #[inline]
+    fn nearest(&self) -> Nearest {
+        match self.kind {
+            Kind::Rounds {
+                segments: [a, b],
+                radii,
+            } => Nearest::between(segments(&a, &b), radii),
+            Kind::WithBox {
+                segment,
+                radius,
+                half,
+                axes,
+                center,
+                is_box_first,
+            } => {
+                let [from, to] = segment_box(&segment, half);
+                let found = Nearest {
+                    points: [from, to].map(|point| center + axes * point),
+                    offset: axes * (to - from),
+                    radii: [radius, 0.0],
+                };
+                if is_box_first {
+                    found.reversed()
+                } else {
+                    found
+                }
+            }
+        }
+    }
+
+    /// Whether the two are no further apart than the tolerance.
+    #[inline]
+    pub fn intersects(&self, tolerance: f32) -> bool {
+        self.nearest().gap() <= self.tolerance(tolerance)
+    }
+
+    /// Where the two are closest to each other.
+    #[inline]
+    pub fn closest_points(&self) -> Closest {
+        self.nearest().of_surfaces()
+    }
+
+    /// Where and how deep the two meet, if they do; the outer `None` where their cores do, and no
+    /// closed form knows more.
+    #[inline]
+    pub fn contact(&self, tolerance: f32) -> Option<Option<LocalContact>> {
+        let nearest = self.nearest();
+        if nearest.gap() > self.tolerance(tolerance) {
+            return Some(None);
+        }
+        if nearest.distance() > LEAST * self.size {
+            return Some(Some(nearest.contact()));
+        }
+        let Kind::WithBox {
+            segment,
+            radius,
+            half,
+            axes,
+            is_box_first,
+            ..
+        } = self.kind
+        else {
+            return None;
+        };
+        let (way, depth) = way_out(&segment, half);
+        // The round one goes out that way, and so is where its normal comes from.
+        let outwards = axes * way;
+        let [point, _] = if is_box_first {
+            [nearest.points[1], nearest.points[0]]
+        } else {
+            nearest.points
+        };
+        Some(Some(LocalContact {
+            normal: if is_box_first { outwards } else { -outwards },
+            point,
+            depth: depth + radius,
+        }))
+    }
+}
