@@ -3,7 +3,7 @@
 use bevy::math::Vec3A;
 use bevy::transform::components::Transform;
 
-use super::cores::{Bodies, QuickPair};
+use super::cores::{Balls, Bodies, QuickPair};
 use super::error::BoundsError;
 use super::frame::case::Case;
 use super::frame::edge_polygon;
@@ -41,6 +41,9 @@ impl NarrowPhase {
             let verdict = self.aligned(a.transform, half_a, b.transform, half_b);
             workspace.counters.count(Stage::Boxes, Some(verdict));
             return verdict;
+        }
+        if let Some(balls) = Balls::of(a, b) {
+            return balls.intersects(self.tolerance(), &mut workspace.counters);
         }
         let (a, b, _) = in_order(a, b);
         if let Some(pair) = self.quick(a, b) {

@@ -9,7 +9,8 @@ use super::{
     parting_planes::{self, Answer},
 };
 use crate::narrow_phase::{
-    answer::Impact,
+    answer::{Contact, Impact},
+    cores::Balls,
     error::BoundsError,
     frame::{
         case::Case,
@@ -80,8 +81,12 @@ impl NarrowPhase {
         }) {
             return impact;
         }
-        if !are_apart && self.intersects(moving, target, workspace) {
-            return Some(self.at_the_start(moving, direction, target, workspace));
+        if !are_apart && let Some(contact) = self.contact(moving, target, workspace) {
+            return Some(at_the_start(&contact, direction));
+        }
+        if let Some(found) = Balls::of(moving, target) {
+            let radii = found.nearest.radii;
+            return balls(moving, direction, max_distance, target, radii);
         }
         match PlacedPair::new(moving, target, self.tolerance()) {
             Ok(pair) if !matches!(pair.case(), Case::Parts | Case::Foreign) => {
@@ -142,32 +147,54 @@ impl NarrowPhase {
             depth: 0.0,
         })
     }
+}
 
-    fn at_the_start(
-        &self,
-        moving: Placed,
-        direction: Dir3,
-        target: Placed,
-        workspace: &mut Workspace,
-    ) -> Impact {
-        let contact = self.contact(moving, target, workspace);
-        let against = |normal: Vec3| {
-            if normal.dot(*direction) > 0.0 {
-                -*direction
-            } else {
-                normal
-            }
-        };
-        let normal = contact.map_or(-*direction, |contact| against(-contact.normal));
-        Impact {
-            distance: 0.0,
-            point: contact.map_or(moving.transform.translation, |contact| contact.point),
-            normal,
-            face_normal: contact.map_or(normal, |contact| -contact.normal),
-            polygon: None,
-            depth: contact.map_or(0.0, |contact| contact.depth),
-        }
+/// The impact of two that are in contact before the first has moved.
+fn at_the_start(contact: &Contact, direction: Dir3) -> Impact {
+    let normal = -contact.normal;
+    Impact {
+        distance: 0.0,
+        point: contact.point,
+        normal: if normal.dot(*direction) > 0.0 {
+            -*direction
+        } else {
+            normal
+        },
+        face_normal: normal,
+        polygon: None,
+        depth: contact.depth,
     }
+}
+
+/// The first impact of two balls that are apart.
+fn balls(
+    moving: Placed,
+    direction: Dir3,
+    max_distance: f32,
+    target: Placed,
+    [radius, target_radius]: [f32; 2],
+) -> Option<Impact> {
+    let (way, reach) = (direction.as_dvec3(), f64::from(radius + target_radius));
+    let [from, to] = [moving, target].map(|placed| placed.transform.translation.as_dvec3());
+    let (offset, squared) = (to - from, way.length_squared());
+    let along = offset.dot(way) / squared;
+    let aside = offset - way * along;
+    let room = reach * reach - aside.length_squared();
+    // Ahead, or just left behind by rounding.
+    if !(room >= 0.0 && along >= 0.0) {
+        return None;
+    }
+    let distance = (along - (room / squared).sqrt()).max(0.0);
+    let normal = (way * distance - offset).try_normalize()?.as_vec3();
+    let distance = distance as f32;
+    (distance <= max_distance).then(|| Impact {
+        distance,
+        point: target.transform.translation + normal * target_radius,
+        normal,
+        face_normal: normal,
+        polygon: None,
+        depth: 0.0,
+    })
 }
 
 /// Where the first of two, on its way, meets the second, in the frame of the pair.

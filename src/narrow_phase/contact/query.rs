@@ -5,7 +5,7 @@ use bevy::math::Vec3A;
 use super::{convex, mesh, meshes, sphere};
 use crate::narrow_phase::{
     answer::{Contact, LocalContact},
-    cores::Bodies,
+    cores::{Balls, Bodies},
     error::BoundsError,
     frame::{
         case::Case,
@@ -107,6 +107,12 @@ impl NarrowPhase {
     #[inline]
     fn at_once(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Option<Contact>> {
         let (first, second, swapped) = in_order(a, b);
+        if let Some(balls) = Balls::of(first, second)
+            && balls.have_normal()
+        {
+            let meet = balls.intersects(self.tolerance(), &mut workspace.counters);
+            return Some(meet.then(|| in_world(balls.nearest.contact(), first, swapped)));
+        }
         if let Some(pair) = self.quick(first, second) {
             let met = pair.contact(self.tolerance())?;
             pair.count(self.tolerance(), met.is_some(), &mut workspace.counters);
@@ -115,7 +121,7 @@ impl NarrowPhase {
         let case = Case::of(a.shape, b.shape);
         let is_cuboid = |placed: Placed| placed.shape.kind() == Kind::Cuboid;
         match case {
-            Case::Parts => {}
+            Case::Parts | Case::Convex => {}
             Case::SphereFirst if !is_cuboid(b) => {}
             Case::SphereSecond if !is_cuboid(a) => {}
             _ => return None,
@@ -125,7 +131,7 @@ impl NarrowPhase {
             return None;
         }
         let bodies = Bodies::of_case(&pair);
-        if bodies.is_none() && case == Case::Parts {
+        if bodies.is_none() && matches!(case, Case::Parts | Case::Convex) {
             return None;
         }
         let counters = workspace.counters;

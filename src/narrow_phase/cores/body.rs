@@ -9,6 +9,9 @@ use crate::narrow_phase::{
     shape::Shape,
 };
 
+/// The faces of a mesh of more are not looked at one by one.
+const FEW_FACES: usize = 64;
+
 /// What a convex shape consists of, but for a radius around it.
 #[derive(Clone, Copy, Debug)]
 pub enum Core<'a> {
@@ -155,27 +158,74 @@ impl<'a> Body<'a> {
         self.center + self.axes * local
     }
 
-    /// The way out of a convex mesh for a point inside: that through the nearest of its faces. A unit
-    /// vector, and how far. `None` of others, and of a scale that differs by axis.
-    pub fn way_out(&self, point: Vec3A) -> Option<(Vec3A, f32)> {
-        let Core::Hull(mesh, scale) = self.core else {
-            return None;
+    /// How far the core reaches along a direction, from the origin.
+    #[inline]
+    pub fn reach(&self, direction: Vec3A) -> f32 {
+        let from_center = match self.core {
+            Core::Cuboid(half) => (self.back * direction).abs().dot(half),
+            Core::Hull(mesh, scale) => mesh.corners().reach(self.back * direction * scale),
+            _ => return self.furthest(direction).dot(direction),
         };
-        let size = scale.abs();
-        if !(size.x == size.y && size.y == size.z && size.x > 0.0) {
-            return None;
-        }
-        let (middle, ..) = mesh.local_bounds();
-        let local = self.back * (point - self.center) / scale + middle;
-        let faces = mesh.polygons().zip(mesh.normals());
-        let heights = faces.map(|(corners, normal)| {
-            let on_face = Vec3A::from(mesh.vertices()[corners[0] as usize]);
-            let normal = Vec3A::from(*normal);
-            (normal, normal.dot(local - on_face))
-        });
-        let (normal, height) = heights.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some((self.axes * (normal * scale.signum()), -height * size.x))
+        self.center.dot(direction) + from_center
     }
+
+    /// Is it bounded by faces, few enough to be looked at one by one?
+    pub fn has_few_faces(&self) -> bool {
+        self.radius == 0.0
+            && match self.core {
+                Core::Cuboid(_) => true,
+                Core::Hull(mesh, _) => mesh.polygon_count() <= FEW_FACES,
+                _ => false,
+            }
+    }
+
+    /// Calls `visit` with the normals of all its faces, if it has some, and how far they are from the
+    /// origin along these. What a scale of zero makes of a mesh has none.
+    #[inline]
+    pub fn each_face(&self, mut visit: impl FnMut(Vec3A, f32)) {
+        match self.core {
+            Core::Cuboid(half) => {
+                for axis in 0..3 {
+                    let normal = self.axes.col(axis);
+                    let at = normal.dot(self.center);
+                    visit(normal, half[axis] + at);
+                    visit(-normal, half[axis] - at);
+                }
+            }
+            Core::Hull(mesh, scale) => {
+                let (middle, ..) = mesh.local_bounds();
+                let cofactors = cofactors(scale);
+                let is_even = cofactors.abs() == Vec3A::ONE;
+                for (corners, normal) in mesh.polygons().zip(mesh.normals()) {
+                    let on_face = Vec3A::from(mesh.vertices()[corners[0] as usize]) - middle;
+                    let mut local = Vec3A::from(*normal) * cofactors;
+                    if !is_even {
+                        local = local.normalize_or_zero();
+                        if local == Vec3A::ZERO {
+                            continue;
+                        }
+                    }
+                    let normal = self.axes * local;
+                    visit(normal, local.dot(on_face * scale) + normal.dot(self.center));
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// By these, normals scale: inversely to lengths, but without dividing by zero, and mirrors do not
+/// turn them inside out.
+fn cofactors(scale: Vec3A) -> Vec3A {
+    let mirror = 1f32.copysign(scale.x * scale.y * scale.z);
+    let largest = scale.abs().max_element();
+    let [x, y, z] = if largest > 0.0 {
+        scale / largest
+    } else {
+        scale
+    }
+    .to_array();
+    mirror * Vec3A::new(y * z, z * x, x * y)
 }
 
 fn frustum([top, bottom, half_height]: [f32; 3], scale: Vec3A) -> Core<'static> {

@@ -6,12 +6,14 @@
 //! points, segments and boxes there is a closed form for that; of all others, their support
 //! functions are asked.
 
+mod balls;
 mod body;
 mod nearest;
 mod quick;
 mod search;
 mod segments;
 
+pub use balls::Balls;
 pub use nearest::Closest;
 pub use quick::QuickPair;
 pub use search::Bodies;

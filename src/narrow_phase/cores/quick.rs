@@ -4,10 +4,9 @@
 //! shapes into a frame. Numbers that are so large, so small or so wrong that products of them are no
 //! numbers any more are left to the tests for all shapes, and so are two cuboids.
 
-use std::ops::RangeInclusive;
-
 use bevy::math::{Mat3A, Quat, Vec3A};
 
+use super::balls::FAIR;
 use super::nearest::{Closest, Nearest};
 use super::segments::{Segment, segment_box, segments, way_out};
 use crate::narrow_phase::{
@@ -16,9 +15,6 @@ use crate::narrow_phase::{
     shape::Shape,
     stage::{Stage, StageCounters},
 };
-
-/// Numbers whose squares are numbers, and not nothing.
-const FAIR: RangeInclusive<f32> = 1e-8..=1e8;
 
 /// The least distance of two cores that tells a direction, as a share of the sizes.
 const LEAST: f32 = 1e-4;
@@ -46,14 +42,15 @@ enum Kind {
         radius: f32,
         half: Vec3A,
         axes: Mat3A,
-        /// Where the box is.
+        /// Where the box is, and where the other one.
         center: Vec3A,
+        other: Vec3A,
         is_box_first: bool,
     },
 }
 
 /// A turn of unit length, if it is one at all.
-#[inline]
+#[inline(always)]
 fn turn(rotation: Quat) -> Option<Quat> {
     let squared = rotation.length_squared();
     FAIR.contains(&squared)
@@ -61,7 +58,7 @@ fn turn(rotation: Quat) -> Option<Quat> {
 }
 
 /// The half of the segment, and the radius around it, of a ball or a capsule.
-#[inline]
+#[inline(always)]
 fn round(placed: Placed) -> Option<(Vec3A, f32)> {
     let scale = placed.transform.scale.abs();
     let rotation = placed.transform.rotation;
@@ -84,7 +81,7 @@ fn round(placed: Placed) -> Option<(Vec3A, f32)> {
 
 impl QuickPair {
     /// Two of which each is a ball, a capsule or a cuboid, and not both are cuboids.
-    #[inline]
+    #[inline(always)]
     pub fn of(a: Placed, b: Placed) -> Option<Self> {
         let offset = Vec3A::from(b.transform.translation - a.transform.translation);
         let pair = match (a.shape, b.shape) {
@@ -130,7 +127,7 @@ impl QuickPair {
     }
 
     /// A box, and what is round, by the way from the box to it.
-    #[inline]
+    #[inline(always)]
     fn with_box(cuboid: Placed, other: Placed, offset: Vec3A, is_box_first: bool) -> Option<Self> {
         let Shape::Cuboid { half_size } = cuboid.shape else {
             return None;
@@ -159,6 +156,7 @@ impl QuickPair {
                 half,
                 axes,
                 center: if is_box_first { Vec3A::ZERO } else { -offset },
+                other: if is_box_first { offset } else { Vec3A::ZERO },
                 is_box_first,
             },
             size: half.max_element() + reach,
@@ -166,7 +164,7 @@ impl QuickPair {
     }
 
     /// Is no extent lost in the greatest of them?
-    #[inline]
+    #[inline(always)]
     fn is_finite(&self) -> bool {
         match &self.kind {
             Kind::Rounds { radii: [a, b], .. } => (a + b).is_finite(),
@@ -198,14 +196,11 @@ impl QuickPair {
                 half,
                 axes,
                 center,
-                is_box_first,
+                other,
+                ..
             } => {
                 let way = *axes * segment.half;
-                let apart = if *is_box_first {
-                    *axes * segment.center
-                } else {
-                    *center
-                };
+                let apart = *other - *center;
                 let reach = axes.abs() * *half + way.abs() + *radius;
                 (apart, reach, half.length() + way.length() + radius)
             }
@@ -243,13 +238,13 @@ impl QuickPair {
     }
 
     /// At least what rounding leaves uncertain.
-    #[inline]
+    #[inline(always)]
     fn tolerance(&self, tolerance: f32) -> f32 {
         tolerance.max(ROUNDING * self.size)
     }
 
     /// Where the two are closest, without their radii, and these.
-    #[inline]
+    #[inline(always)]
     fn nearest(&self) -> Nearest {
         match self.kind {
             Kind::Rounds {
@@ -262,11 +257,18 @@ impl QuickPair {
                 half,
                 axes,
                 center,
+                other,
                 is_box_first,
             } => {
                 let [from, to] = segment_box(&segment, half);
+                let on_box = center + axes * to;
+                let on_other = if segment.is_point() {
+                    other
+                } else {
+                    center + axes * from
+                };
                 let found = Nearest {
-                    points: [from, to].map(|point| center + axes * point),
+                    points: [on_other, on_box],
                     offset: axes * (to - from),
                     radii: [radius, 0.0],
                 };

@@ -15,6 +15,9 @@ use crate::narrow_phase::{
 const FAIR: std::ops::RangeInclusive<f32> = 1e-4..=1e6;
 /// The least distance of two cores whose points tell it, and a direction, as a share of the sizes.
 const LEAST: f32 = 1e-2;
+/// How much less the overlap along a later direction has to be to be preferred, as a share of the
+/// sizes.
+const BIAS: f32 = 1e-3;
 /// So often does the search for a point of both go from one shape to the other.
 const MOST_WAYS: usize = 8;
 /// Two points that are no further apart count as one, as a share of the sizes at hand.
@@ -25,6 +28,8 @@ const SAME: f32 = 1e-5;
 pub struct Bodies<'a> {
     a: Body<'a>,
     b: Body<'a>,
+    /// How far the two reach from their centres.
+    reaches: [f32; 2],
     size: f32,
     tolerance: f32,
 }
@@ -39,6 +44,7 @@ impl<'a> Bodies<'a> {
         Some(Self {
             a: Body::of(pair.a, &pair.box_a)?,
             b: Body::of(pair.b, &pair.box_b)?,
+            reaches: [pair.box_a.radius, pair.box_b.radius],
             size: pair.size,
             tolerance: pair.tolerance,
         })
@@ -53,9 +59,11 @@ impl<'a> Bodies<'a> {
         }
     }
 
-    #[inline]
-    fn difference(&self) -> impl Fn(Vec3A) -> Vertex<Vec3A> {
-        |direction| Vertex::of([self.a.furthest(direction), self.b.furthest(-direction)])
+    /// See [`search`].
+    fn search(&self, limits: [f32; 2], simplex: &mut Simplex<Vec3A>, size: &mut f32) -> Found {
+        let difference =
+            |direction| Vertex::of([self.a.furthest(direction), self.b.furthest(-direction)]);
+        search(difference, self.towards(), limits, simplex, size)
     }
 
     #[inline]
@@ -74,10 +82,10 @@ impl<'a> Bodies<'a> {
     #[inline]
     pub fn intersects(&self) -> Option<bool> {
         let limit = self.tolerance + self.radii();
-        match search(self.difference(), self.towards(), [limit; 2], &mut 0.0) {
-            Found::Beyond | Found::Apart(_) => Some(false),
-            Found::Enough(_) | Found::Overlap(_) => Some(true),
-            Found::Unsettled(_) => None,
+        match self.search([limit; 2], &mut Simplex::empty(), &mut 0.0) {
+            Found::Beyond | Found::Apart => Some(false),
+            Found::Enough | Found::Overlap => Some(true),
+            Found::Unsettled => None,
         }
     }
 
@@ -93,43 +101,50 @@ impl<'a> Bodies<'a> {
     /// Where the two are closest to each other. `None` where that is too close to tell.
     #[inline]
     pub fn closest_points(&self) -> Option<Closest> {
-        let (limits, mut size) = ([f32::INFINITY, -1.0], 0.0);
-        match search(self.difference(), self.towards(), limits, &mut size) {
-            Found::Apart(simplex) => {
+        let mut simplex = Simplex::empty();
+        match self.search([f32::INFINITY, -1.0], &mut simplex, &mut 0.0) {
+            Found::Apart => {
                 let nearest = self.nearest(&simplex);
                 (nearest.distance() > LEAST * self.size).then(|| nearest.of_surfaces())
             }
-            Found::Overlap(simplex) | Found::Enough(simplex) => {
+            Found::Overlap | Found::Enough => {
                 let [on_a, on_b] = simplex.points();
                 Some([on_a.midpoint(on_b); 2].into())
             }
-            Found::Beyond | Found::Unsettled(_) => None,
+            Found::Beyond | Found::Unsettled => None,
         }
     }
 
     /// Where and how deep the two meet, if they do: as [`intersects`](Self::intersects) has it. The
     /// outer `None` where that is too close to tell.
     pub fn contact(&self) -> Option<Option<LocalContact>> {
-        let mut size = 0.0;
+        let (mut simplex, mut size) = (Simplex::empty(), 0.0);
         let limits = [self.tolerance + self.radii(), -1.0];
-        match search(self.difference(), self.towards(), limits, &mut size) {
+        match self.search(limits, &mut simplex, &mut size) {
             Found::Beyond => Some(None),
-            Found::Apart(simplex) => {
+            Found::Apart => {
                 let nearest = self.nearest(&simplex);
                 if nearest.gap() > self.tolerance {
                     return Some(None);
                 }
+                if self.have_few_faces() {
+                    return Some(Some(self.of_faces(&simplex, None)));
+                }
                 (nearest.distance() > LEAST * self.size).then(|| Some(nearest.contact()))
             }
-            Found::Overlap(simplex) | Found::Enough(simplex) => {
-                let contact = self
-                    .out_of_mesh()
-                    .or_else(|| self.reversed().out_of_mesh().map(LocalContact::reversed));
+            Found::Overlap | Found::Enough => {
+                if self.have_few_faces() {
+                    return Some(Some(self.of_faces(&simplex, Some(size))));
+                }
+                let contact = self.out_of_mesh().or_else(|| {
+                    let contact = self.reversed().out_of_mesh();
+                    contact.map(LocalContact::reversed)
+                });
                 Some(Some(
                     contact.unwrap_or_else(|| self.deepest(&simplex, size)),
                 ))
             }
-            Found::Unsettled(_) => None,
+            Found::Unsettled => None,
         }
     }
 
@@ -137,21 +152,79 @@ impl<'a> Bodies<'a> {
         Self {
             a: self.b,
             b: self.a,
+            reaches: [self.reaches[1], self.reaches[0]],
             ..*self
         }
     }
 
-    /// A ball whose centre is inside a mesh, the second.
+    /// A ball whose centre is inside a mesh, the second: out through the nearest of its faces.
     fn out_of_mesh(&self) -> Option<LocalContact> {
-        let Core::Point = self.a.core else {
+        let (Core::Point, Core::Hull(..)) = (self.a.core, self.b.core) else {
             return None;
         };
-        let (outwards, depth) = self.b.way_out(self.a.center)?;
-        Some(LocalContact {
+        let mut nearest = (Vec3A::ZERO, f32::NEG_INFINITY);
+        self.b.each_face(|normal, plane| {
+            let height = normal.dot(self.a.center) - plane;
+            if height > nearest.1 {
+                nearest = (normal, height);
+            }
+        });
+        let (outwards, height) = nearest;
+        let depth = (-height).max(0.0);
+        (outwards != Vec3A::ZERO).then(|| LocalContact {
             normal: -outwards,
             point: self.a.center + outwards * depth,
-            depth: depth.max(0.0) + self.a.radius,
+            depth: depth + self.a.radius,
         })
+    }
+
+    fn have_few_faces(&self) -> bool {
+        self.a.has_few_faces() && self.b.has_few_faces()
+    }
+
+    /// Two that are bounded by faces: along the normal of one of these, if no other direction is much
+    /// better. The simplex is what the search ended with: where they overlap, at a size.
+    fn of_faces(&self, simplex: &Simplex<Vec3A>, overlap: Option<f32>) -> LocalContact {
+        let bias = BIAS * (self.reaches[0] + self.reaches[1]);
+        let mut best = (Vec3A::ZERO, f32::NEG_INFINITY);
+        for (body, other, turn) in [(&self.a, &self.b, 1.0), (&self.b, &self.a, -1.0)] {
+            body.each_face(|normal, plane| {
+                let gap = -other.reach(-normal) - plane;
+                if gap > best.1 + bias {
+                    best = (normal * turn, gap);
+                }
+            });
+        }
+        if let Some(size) = overlap
+            && best.1 < -bias
+        {
+            let found = self.least_overlap(simplex, size);
+            if -found.depth as f32 > best.1 + bias {
+                best = (found.normal.as_vec3a(), -found.depth as f32);
+            }
+        }
+        // From near the smaller one, the way to a point of both is short.
+        let [reach_a, reach_b] = self.reaches;
+        let ratio = reach_b / reach_a.max(f32::MIN_POSITIVE);
+        let start = self
+            .a
+            .center
+            .lerp(self.b.center, 1.0 / (1.0 + ratio * ratio));
+        LocalContact {
+            normal: best.0,
+            point: self.common_point(start, simplex),
+            depth: (-best.1).max(0.0),
+        }
+    }
+
+    fn least_overlap(&self, simplex: &Simplex<Vec3A>, size: f32) -> Overlap {
+        let difference = |direction: DVec3| {
+            let direction = direction.as_vec3a();
+            let on = [self.a.furthest(direction), self.b.furthest(-direction)];
+            Vertex::of(on.map(wide))
+        };
+        let towards = wide(self.towards());
+        expand(&simplex.wide(), difference, f64::from(size), towards)
     }
 
     /// Two of which the cores overlap.
@@ -160,32 +233,28 @@ impl<'a> Bodies<'a> {
             depth,
             normal,
             points,
-        } = expand(
-            &simplex.wide(),
-            |direction| {
-                let direction = direction.as_vec3a();
-                Vertex::of([self.a.furthest(direction), self.b.furthest(-direction)].map(wide))
-            },
-            f64::from(size),
-            wide(self.towards()),
-        );
+        } = self.least_overlap(simplex, size);
         let middle = points[0].midpoint(points[1]).as_vec3a();
-        let [on_a, on_b] = simplex.points();
         LocalContact {
             normal: normal.as_vec3a(),
-            point: self.common_point(middle).unwrap_or(on_a.midpoint(on_b)),
+            point: self.common_point(middle, simplex),
             depth: depth as f32 + self.radii(),
         }
     }
 
-    /// A point of two cores that overlap, near another, by going back and forth between the two;
-    /// `None` if that takes too long.
-    fn common_point(&self, near: Vec3A) -> Option<Vec3A> {
+    /// A point of two cores that touch, near another, by going back and forth between the two; that
+    /// which the search ended with, if that takes too long.
+    fn common_point(&self, near: Vec3A, simplex: &Simplex<Vec3A>) -> Vec3A {
         let mut point = near;
-        (0..MOST_WAYS).find_map(|_| {
+        let found = (0..MOST_WAYS).find_map(|_| {
             let on_a = closest(&self.a, point);
             point = closest(&self.b, on_a);
-            (on_a.distance(point) <= SAME * self.size).then(|| on_a.midpoint(point))
+            let is_common = on_a.distance(point) <= self.tolerance.max(SAME * self.size);
+            is_common.then(|| on_a.midpoint(point))
+        });
+        found.unwrap_or_else(|| {
+            let [on_a, on_b] = simplex.points();
+            on_a.midpoint(on_b)
         })
     }
 }
@@ -194,9 +263,16 @@ impl<'a> Bodies<'a> {
 fn closest(body: &Body, point: Vec3A) -> Vec3A {
     let difference = |direction| Vertex::of([body.furthest(direction), point]);
     let towards = (point - body.center).try_normalize().unwrap_or(Vec3A::X);
-    match search(difference, towards, [f32::INFINITY, -1.0], &mut 0.0) {
-        Found::Apart(simplex) | Found::Unsettled(simplex) => simplex.points()[0],
-        Found::Beyond | Found::Enough(_) | Found::Overlap(_) => point,
+    let mut simplex = Simplex::empty();
+    match search(
+        difference,
+        towards,
+        [f32::INFINITY, -1.0],
+        &mut simplex,
+        &mut 0.0,
+    ) {
+        Found::Apart | Found::Unsettled => simplex.points()[0],
+        Found::Beyond | Found::Enough | Found::Overlap => point,
     }
 }
 

@@ -36,7 +36,7 @@ impl Segment {
 
 /// The points of two segments that are closest to each other: of those that run alongside, in the
 /// middle of what they share.
-#[inline]
+#[inline(always)]
 pub fn segments(a: &Segment, b: &Segment) -> [Vec3A; 2] {
     let (length_a, length_b) = (a.half.length_squared(), b.half.length_squared());
     if length_a == 0.0 {

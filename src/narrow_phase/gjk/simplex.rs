@@ -35,6 +35,17 @@ pub struct Simplex<V: Vector> {
     count: usize,
 }
 
+/// What one more vertex brings.
+pub enum Step<V: Vector> {
+    Nearer {
+        nearest: V,
+        distance: V::Scalar,
+    },
+    None,
+    /// The origin is in the hull.
+    Inside,
+}
+
 /// Those of some points whose hull has the point closest to the origin, with their weights, and the
 /// square of its distance.
 #[derive(Clone, Copy)]
@@ -44,6 +55,12 @@ struct Nearest<V: Vector, const N: usize> {
 }
 
 impl<V: Vector> Simplex<V> {
+    /// One of nothing.
+    pub fn empty() -> Self {
+        let zero = V::ZERO;
+        Self::new(Vertex::of([zero, zero]))
+    }
+
     #[inline]
     pub fn new(vertex: Vertex<V>) -> Self {
         let (zero, one) = (V::Scalar::ZERO, V::Scalar::ONE);
@@ -81,52 +98,73 @@ impl<V: Vector> Simplex<V> {
         ]
     }
 
-    /// With one more vertex, and without those that are then no use; `None` if the hull has the
-    /// origin inside.
-    #[inline]
-    pub fn with(&self, vertex: Vertex<V>) -> Option<Self> {
+    /// The weights of the point closest to the origin with one more vertex: those of the others, and
+    /// then that of the new one. `None` if the hull has the origin inside.
+    #[inline(always)]
+    fn weights_with(&self, point: V) -> Option<([V::Scalar; 3], V::Scalar)> {
         let zero = V::Scalar::ZERO;
-        let point = |i: usize| self.vertices[i].point;
-        let d = vertex.point;
-        // The weight of the last is the last.
-        let (weights, last) = match self.count {
+        let [a, b, c, _] = self.vertices.each_ref().map(|vertex| vertex.point);
+        Some(match self.count {
             1 => {
-                let [a, d] = segment([point(0), d]).weights;
+                let [a, d] = segment([a, point]).weights;
                 ([a, zero, zero], d)
             }
             2 => {
-                let [a, b, d] = triangle([point(0), point(1), d]).weights;
+                let [a, b, d] = triangle([a, b, point]).weights;
                 ([a, b, zero], d)
             }
             _ => {
-                let [a, b, c, d] = tetrahedron([point(0), point(1), point(2), d])?;
+                let [a, b, c, d] = tetrahedron([a, b, c, point])?;
                 ([a, b, c], d)
             }
-        };
-        let mut kept = *self;
-        kept.count = 0;
-        for (i, weight) in weights.into_iter().enumerate().take(self.count) {
-            if weight > zero {
-                (kept.vertices[kept.count], kept.weights[kept.count]) = (self.vertices[i], weight);
-                kept.count += 1;
-            }
-        }
-        if last > zero || kept.count == 0 {
-            (kept.vertices[kept.count], kept.weights[kept.count]) = (vertex, last);
-            kept.count += 1;
-        }
-        Some(kept)
+        })
     }
 
-    /// The hull with one more vertex, which has the origin inside.
-    pub fn enclosing(&self, vertex: Vertex<V>) -> Self {
-        let mut all = *self;
-        all.vertices[3] = vertex;
-        all.count = 4;
-        let quarter = V::Scalar::ONE / (V::Scalar::ONE + V::Scalar::ONE);
-        let quarter = quarter * quarter;
-        all.weights = inside(all.vertices.map(|vertex| vertex.point)).unwrap_or([quarter; 4]);
-        all
+    /// Adds a vertex if that brings the hull closer to the origin than `distance`, and drops those
+    /// that are then no use.
+    #[inline]
+    pub fn add(&mut self, vertex: &Vertex<V>, distance: V::Scalar) -> Step<V> {
+        let Some((weights, last)) = self.weights_with(vertex.point) else {
+            return Step::Inside;
+        };
+        let mut nearest = vertex.point * last;
+        for (vertex, weight) in self.vertices.iter().zip(weights).take(self.count) {
+            nearest = nearest + vertex.point * weight;
+        }
+        let next = nearest.length();
+        // A step that is none would be made over and over.
+        if !(next < distance) {
+            return Step::None;
+        }
+        let mut kept = 0;
+        for (i, weight) in weights.into_iter().enumerate().take(self.count) {
+            if weight > V::Scalar::ZERO {
+                if kept != i {
+                    self.vertices[kept] = self.vertices[i];
+                }
+                self.weights[kept] = weight;
+                kept += 1;
+            }
+        }
+        if kept < 4 && (last > V::Scalar::ZERO || kept == 0) {
+            self.vertices[kept] = *vertex;
+            self.weights[kept] = last;
+            kept += 1;
+        }
+        self.count = kept;
+        Step::Nearer {
+            nearest,
+            distance: next,
+        }
+    }
+
+    /// Becomes the hull with one more vertex, which has the origin inside.
+    pub fn enclose(&mut self, vertex: &Vertex<V>) {
+        self.vertices[3] = *vertex;
+        self.count = 4;
+        let half = V::Scalar::ONE / (V::Scalar::ONE + V::Scalar::ONE);
+        let points = self.vertices.each_ref().map(|vertex| vertex.point);
+        self.weights = inside(points).unwrap_or([half * half; 4]);
     }
 }
 

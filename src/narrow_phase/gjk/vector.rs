@@ -41,6 +41,7 @@ pub trait Vector:
     + Div<Self::Scalar, Output = Self>
 {
     type Scalar: Scalar;
+    const ZERO: Self;
 
     fn dot(self, other: Self) -> Self::Scalar;
     fn cross(self, other: Self) -> Self;
@@ -83,6 +84,7 @@ macro_rules! precision {
 
         impl Vector for $vector {
             type Scalar = $scalar;
+            const ZERO: Self = Self::ZERO;
 
             #[inline(always)]
             fn dot(self, other: Self) -> $scalar {

@@ -42,17 +42,27 @@ impl Corners {
     pub fn furthest(&self, direction: Vec3A) -> Vec3A {
         let [x, y, z] = direction.to_array().map(Vec4::splat);
         let mut best = Vec4::splat(f32::NEG_INFINITY);
-        let mut found = [Vec4::ZERO; 3];
+        let mut found = Vec4::ZERO;
+        let mut number = Vec4::ZERO;
         for lanes in &self.lanes {
             let along = lanes[0] * x + lanes[1] * y + lanes[2] * z;
-            let further = along.cmpgt(best);
-            best = Vec4::select(further, along, best);
-            for axis in 0..3 {
-                found[axis] = Vec4::select(further, lanes[axis], found[axis]);
-            }
+            found = Vec4::select(along.cmpgt(best), number, found);
+            best = best.max(along);
+            number += 1.0;
         }
         let lane = best.max_position();
-        Vec3A::new(found[0][lane], found[1][lane], found[2][lane])
+        let [x, y, z] = self.lanes[found[lane] as usize];
+        Vec3A::new(x[lane], y[lane], z[lane])
+    }
+
+    /// How far they reach along a direction, from the centre of the box. O(corners).
+    #[inline]
+    pub fn reach(&self, direction: Vec3A) -> f32 {
+        let [x, y, z] = direction.to_array().map(Vec4::splat);
+        let along = |lanes: &[Vec4; 3]| lanes[0] * x + lanes[1] * y + lanes[2] * z;
+        let lowest = Vec4::splat(f32::NEG_INFINITY);
+        let furthest = self.lanes.iter().map(along).fold(lowest, Vec4::max);
+        furthest.max_element()
     }
 }
 
@@ -80,6 +90,7 @@ mod tests {
                 let furthest = vertices.map(of_vertex).fold(f32::NEG_INFINITY, f32::max);
                 let found = reach(mesh.corners().furthest(direction));
                 assert!((found - furthest).abs() < 1e-6, "{found} {furthest}");
+                assert!((mesh.corners().reach(direction) - furthest).abs() < 1e-6);
             }
         }
     }

@@ -8,7 +8,7 @@ use bevy::transform::components::Transform;
 use super::{boxes, polygons};
 use crate::narrow_phase::{
     answer::Proximity,
-    cores::{Bodies, Closest, QuickPair},
+    cores::{Balls, Bodies, Closest, QuickPair},
     error::BoundsError,
     frame::{
         case::Case,
@@ -115,15 +115,15 @@ impl NarrowPhase {
         b: Placed,
         workspace: &mut Workspace,
     ) -> Option<Proximity> {
-        if let Some(found) = support::with_own(a, b, |a, b| self.closest_points(a, b, workspace)) {
-            return found;
-        }
         let (first, second, swapped) = in_order(a, b);
-        if let Some(points) = spheres(first, second) {
-            return found(first, points, swapped);
+        if let Some(balls) = Balls::of(first, second) {
+            return found(first, balls.nearest.of_surfaces(), swapped);
         }
         if let Some(pair) = QuickPair::of(first, second) {
             return found(first, pair.closest_points(), swapped);
+        }
+        if let Some(found) = support::with_own(a, b, |a, b| self.closest_points(a, b, workspace)) {
+            return found;
         }
         let points = match PlacedPair::new(first, second, self.tolerance()) {
             Ok(pair) if pair.is_wide() => match Smaller::of(&pair, self) {
@@ -194,21 +194,6 @@ fn closest_on_sphere(sphere: Placed, origin: Vec3) -> Option<Vec3A> {
     is_fair.then(|| offset * (1.0 - (radius / offset.length()).min(1.0)))
 }
 
-/// The closest points of two spheres, in the frame of the first: the same as [`sphere_other`] finds,
-/// to the last bit.
-#[inline]
-fn spheres(first: Placed, second: Placed) -> Option<[Vec3A; 2]> {
-    let radius = fair_radius(first)?;
-    let on_second = closest_on_sphere(second, first.transform.translation)?;
-    let distance = on_second.length();
-    let on_first = if distance > radius {
-        on_second * (radius / distance)
-    } else {
-        on_second
-    };
-    Some([on_first, on_second])
-}
-
 /// What was found at a smaller scale, by the order in which it was asked for.
 fn larger(found: Proximity, factor: f32, swapped: bool) -> Option<Proximity> {
     let Proximity {
@@ -228,8 +213,13 @@ fn larger(found: Proximity, factor: f32, swapped: bool) -> Option<Proximity> {
 
 /// The closest points of two shapes, in the frame of the pair.
 fn local_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Closest> {
-    if let Some(points) = Bodies::of_case(pair).and_then(|bodies| bodies.closest_points()) {
-        return Some(points);
+    // Boxes turned alike have a closed form.
+    let bodies = match pair.case() {
+        Case::Cuboids if pair.box_a.axes != pair.box_b.axes => Bodies::of(pair),
+        _ => Bodies::of_case(pair),
+    };
+    if let Some(closest) = bodies.and_then(|bodies| bodies.closest_points()) {
+        return Some(closest);
     }
     let points = match pair.case() {
         Case::Spheres | Case::SphereFirst => sphere_other(pair, workspace),
@@ -317,11 +307,15 @@ mod tests {
                 at_b.translation = at_a.translation;
             }
             let (a, b) = (Placed::new(&a, &at_a), Placed::new(&b, &at_b));
-            if let Some(points) = spheres(a, b) {
+            if let Some(quick) = QuickPair::of(a, b) {
                 let pair = PlacedPair::new(a, b, 1e-6).unwrap();
                 assert!(!pair.is_wide());
-                let found = local_points(&pair, &mut workspace);
-                assert_eq!(found.map(|found| found.points), Some(points));
+                let found = local_points(&pair, &mut workspace).unwrap().offset;
+                let off = quick.closest_points().offset.distance(found);
+                assert!(
+                    off <= 1e-6 * (pair.size + found.length()),
+                    "{off}: {a:?} {b:?}"
+                );
             }
             let point = at_a.translation;
             if let Some(closest) = closest_on_sphere(b, point) {

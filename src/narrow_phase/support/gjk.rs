@@ -6,7 +6,7 @@ use bevy::math::DVec3;
 use super::convex::Convex;
 use super::gap::Gap;
 use super::segment_triangle;
-use crate::narrow_phase::gjk::{Found, Vertex, expand, search};
+use crate::narrow_phase::gjk::{Found, Simplex, Vertex, expand, search};
 
 /// So often does the search for a point of both go from one shape to the other.
 const MOST_WAYS: usize = 8;
@@ -37,10 +37,11 @@ pub fn by_steps(a: &Convex, b: &Convex, limit: f64, with_depth: bool) -> Option<
     let towards_b = (b.at.translation - a.at.translation)
         .try_normalize()
         .unwrap_or(DVec3::X);
-    let mut size = 0.0;
-    let simplex = match search(difference, towards_b, [limit, -1.0], &mut size) {
+    let (mut simplex, mut size) = (Simplex::empty(), 0.0);
+    let limits = [limit, -1.0];
+    match search(difference, towards_b, limits, &mut simplex, &mut size) {
         Found::Beyond => return None,
-        Found::Apart(simplex) | Found::Unsettled(simplex) => {
+        Found::Apart | Found::Unsettled => {
             let nearest = simplex.nearest();
             let distance = nearest.length();
             return (distance <= limit).then(|| Gap {
@@ -50,8 +51,8 @@ pub fn by_steps(a: &Convex, b: &Convex, limit: f64, with_depth: bool) -> Option<
                 between: DVec3::ZERO,
             });
         }
-        Found::Overlap(simplex) | Found::Enough(simplex) => simplex,
-    };
+        Found::Overlap | Found::Enough => {}
+    }
     let [on_a, on_b] = simplex.points();
     let between = on_a.midpoint(on_b);
     if !with_depth {
