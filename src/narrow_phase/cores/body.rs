@@ -45,6 +45,16 @@ pub struct Body<'a> {
     pub radius: f32,
 }
 
+/// A face of a convex mesh, as seen from a point.
+#[derive(Clone, Copy, Debug)]
+pub struct FaceUnder {
+    pub outwards: Vec3A,
+    /// How far the point is from its plane: less than nothing, if it is inside the mesh.
+    pub height: f32,
+    /// Is the point straight over it, or inside? Then no other point of the mesh is as close.
+    pub is_over: bool,
+}
+
 impl<'a> Body<'a> {
     /// Takes a shape as its core, given the box around it; `None` if it is not convex, or has no end.
     #[inline]
@@ -167,6 +177,38 @@ impl<'a> Body<'a> {
             _ => return self.furthest(direction).dot(direction),
         };
         self.center.dot(direction) + from_center
+    }
+
+    /// Which face of a convex mesh is under a point, or nearest to it from inside. `None` of others,
+    /// and of a scale that differs by axis.
+    #[inline]
+    pub fn face_under(&self, point: Vec3A) -> Option<FaceUnder> {
+        let Core::Hull(mesh, scale) = self.core else {
+            return None;
+        };
+        let size = scale.abs();
+        if !(size.x == size.y && size.y == size.z && size.x > 0.0) {
+            return None;
+        }
+        let local = self.back * (point - self.center) / scale;
+        let (face, height) = mesh.corners().face_under(local);
+        let face = face.min(mesh.polygon_count() - 1);
+        let normal = Vec3A::from(mesh.normals()[face]);
+        let is_over = height <= 0.0 || {
+            let (middle, ..) = mesh.local_bounds();
+            let corners = mesh.polygon(face);
+            let at = |corner: u32| Vec3A::from(mesh.vertices()[corner as usize]) - middle;
+            let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+            sides.into_iter().all(|(from, to)| {
+                let from = at(*from);
+                (at(*to) - from).cross(local - from).dot(normal) >= 0.0
+            })
+        };
+        Some(FaceUnder {
+            outwards: self.axes * (normal * scale.signum()),
+            height: height * size.x,
+            is_over,
+        })
     }
 
     /// Is it bounded by faces, few enough to be looked at one by one?

@@ -2,7 +2,7 @@
 
 use bevy::math::Vec3A;
 
-use crate::narrow_phase::answer::LocalContact;
+use crate::narrow_phase::{answer::LocalContact, length::length};
 
 /// The points of two cores that are closest to each other, and the radii around the cores.
 #[derive(Clone, Copy, Debug)]
@@ -19,12 +19,18 @@ pub struct Closest {
     pub points: [Vec3A; 2],
     /// From the first to the second.
     pub offset: Vec3A,
+    pub distance: f32,
 }
 
 impl From<[Vec3A; 2]> for Closest {
     fn from(points: [Vec3A; 2]) -> Self {
         let offset = points[1] - points[0];
-        Self { points, offset }
+        let distance = length(offset);
+        Self {
+            points,
+            offset,
+            distance,
+        }
     }
 }
 
@@ -86,16 +92,25 @@ impl Nearest {
         let [on_a, on_b] = self.points;
         let [a, b] = self.radii;
         let distance = self.distance();
-        if distance > a + b {
+        let gap = distance - (a + b);
+        if gap > 0.0 {
             let normal = self.offset / distance;
-            Closest {
+            let offset = normal * gap;
+            return Closest {
                 points: [on_a + normal * a, on_b - normal * b],
-                offset: normal * (distance - (a + b)),
-            }
-        } else if distance > 0.0 {
-            [on_a + self.offset * (self.middle(distance) / distance); 2].into()
+                offset,
+                distance: offset.length(),
+            };
+        }
+        let common = if distance > 0.0 {
+            on_a + self.offset * (self.middle(distance) / distance)
         } else {
-            [on_a; 2].into()
+            on_a
+        };
+        Closest {
+            points: [common; 2],
+            offset: Vec3A::ZERO,
+            distance: 0.0,
         }
     }
 }

@@ -34,6 +34,38 @@ pub struct Bodies<'a> {
     tolerance: f32,
 }
 
+/// The centre of a ball, inside a convex mesh or over the middle of one of its faces.
+struct OverFace {
+    center: Vec3A,
+    /// How far it is from the face: less than nothing, if it is inside.
+    height: f32,
+    /// The normal of the face, or against it, from the first of the two to the second.
+    towards_b: Vec3A,
+    on_mesh: Vec3A,
+    is_mesh_first: bool,
+}
+
+impl OverFace {
+    /// Where the two are closest, given their radii.
+    fn nearest(&self, radii: [f32; 2]) -> Nearest {
+        let on_mesh = if self.height > 0.0 {
+            self.on_mesh
+        } else {
+            self.center
+        };
+        let points = if self.is_mesh_first {
+            [on_mesh, self.center]
+        } else {
+            [self.center, on_mesh]
+        };
+        Nearest {
+            points,
+            offset: self.towards_b * self.height.max(0.0),
+            radii,
+        }
+    }
+}
+
 impl<'a> Bodies<'a> {
     /// Those of a pair; `None` if one is not convex, or so large or small that numbers go out.
     #[inline]
@@ -82,6 +114,9 @@ impl<'a> Bodies<'a> {
     #[inline]
     pub fn intersects(&self) -> Option<bool> {
         let limit = self.tolerance + self.radii();
+        if let Some(over) = self.over_face() {
+            return Some(over.height <= limit);
+        }
         match self.search([limit; 2], &mut Simplex::empty(), &mut 0.0) {
             Found::Beyond | Found::Apart => Some(false),
             Found::Enough | Found::Overlap => Some(true),
@@ -101,6 +136,9 @@ impl<'a> Bodies<'a> {
     /// Where the two are closest to each other. `None` where that is too close to tell.
     #[inline]
     pub fn closest_points(&self) -> Option<Closest> {
+        if let Some(over) = self.over_face() {
+            return Some(over.nearest([self.a.radius, self.b.radius]).of_surfaces());
+        }
         let mut simplex = Simplex::empty();
         match self.search([f32::INFINITY, -1.0], &mut simplex, &mut 0.0) {
             Found::Apart => {
@@ -118,6 +156,14 @@ impl<'a> Bodies<'a> {
     /// Where and how deep the two meet, if they do: as [`intersects`](Self::intersects) has it. The
     /// outer `None` where that is too close to tell.
     pub fn contact(&self) -> Option<Option<LocalContact>> {
+        if let Some(over) = self.over_face() {
+            let is_met = over.height <= self.tolerance + self.radii();
+            return Some(is_met.then(|| LocalContact {
+                normal: over.towards_b,
+                point: over.on_mesh,
+                depth: (self.radii() - over.height).max(0.0),
+            }));
+        }
         let (mut simplex, mut size) = (Simplex::empty(), 0.0);
         let limits = [self.tolerance + self.radii(), -1.0];
         match self.search(limits, &mut simplex, &mut size) {
@@ -136,45 +182,31 @@ impl<'a> Bodies<'a> {
                 if self.have_few_faces() {
                     return Some(Some(self.of_faces(&simplex, Some(size))));
                 }
-                let contact = self.out_of_mesh().or_else(|| {
-                    let contact = self.reversed().out_of_mesh();
-                    contact.map(LocalContact::reversed)
-                });
-                Some(Some(
-                    contact.unwrap_or_else(|| self.deepest(&simplex, size)),
-                ))
+                Some(Some(self.deepest(&simplex, size)))
             }
             Found::Unsettled => None,
         }
     }
 
-    fn reversed(&self) -> Self {
-        Self {
-            a: self.b,
-            b: self.a,
-            reaches: [self.reaches[1], self.reaches[0]],
-            ..*self
-        }
-    }
-
-    /// A ball whose centre is inside a mesh, the second: out through the nearest of its faces.
-    fn out_of_mesh(&self) -> Option<LocalContact> {
-        let (Core::Point, Core::Hull(..)) = (self.a.core, self.b.core) else {
-            return None;
+    /// A ball and a convex mesh, if the centre of the ball is inside, or over the middle of a face.
+    #[inline]
+    fn over_face(&self) -> Option<OverFace> {
+        let (center, mesh, is_mesh_first) = match (self.a.core, self.b.core) {
+            (Core::Point, Core::Hull(..)) => (self.a.center, &self.b, false),
+            (Core::Hull(..), Core::Point) => (self.b.center, &self.a, true),
+            _ => return None,
         };
-        let mut nearest = (Vec3A::ZERO, f32::NEG_INFINITY);
-        self.b.each_face(|normal, plane| {
-            let height = normal.dot(self.a.center) - plane;
-            if height > nearest.1 {
-                nearest = (normal, height);
-            }
-        });
-        let (outwards, height) = nearest;
-        let depth = (-height).max(0.0);
-        (outwards != Vec3A::ZERO).then(|| LocalContact {
-            normal: -outwards,
-            point: self.a.center + outwards * depth,
-            depth: depth + self.a.radius,
+        let under = mesh.face_under(center).filter(|face| face.is_over)?;
+        Some(OverFace {
+            center,
+            height: under.height,
+            towards_b: if is_mesh_first {
+                under.outwards
+            } else {
+                -under.outwards
+            },
+            on_mesh: center - under.outwards * under.height,
+            is_mesh_first,
         })
     }
 

@@ -1,4 +1,5 @@
-//! The corners of a convex mesh, as its support function goes through them: four at a time.
+//! The corners and the faces of a convex mesh, as what is asked of all of them goes through them:
+//! four at a time.
 
 use bevy::math::{Vec3A, Vec4};
 
@@ -11,6 +12,9 @@ pub struct Corners {
     lanes: Vec<[Vec4; 3]>,
     /// The same corners as vertices of the mesh.
     vertices: Vec<u32>,
+    /// The normals of four faces each, and how far these are from the centre; the last one again
+    /// where there are no four.
+    planes: Vec<[Vec4; 4]>,
 }
 
 impl Corners {
@@ -22,12 +26,22 @@ impl Corners {
         let (middle, ..) = mesh.local_bounds();
         let place = |vertex: u32| Vec3A::from(mesh.vertices()[vertex as usize]) - middle;
         let lanes = vertices.chunks(4).map(|four| {
-            let four: [Vec3A; 4] =
-                std::array::from_fn(|lane| place(four[lane.min(four.len() - 1)]));
+            let four = four_of(four).map(place);
             [0, 1, 2].map(|axis| Vec4::from_array(four.map(|corner| corner[axis])))
+        });
+        let faces: Vec<_> = mesh.polygons().zip(mesh.normals()).collect();
+        let planes = faces.chunks(4).map(|four| {
+            let four = four_of(four).map(|(corners, normal)| {
+                let normal = Vec3A::from(*normal);
+                (normal, normal.dot(place(corners[0])))
+            });
+            let axis = |axis: usize| Vec4::from_array(four.map(|(normal, _)| normal[axis]));
+            let heights = Vec4::from_array(four.map(|(_, height)| height));
+            [axis(0), axis(1), axis(2), heights]
         });
         Self {
             lanes: lanes.collect(),
+            planes: planes.collect(),
             vertices,
         }
     }
@@ -64,6 +78,29 @@ impl Corners {
         let furthest = self.lanes.iter().map(along).fold(lowest, Vec4::max);
         furthest.max_element()
     }
+
+    /// The face whose plane is highest under a point around the centre of the box, and how far that
+    /// is from it: less than nothing, if it is inside. O(faces).
+    #[inline]
+    pub fn face_under(&self, point: Vec3A) -> (usize, f32) {
+        let [x, y, z] = point.to_array().map(Vec4::splat);
+        let mut best = Vec4::splat(f32::NEG_INFINITY);
+        let mut found = Vec4::ZERO;
+        let mut number = Vec4::ZERO;
+        for [across, up, along, offset] in &self.planes {
+            let height = *across * x + *up * y + *along * z - *offset;
+            found = Vec4::select(height.cmpgt(best), number, found);
+            best = best.max(height);
+            number += 1.0;
+        }
+        let lane = best.max_position();
+        (found[lane] as usize * 4 + lane, best[lane])
+    }
+}
+
+/// Four of some, the last one again where there are no four.
+fn four_of<T: Copy>(some: &[T]) -> [T; 4] {
+    std::array::from_fn(|lane| some[lane.min(some.len() - 1)])
 }
 
 #[cfg(test)]

@@ -17,7 +17,6 @@ use crate::narrow_phase::{
         smaller::Smaller,
         workspace::Workspace,
     },
-    length::length,
     settings::NarrowPhase,
     shape::{Kind, Shape},
     support,
@@ -150,6 +149,7 @@ fn found(first: Placed, closest: impl Into<Closest>, swapped: bool) -> Option<Pr
     let Closest {
         points: [mut from, mut to],
         mut offset,
+        distance,
     } = closest.into();
     if swapped {
         std::mem::swap(&mut from, &mut to);
@@ -158,7 +158,7 @@ fn found(first: Placed, closest: impl Into<Closest>, swapped: bool) -> Option<Pr
     let origin = first.transform.translation;
     let points = [from, to].map(|point| origin + Vec3::from(point));
     Proximity {
-        distance: length(offset),
+        distance,
         points,
         offset: offset.into(),
     }
