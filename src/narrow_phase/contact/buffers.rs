@@ -3,6 +3,7 @@
 use bevy::math::Vec3A;
 
 use super::{facet::WayOut, hull::Hull, large_hull::Room, patch::Patch, summit::Summits};
+use crate::narrow_phase::gjk::Polytope;
 
 /// What a polygon says about the contact of its mesh with a solid.
 #[derive(Clone, Copy, Debug)]
@@ -46,4 +47,6 @@ pub struct Buffers {
     pub patch: Patch,
     /// How far two meshes reach.
     pub summits: Summits,
+    /// That of two convex shapes whose overlap is sought.
+    pub polytope: Polytope,
 }

@@ -11,9 +11,7 @@ use crate::narrow_phase::{
         local_aabb::LocalAabb,
         placed::PlacedPair,
         placing::Placing,
-        solid::Solid,
         surface::{PlacedFace, Surface},
-        two_solids::{self, may_part},
         workspace::Workspace,
     },
     mesh::polygon_mesh::PolygonMesh,
@@ -39,14 +37,9 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
     let (normal, gap) = if has_large(pair) {
         least_overlap_near(pair, bias, workspace)?
     } else {
-        match two_solids::place_both(pair, workspace) {
-            Some(solids) => least_overlap_of_solids(solids, bias),
-            None => {
-                edge_polygon::fill_all(pair, workspace)?;
-                let [a, b] = &workspace.surfaces;
-                least_overlap(a, b, bias)?
-            }
-        }
+        edge_polygon::fill_all(pair, workspace)?;
+        let [a, b] = &workspace.surfaces;
+        least_overlap(a, b, bias)?
     };
     let (a, b) = (&pair.box_a, &pair.box_b);
     let smaller = if b.radius < a.radius { b } else { a };
@@ -130,41 +123,6 @@ fn least_overlap_near(
         }
     }
     best.or(Some((towards, -reach)))
-}
-
-/// The unit axis from the first to the second of the greatest gap (the least overlap), and that gap:
-/// of the normals of all faces, and of all pairs of edges along which a plane may have both solids on
-/// its two sides, which are few.
-fn least_overlap_of_solids([a, b]: [&Solid; 2], bias: f32) -> (Vec3A, f32) {
-    let mut best = (Vec3A::ZERO, f32::NEG_INFINITY);
-    let of_b = b.normals.iter().map(|normal| -*normal);
-    for normal in a.normals.iter().copied().chain(of_b) {
-        let gap = a.gap(b, normal);
-        if gap > best.1 + bias {
-            best = (normal, gap);
-        }
-    }
-    for one in &a.edges {
-        for other in b.edges.iter().filter(|other| may_part(one, other)) {
-            let cross = one.across.cross(other.across);
-            // Edges that are nearly parallel span no plane.
-            if cross.length_squared() <= 1e-4 {
-                continue;
-            }
-            let axis = cross.normalize();
-            let outwards = axis.dot(one.normals[0] + one.normals[1]);
-            let axis = if outwards < 0.0 { -axis } else { axis };
-            // What the edges say, which both solids reach along it, unless that is in doubt.
-            let [from, to] = [a.ends(one)[0], b.ends(other)[0]];
-            if axis.dot(to - from) > best.1 + bias {
-                let gap = a.gap(b, axis);
-                if gap > best.1 + bias {
-                    best = (axis, gap);
-                }
-            }
-        }
-    }
-    best
 }
 
 /// The unit axis from the first to the second of the greatest gap (the least overlap), and that

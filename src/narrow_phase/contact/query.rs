@@ -2,7 +2,7 @@
 
 use bevy::math::Vec3A;
 
-use super::{convex, mesh, meshes, sphere};
+use super::{buffers::Buffers, convex, mesh, meshes, sphere};
 use crate::narrow_phase::{
     answer::{Contact, LocalContact},
     cores::{Balls, Bodies},
@@ -29,10 +29,13 @@ impl NarrowPhase {
     /// equal in all things, position included. The normal is
     ///
     /// * for two cuboids or convex meshes, the axis along which they overlap least; normals of
-    ///   faces are preferred to products of edges that are hardly better (and only they are tried
-    ///   if the two meshes have more than 1 024 pairs of edges), those of one shape to those of the
-    ///   other;
+    ///   faces are preferred to products of edges that are hardly better, those of one shape to
+    ///   those of the other (all of them of meshes of up to 64 faces; and only they are tried of
+    ///   meshes of more than 256 corners that have more than 1 024 pairs of edges);
     /// * for a sphere, the direction of the closest point of the other shape;
+    /// * for a capsule and what is rounded, the direction of the closest points of their cores, as
+    ///   long as these are apart; where the cores overlap, and for frusta, the direction along which
+    ///   the two overlap least, and a depth that is exact to a millionth of their sizes;
     /// * for a cuboid or convex mesh and a mesh of any form, the least translation that takes the
     ///   one off a polygon of the other that it touches: the one that is so deepest, where what the
     ///   way off one polygon clears as well asks for no more than that. Only normals that the
@@ -42,8 +45,8 @@ impl NarrowPhase {
     ///   gone through a surface, back to where it came from;
     /// * for two such meshes, the same of each two polygons in touch, where each mesh reaches as far
     ///   as its nearest summit that way;
-    /// * for Rapier shapes, that along which they overlap least; of shapes that consist of parts,
-    ///   that of the two that are deepest in each other;
+    /// * for shapes that consist of parts, that of the two that are deepest in each other; Rapier's
+    ///   shapes are taken for what they are of ours;
     /// * where one is inside the other and touches no polygon, the way out through the surface that
     ///   is nearest to its centre; and if all that fails, the direction from centre to centre, and
     ///   +Y if these coincide. The depth is then the overlap of the two boxes that way.
@@ -56,7 +59,9 @@ impl NarrowPhase {
     /// tells whether a polygon touches it, and then the faces count that are as near to the polygon
     /// as it is deep, or that face it; all faces are looked at a few times, once per contact. Of two
     /// convex meshes of which one has more than 64, the faces near the other one are looked at, O(log n)
-    /// for each, if products of edges do not count. Allocates nothing once the workspace is warm.
+    /// for each, if products of edges do not count. Curved shapes: some hundred steps of support
+    /// functions at most. Allocates nothing once the workspace is warm, but for what consists of
+    /// parts.
     #[doc(alias = "penetration")]
     #[must_use]
     pub fn contact(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Contact> {
@@ -138,7 +143,8 @@ impl NarrowPhase {
         if self.decide_early(&pair, workspace) == Some(false) {
             return Some(None);
         }
-        let met = match bodies.and_then(|bodies| bodies.contact()) {
+        let polytope = &mut workspace.contact.of::<Buffers>().polytope;
+        let met = match bodies.and_then(|bodies| bodies.contact(polytope)) {
             Some(met) => met.map(Some),
             None => match pair.case() {
                 Case::SphereFirst => sphere::sphere_mesh(&pair, workspace),

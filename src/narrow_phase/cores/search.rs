@@ -7,12 +7,18 @@ use super::body::{Body, Core};
 use super::nearest::{Closest, Nearest};
 use crate::narrow_phase::{
     answer::LocalContact,
-    frame::{case::Case, placed::PlacedPair},
-    gjk::{Found, Overlap, Simplex, Vertex, expand, search},
+    frame::{
+        case::Case,
+        placed::{Placed, PlacedPair},
+    },
+    gjk::{Found, Overlap, Polytope, Simplex, Vertex, expand, search},
+    shape::Shape,
 };
 
 /// The sizes for which products of lengths are numbers, and not nothing.
 const FAIR: std::ops::RangeInclusive<f32> = 1e-4..=1e6;
+/// Meshes of more corners have trees that are quicker.
+const FEW_CORNERS: usize = 256;
 /// The least distance of two cores whose points tell it, and a direction, as a share of the sizes.
 const LEAST: f32 = 1e-2;
 /// How much less the overlap along a later direction has to be to be preferred, as a share of the
@@ -86,7 +92,14 @@ impl<'a> Bodies<'a> {
     #[inline]
     pub fn of_case(pair: &PlacedPair<'a>) -> Option<Self> {
         match pair.case() {
-            Case::SphereFirst | Case::SphereSecond | Case::Convex | Case::Parts => Self::of(pair),
+            Case::SphereFirst | Case::SphereSecond | Case::Convex => {
+                let is_small = |placed: Placed| match placed.shape {
+                    Shape::Convex(mesh) => mesh.vertices().len() <= FEW_CORNERS,
+                    _ => true,
+                };
+                (is_small(pair.a) && is_small(pair.b)).then(|| Self::of(pair))?
+            }
+            Case::Parts => Self::of(pair),
             Case::Spheres | Case::Cuboids | Case::Polygons | Case::Foreign => None,
         }
     }
@@ -155,7 +168,7 @@ impl<'a> Bodies<'a> {
 
     /// Where and how deep the two meet, if they do: as [`intersects`](Self::intersects) has it. The
     /// outer `None` where that is too close to tell.
-    pub fn contact(&self) -> Option<Option<LocalContact>> {
+    pub fn contact(&self, polytope: &mut Polytope) -> Option<Option<LocalContact>> {
         if let Some(over) = self.over_face() {
             let is_met = over.height <= self.tolerance + self.radii();
             return Some(is_met.then(|| LocalContact {
@@ -174,15 +187,15 @@ impl<'a> Bodies<'a> {
                     return Some(None);
                 }
                 if self.have_few_faces() {
-                    return Some(Some(self.of_faces(&simplex, None)));
+                    return Some(Some(self.of_faces(&simplex, None, polytope)));
                 }
                 (nearest.distance() > LEAST * self.size).then(|| Some(nearest.contact()))
             }
             Found::Overlap | Found::Enough => {
                 if self.have_few_faces() {
-                    return Some(Some(self.of_faces(&simplex, Some(size))));
+                    return Some(Some(self.of_faces(&simplex, Some(size), polytope)));
                 }
-                Some(Some(self.deepest(&simplex, size)))
+                Some(Some(self.deepest(&simplex, size, polytope)))
             }
             Found::Unsettled => None,
         }
@@ -216,7 +229,12 @@ impl<'a> Bodies<'a> {
 
     /// Two that are bounded by faces: along the normal of one of these, if no other direction is much
     /// better. The simplex is what the search ended with: where they overlap, at a size.
-    fn of_faces(&self, simplex: &Simplex<Vec3A>, overlap: Option<f32>) -> LocalContact {
+    fn of_faces(
+        &self,
+        simplex: &Simplex<Vec3A>,
+        overlap: Option<f32>,
+        polytope: &mut Polytope,
+    ) -> LocalContact {
         let bias = BIAS * (self.reaches[0] + self.reaches[1]);
         let mut best = (Vec3A::ZERO, f32::NEG_INFINITY);
         for (body, other, turn) in [(&self.a, &self.b, 1.0), (&self.b, &self.a, -1.0)] {
@@ -230,7 +248,7 @@ impl<'a> Bodies<'a> {
         if let Some(size) = overlap
             && best.1 < -bias
         {
-            let found = self.least_overlap(simplex, size);
+            let found = self.least_overlap(simplex, size, polytope);
             if -found.depth as f32 > best.1 + bias {
                 best = (found.normal.as_vec3a(), -found.depth as f32);
             }
@@ -249,23 +267,39 @@ impl<'a> Bodies<'a> {
         }
     }
 
-    fn least_overlap(&self, simplex: &Simplex<Vec3A>, size: f32) -> Overlap {
+    fn least_overlap(
+        &self,
+        simplex: &Simplex<Vec3A>,
+        size: f32,
+        polytope: &mut Polytope,
+    ) -> Overlap {
         let difference = |direction: DVec3| {
             let direction = direction.as_vec3a();
             let on = [self.a.furthest(direction), self.b.furthest(-direction)];
             Vertex::of(on.map(wide))
         };
         let towards = wide(self.towards());
-        expand(&simplex.wide(), difference, f64::from(size), towards)
+        expand(
+            &simplex.wide(),
+            difference,
+            f64::from(size),
+            towards,
+            polytope,
+        )
     }
 
     /// Two of which the cores overlap.
-    fn deepest(&self, simplex: &Simplex<Vec3A>, size: f32) -> LocalContact {
+    fn deepest(
+        &self,
+        simplex: &Simplex<Vec3A>,
+        size: f32,
+        polytope: &mut Polytope,
+    ) -> LocalContact {
         let Overlap {
             depth,
             normal,
             points,
-        } = self.least_overlap(simplex, size);
+        } = self.least_overlap(simplex, size, polytope);
         let middle = points[0].midpoint(points[1]).as_vec3a();
         LocalContact {
             normal: normal.as_vec3a(),

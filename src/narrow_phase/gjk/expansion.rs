@@ -51,6 +51,14 @@ impl Facet {
     }
 }
 
+/// The memory of a polytope that expands.
+#[derive(Clone, Debug, Default)]
+pub struct Polytope {
+    vertices: Vec<Vertex<DVec3>>,
+    facets: Vec<Facet>,
+    horizon: Vec<[usize; 2]>,
+}
+
 /// The least overlap of two shapes, of whose difference the simplex has the origin inside: that of
 /// the polytope that begins with it and grows where it is closest to the origin. Every direction
 /// that is tried parts the two, and so the least is no guess wherever the search ends.
@@ -62,7 +70,15 @@ pub fn expand(
     difference: impl Fn(DVec3) -> Vertex<DVec3>,
     size: f64,
     towards: DVec3,
+    polytope: &mut Polytope,
 ) -> Overlap {
+    let Polytope {
+        vertices,
+        facets,
+        horizon,
+    } = polytope;
+    vertices.clear();
+    facets.clear();
     let nothing = |normal: DVec3| Overlap {
         depth: 0.0,
         normal: if normal.dot(towards) < 0.0 {
@@ -72,8 +88,7 @@ pub fn expand(
         },
         points: simplex.points(),
     };
-    let mut vertices = Vec::with_capacity(32);
-    if let Some(flat) = span(simplex, &difference, FLAT * size, &mut vertices) {
+    if let Some(flat) = span(simplex, &difference, FLAT * size, vertices) {
         return nothing(flat);
     }
     let first = [
@@ -82,11 +97,9 @@ pub fn expand(
         ([0, 2, 3], 1),
         ([1, 2, 3], 0),
     ];
-    let mut facets = Vec::with_capacity(64);
-    let begins = first.map(|(corners, inner)| Facet::away_from(&vertices, corners, inner));
+    let begins = first.map(|(corners, inner)| Facet::away_from(vertices, corners, inner));
     facets.extend(begins.into_iter().flatten());
     let mut least: Option<(f64, Facet)> = None;
-    let mut horizon = Vec::with_capacity(32);
     for _ in 0..MOST_EXPANSIONS {
         let by_offset = |a: &&Facet, b: &&Facet| a.offset.total_cmp(&b.offset);
         let Some(nearest) = facets.iter().min_by(by_offset).copied() else {
@@ -118,7 +131,7 @@ pub fn expand(
         }
         // Between two that are seen is no horizon.
         let border = horizon.iter().filter(|[i, j]| !horizon.contains(&[*j, *i]));
-        facets.extend(border.filter_map(|[i, j]| Facet::new(&vertices, [*i, *j, last])));
+        facets.extend(border.filter_map(|[i, j]| Facet::new(vertices, [*i, *j, last])));
     }
     let Some((reach, facet)) = least else {
         return nothing(towards);

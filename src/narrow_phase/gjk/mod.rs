@@ -14,5 +14,5 @@ mod simplex;
 mod vector;
 
 pub use distance::{Found, search};
-pub use expansion::{Overlap, expand};
+pub use expansion::{Overlap, Polytope, expand};
 pub use simplex::{Simplex, Vertex};

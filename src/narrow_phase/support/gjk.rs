@@ -6,7 +6,7 @@ use bevy::math::DVec3;
 use super::convex::Convex;
 use super::gap::Gap;
 use super::segment_triangle;
-use crate::narrow_phase::gjk::{Found, Simplex, Vertex, expand, search};
+use crate::narrow_phase::gjk::{Found, Polytope, Simplex, Vertex, expand, search};
 
 /// So often does the search for a point of both go from one shape to the other.
 const MOST_WAYS: usize = 8;
@@ -63,7 +63,8 @@ pub fn by_steps(a: &Convex, b: &Convex, limit: f64, with_depth: bool) -> Option<
             between,
         });
     }
-    let deepest = expand(&simplex, difference, size, towards_b);
+    let polytope = &mut Polytope::default();
+    let deepest = expand(&simplex, difference, size, towards_b, polytope);
     let middle = deepest.points[0].midpoint(deepest.points[1]);
     Some(Gap {
         distance: -deepest.depth.max(f64::MIN_POSITIVE),
