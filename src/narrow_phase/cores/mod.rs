@@ -17,3 +17,6 @@ pub use balls::Balls;
 pub use nearest::Closest;
 pub use quick::QuickPair;
 pub use search::Bodies;
+
+#[cfg(test)]
+mod tests;

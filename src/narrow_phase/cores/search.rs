@@ -21,6 +21,8 @@ const FAIR: std::ops::RangeInclusive<f32> = 1e-4..=1e6;
 const FEW_CORNERS: usize = 256;
 /// The least distance of two cores whose points tell it, and a direction, as a share of the sizes.
 const LEAST: f32 = 1e-2;
+/// The greatest distance that is told as exactly as the sizes ask for.
+const MOST: f32 = 2.0;
 /// How much less the overlap along a later direction has to be to be preferred, as a share of the
 /// sizes.
 const BIAS: f32 = 1e-3;
@@ -156,7 +158,8 @@ impl<'a> Bodies<'a> {
         match self.search([f32::INFINITY, -1.0], &mut simplex, &mut 0.0) {
             Found::Apart => {
                 let nearest = self.nearest(&simplex);
-                (nearest.distance() > LEAST * self.size).then(|| nearest.of_surfaces())
+                let share = nearest.distance() / self.size;
+                (share > LEAST && share < MOST).then(|| nearest.of_surfaces())
             }
             Found::Overlap | Found::Enough => {
                 let [on_a, on_b] = simplex.points();
@@ -187,13 +190,13 @@ impl<'a> Bodies<'a> {
                     return Some(None);
                 }
                 if self.have_few_faces() {
-                    return Some(Some(self.of_faces(&simplex, None, polytope)));
+                    return self.of_faces(&simplex, None, polytope).map(Some);
                 }
                 (nearest.distance() > LEAST * self.size).then(|| Some(nearest.contact()))
             }
             Found::Overlap | Found::Enough => {
                 if self.have_few_faces() {
-                    return Some(Some(self.of_faces(&simplex, Some(size), polytope)));
+                    return self.of_faces(&simplex, Some(size), polytope).map(Some);
                 }
                 Some(Some(self.deepest(&simplex, size, polytope)))
             }
@@ -234,7 +237,7 @@ impl<'a> Bodies<'a> {
         simplex: &Simplex<Vec3A>,
         overlap: Option<f32>,
         polytope: &mut Polytope,
-    ) -> LocalContact {
+    ) -> Option<LocalContact> {
         let bias = BIAS * (self.reaches[0] + self.reaches[1]);
         let mut best = (Vec3A::ZERO, f32::NEG_INFINITY);
         for (body, other, turn) in [(&self.a, &self.b, 1.0), (&self.b, &self.a, -1.0)] {
@@ -260,11 +263,12 @@ impl<'a> Bodies<'a> {
             .a
             .center
             .lerp(self.b.center, 1.0 / (1.0 + ratio * ratio));
-        LocalContact {
+        // What scales of zero leave of meshes may have no faces.
+        (best.0 != Vec3A::ZERO).then(|| LocalContact {
             normal: best.0,
             point: self.common_point(start, simplex),
             depth: (-best.1).max(0.0),
-        }
+        })
     }
 
     fn least_overlap(

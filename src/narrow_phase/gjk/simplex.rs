@@ -133,7 +133,8 @@ impl<V: Vector> Simplex<V> {
         }
         let next = nearest.length();
         // A step that is none would be made over and over.
-        if !(next < distance) {
+        let is_nearer = next < distance;
+        if !is_nearer {
             return Step::None;
         }
         let mut kept = 0;
@@ -174,7 +175,7 @@ impl Simplex<Vec3A> {
         Simplex {
             vertices: self.vertices.map(|vertex| Vertex {
                 point: vertex.point.as_dvec3(),
-                on: vertex.on.map(|point| point.as_dvec3()),
+                on: vertex.on.map(Vec3A::as_dvec3),
             }),
             weights: self.weights.map(f64::from),
             count: self.count,
@@ -262,8 +263,8 @@ fn tetrahedron<V: Vector>(points: [V; 4]) -> Option<[V::Scalar; 4]> {
         return None;
     }
     // The sides that it is beyond, and those that rounding may have it beyond.
-    let is_beyond = |share: V::Scalar| is_flat || !(share > V::Scalar::DOUBT);
-    let mut beyond = shares.map(is_beyond);
+    let is_before = |share: V::Scalar| share > V::Scalar::DOUBT;
+    let mut beyond = shares.map(|share| is_flat || !is_before(share));
     if beyond == [false; 3] {
         beyond = [true; 3];
     }
