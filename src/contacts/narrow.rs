@@ -243,11 +243,13 @@ fn warn_of_unknown(index: &CollisionIndex, candidates: &CandidatePairs) {
     }
 }
 
+type Part<'a> = (&'a BroadPhaseProxy, &'a PartOf);
+
 fn merge_verdicts(
     index: Res<CollisionIndex>,
     tests: Res<NarrowPhase>,
     (mut contacts, mut verdicts): (ResMut<Contacts>, ResMut<Verdicts>),
-    (parts, sensors): (Query<(&BroadPhaseProxy, &PartOf)>, Query<(), With<Sensor>>),
+    (parts, sensors): (Query<Part>, Query<(), With<Sensor>>),
     (event_settings, enabled): (
         Res<CollisionEventSettings>,
         Query<(), With<CollisionEventsEnabled>>,
