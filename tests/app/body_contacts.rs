@@ -75,6 +75,10 @@ fn x_of(app: &App, entity: Entity) -> f32 {
     get::<Transform>(app, entity).translation.x
 }
 
+/// Where a body is; what is told there, of sensors or not, beginnings or ends; and how many contacts
+/// there are then of solid parts, and of sensors.
+type Moment = (f32, &'static [(bool, bool)], [u32; 2]);
+
 #[test]
 fn what_sensors_see_is_told_apart_from_what_solid_parts_touch() {
     let mut app = bodies_app();
@@ -83,8 +87,8 @@ fn what_sensors_see_is_told_apart_from_what_solid_parts_touch() {
     let radar = part(&mut app, ship, 0.0, CollisionShape::sphere(3.0));
     app.world_mut().entity_mut(radar).insert(Sensor);
     let wall = wall(&mut app, 0.0);
-    // It comes, goes through, and away; what is told, and how many contacts there are then.
-    let steps: [(f32, &[(bool, bool)], [u32; 2]); 6] = [
+    // It comes, goes through, and away.
+    let steps: [Moment; 6] = [
         (-9.0, &[], [0, 0]),
         (-2.0, &[(true, true)], [0, 1]),
         (-0.4, &[(false, true)], [1, 1]),

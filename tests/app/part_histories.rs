@@ -298,7 +298,7 @@ impl History {
         );
         for pair in &found {
             let same = found.iter().filter(|c| (c.a, c.b) == (pair.a, pair.b));
-            let expected = same.map(|c| c.contacts as usize).sum();
+            let expected = same.map(|c| c.contacts as usize).sum::<usize>();
             let between = all.between_bodies(pair.b, pair.a);
             assert_eq!(between.count(), expected, "{what}");
         }
