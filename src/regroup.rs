@@ -13,6 +13,8 @@ pub(crate) struct Regroup {
     bodies: usize,
     /// Is it observed where entities hang?
     observes: bool,
+    /// Is it the library that says what belongs to what? What others say is looked at.
+    writes: bool,
     due: Due,
     /// Parts that came or went, and bodies that are swept anew, or no longer are.
     to_sweep: Due,
@@ -60,6 +62,11 @@ impl Regroup {
         self.due.all = bodies > 0;
     }
 
+    /// From now on, or until now, it is the library that says what belongs to what.
+    pub(crate) const fn set_writes(&mut self, writes: bool) {
+        self.writes = writes;
+    }
+
     /// What hangs on this entity, itself included, may belong to another body.
     pub(crate) fn note(&mut self, entity: Entity) {
         self.due.note(entity);
@@ -95,6 +102,16 @@ const NOTHING: Due = Due {
 pub(crate) fn note(world: &mut DeferredWorld, entity: Entity) {
     if let Some(mut regroup) = world.get_resource_mut::<Regroup>()
         && regroup.bodies > 0
+    {
+        regroup.note(entity);
+    }
+}
+
+/// Somebody said what an entity belongs to: unless that was the library, it is to be looked up, though
+/// there be no bodies.
+pub(crate) fn note_written(world: &mut DeferredWorld, entity: Entity) {
+    if let Some(mut regroup) = world.get_resource_mut::<Regroup>()
+        && !regroup.writes
     {
         regroup.note(entity);
     }

@@ -7,7 +7,7 @@ use crate::broad_phase::ProxyId;
 
 /// Two bodies in contact: one or more parts of one with one or more of the other. One of the two is
 /// a [`CollisionBody`](crate::parts::CollisionBody); the other is one as well, or an entity that is
-/// part of none.
+/// part of none. What their solid parts do and what [sensors](Self::is_sensor) see are two contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
 pub struct BodyCollision {
@@ -15,10 +15,13 @@ pub struct BodyCollision {
     pub a: Entity,
     /// The other one.
     pub b: Entity,
+    /// Is one of each two parts in contact a [`Sensor`](crate::filters::Sensor)? Contacts of solid
+    /// parts of the same bodies are told by themselves.
+    pub is_sensor: bool,
     /// The parts of the two that came into contact first; of those at the same time, the first in
     /// the order of the [`Contacts`](super::Contacts).
     pub parts: [Entity; 2],
-    /// How many contacts there are between parts of the two.
+    /// How many such contacts there are between parts of the two.
     pub contacts: u32,
     /// Whether `a` hears of one of these, and whether `b` does: see
     /// [`Detector`](crate::filters::Detector).
@@ -115,9 +118,20 @@ pub(super) struct BodyPair {
 
 impl BodyPair {
     /// What tells it from others, and orders all of them.
-    pub(super) const fn order(&self) -> [u64; 2] {
-        [rank(self.collision.a), rank(self.collision.b)]
+    pub(super) const fn order(&self) -> Order {
+        order(&self.collision)
     }
+}
+
+/// What tells contacts of bodies from each other: the two, and whether sensors see it. Those of solid
+/// parts come first.
+type Order = ([u64; 2], bool);
+
+const fn order(collision: &BodyCollision) -> Order {
+    let BodyCollision {
+        a, b, is_sensor, ..
+    } = *collision;
+    ([rank(a), rank(b)], is_sensor)
 }
 
 /// The contacts of parts at some moment. Empty where there are no bodies.
@@ -131,7 +145,7 @@ pub(super) struct BodyContacts {
     by_pair: Vec<ContactKey>,
     /// Memory for the next time: the order of two bodies, the number of the contact, and what is
     /// known of it.
-    sorted: Vec<([u64; 2], u32, BodyCollision)>,
+    sorted: Vec<(Order, u32, BodyCollision)>,
 }
 
 impl BodyContacts {
@@ -151,6 +165,7 @@ impl BodyContacts {
         &mut self,
         all: impl Iterator<Item = &'a ContactPair>,
         owners: &Owners,
+        is_sensor: impl Fn(Entity) -> bool,
         audience: &Audience,
     ) {
         self.contacts.clear();
@@ -174,6 +189,7 @@ impl BodyContacts {
             let collision = BodyCollision {
                 a,
                 b,
+                is_sensor: contact.entities().into_iter().any(&is_sensor),
                 parts: contact.entities(),
                 contacts: 1,
                 hears: contact.hears(),
@@ -181,8 +197,7 @@ impl BodyContacts {
             };
             let in_order = rank(a) <= rank(b);
             let collision = collision.seen_from(usize::from(!in_order));
-            let order = [rank(collision.a), rank(collision.b)];
-            self.sorted.push((order, number, collision));
+            self.sorted.push((order(&collision), number, collision));
         }
         self.sorted
             .sort_unstable_by_key(|(order, number, _)| (*order, *number));
@@ -201,7 +216,17 @@ impl BodyContacts {
     }
 
     /// The bodies of the two in contact, if one of them is a part; else, each is its own. O(log n).
+    #[inline]
     pub(super) fn bodies(&self, key: &ContactKey) -> [Entity; 2] {
+        if self.is_empty() {
+            [key.a, key.b]
+        } else {
+            self.seek_bodies(key)
+        }
+    }
+
+    #[inline(never)]
+    fn seek_bodies(&self, key: &ContactKey) -> [Entity; 2] {
         let place = self
             .contacts
             .binary_search_by_key(key, |contact| contact.key);
@@ -227,13 +252,15 @@ impl BodyContacts {
         &self.pairs
     }
 
-    /// The contacts between the parts of two bodies, in the order of all. O(log n).
-    pub(super) fn between(&self, a: Entity, b: Entity) -> &[ContactKey] {
+    /// The contacts between the parts of two bodies, those of solid parts first, each in the order of
+    /// all. O(log n).
+    pub(super) fn between(&self, a: Entity, b: Entity) -> impl Iterator<Item = &ContactKey> {
         let (a, b) = (rank(a), rank(b));
-        let place = self
-            .pairs
-            .binary_search_by_key(&[a.min(b), a.max(b)], BodyPair::order);
-        place.map_or(&[], |index| self.keys(&self.pairs[index]))
+        let bodies = [a.min(b), a.max(b)];
+        let first = self.pairs.partition_point(|pair| pair.order().0 < bodies);
+        let own = self.pairs[first..].iter();
+        let own = own.take_while(move |pair| pair.order().0 == bodies);
+        own.flat_map(|pair| self.keys(pair))
     }
 
     /// The contacts of a pair of bodies.

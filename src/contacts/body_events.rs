@@ -13,8 +13,9 @@ use super::{
 ///
 /// As a **message** it is written in the set [`Report`](crate::CollisionSystems::Report), once for
 /// each two bodies, when the first of their parts touch, and not again until all of them have
-/// parted. One of the two is a [`CollisionBody`](crate::parts::CollisionBody); the other may be an
-/// entity that is part of none. Messages come in the order of [time](Self::time), and at the same
+/// parted; what [sensors](Self::is_sensor) see is told by itself. One of the two is a
+/// [`CollisionBody`](crate::parts::CollisionBody); the other may be an entity that is part of none.
+/// Messages come in the order of [time](Self::time), and at the same
 /// time in that of the bodies.
 ///
 /// As an **event** it is triggered for each of the two that has opted in by
@@ -42,6 +43,9 @@ pub struct BodyCollisionStarted {
     pub a: Entity,
     /// The other one.
     pub b: Entity,
+    /// Is it what a [`Sensor`](crate::filters::Sensor) among the parts sees? Else, two solid parts
+    /// have met. Each of the two starts and ends by itself.
+    pub is_sensor: bool,
     /// The parts of `a` and `b` that met first.
     pub parts: [Entity; 2],
     /// Whether `a` hears of it, which it does, and whether `b` does: see
@@ -52,8 +56,8 @@ pub struct BodyCollisionStarted {
     pub time: f32,
 }
 
-/// Tells that no parts of two bodies are in contact any longer, or one of the two is gone, or is no
-/// body any more.
+/// Tells that no parts of two bodies are in contact any longer, no solid ones or [none that are
+/// sensors](Self::is_sensor), or one of the two is gone, or is no body any more.
 ///
 /// Either may no longer exist. A message, and an event for observers, as [`BodyCollisionStarted`],
 /// but in the order of the bodies. Every contact that started ends exactly once.
@@ -67,6 +71,8 @@ pub struct BodyCollisionEnded {
     pub a: Entity,
     /// The other one.
     pub b: Entity,
+    /// Is it what a [`Sensor`](crate::filters::Sensor) among the parts saw?
+    pub is_sensor: bool,
     /// Parts of `a` and `b` that were in contact when the two last were; they may be gone.
     pub parts: [Entity; 2],
     /// Whether `a` heard of it, which it did, and whether `b` did.
@@ -94,6 +100,7 @@ impl From<BodyCollision> for BodyCollisionStarted {
         let BodyCollision {
             a,
             b,
+            is_sensor,
             parts,
             hears,
             time,
@@ -102,6 +109,7 @@ impl From<BodyCollision> for BodyCollisionStarted {
         Self {
             a,
             b,
+            is_sensor,
             parts,
             hears,
             time,
@@ -112,9 +120,20 @@ impl From<BodyCollision> for BodyCollisionStarted {
 impl From<BodyCollision> for BodyCollisionEnded {
     fn from(collision: BodyCollision) -> Self {
         let BodyCollision {
-            a, b, parts, hears, ..
+            a,
+            b,
+            is_sensor,
+            parts,
+            hears,
+            ..
         } = collision;
-        Self { a, b, parts, hears }
+        Self {
+            a,
+            b,
+            is_sensor,
+            parts,
+            hears,
+        }
     }
 }
 

@@ -21,7 +21,7 @@ use crate::{components::BroadPhaseProxy, parts::CollisionBody};
 /// their copies.
 ///
 /// That of a [`CollisionBody`](crate::parts::CollisionBody) lists the bodies that its parts touch,
-/// and what they touch that is part of none.
+/// sensors or not, and what they touch that is part of none.
 ///
 /// The order in which it iterates is not that of the contacts: for that see
 /// [`Collisions::colliding_with`](super::Collisions::colliding_with).
@@ -56,6 +56,11 @@ pub(super) fn follow_contacts(
                     let hears = (pair.a == entity && a_hears) || (pair.b == entity && b_hears);
                     pair.other(entity).filter(|_| hears)
                 })
+            };
+            // Solid parts and sensors may touch the same one; these come one after the other.
+            let others = || {
+                let mut last = None;
+                others().filter(move |other| last.replace(*other) != Some(*other))
             };
             update(&mut list, others);
             continue;

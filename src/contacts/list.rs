@@ -185,14 +185,15 @@ impl Contacts {
 /// Of things [made of parts](crate::parts).
 impl Contacts {
     /// Returns all pairs of bodies in contact, by the index of the one that has the lower, then by
-    /// that of the other. O(1) for each.
+    /// that of the other; of two whose solid parts touch and of which sensors see each other, both
+    /// contacts, in this order. O(1) for each.
     #[must_use]
     pub fn body_pairs(&self) -> impl ExactSizeIterator<Item = BodyCollision> {
         self.bodies.pairs().iter().map(|pair| pair.collision)
     }
 
-    /// Returns the contacts between the parts of two bodies, as seen from those of the first, in the
-    /// order of all. O(log n) for each.
+    /// Returns the contacts between the parts of two bodies, as seen from those of the first: those of
+    /// solid parts, then those that sensors see, each in the order of all. O(log n) for each.
     pub fn between_bodies(&self, a: Entity, b: Entity) -> impl Iterator<Item = Collision> {
         self.collisions(self.bodies.between(a, b), a)
     }
@@ -207,8 +208,13 @@ impl Contacts {
     }
 
     /// Contacts of parts, as seen from a body.
-    fn collisions(&self, keys: &[ContactKey], body: Entity) -> impl Iterator<Item = Collision> {
-        let found = keys.iter().filter_map(|key| self.find([key.a, key.b]));
+    fn collisions<'a>(
+        &'a self,
+        keys: impl IntoIterator<Item = &'a ContactKey>,
+        body: Entity,
+    ) -> impl Iterator<Item = Collision> {
+        let found = keys.into_iter();
+        let found = found.filter_map(|key| self.find([key.a, key.b]));
         found.map(move |contact| {
             let collision = self.collision(contact);
             if collision.bodies[0] == body {
@@ -220,8 +226,14 @@ impl Contacts {
     }
 
     /// Brings what is known of bodies up to date with all contacts.
-    pub(super) fn merge_bodies(&mut self, owners: &Owners, audience: &Audience) {
-        self.bodies.refresh(self.all.iter(), owners, audience);
+    pub(super) fn merge_bodies(
+        &mut self,
+        owners: &Owners,
+        is_sensor: impl Fn(Entity) -> bool,
+        audience: &Audience,
+    ) {
+        self.bodies
+            .refresh(self.all.iter(), owners, is_sensor, audience);
     }
 
     /// Are parts of bodies in contact, or were they at the last report?

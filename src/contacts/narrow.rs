@@ -17,6 +17,7 @@ use crate::{
     collision_index::{Candidate, CandidatePairs, CollisionIndex},
     components::BroadPhaseProxy,
     counters::CollisionCounters,
+    filters::Sensor,
     maintenance::find_candidates,
     narrow_phase::{Fit, NarrowPhase, StageCounters, Workspace},
     parallel,
@@ -242,11 +243,13 @@ fn warn_of_unknown(index: &CollisionIndex, candidates: &CandidatePairs) {
     }
 }
 
+type Part<'a> = (&'a BroadPhaseProxy, &'a PartOf);
+
 fn merge_verdicts(
     index: Res<CollisionIndex>,
     tests: Res<NarrowPhase>,
     (mut contacts, mut verdicts): (ResMut<Contacts>, ResMut<Verdicts>),
-    parts: Query<(&BroadPhaseProxy, &PartOf)>,
+    (parts, sensors): (Query<Part>, Query<(), With<Sensor>>),
     (event_settings, enabled): (
         Res<CollisionEventSettings>,
         Query<(), With<CollisionEventsEnabled>>,
@@ -268,7 +271,7 @@ fn merge_verdicts(
             messages_for_all: event_settings.messages == EventScope::All,
             events_for_all: event_settings.observers == EventScope::All,
         };
-        contacts.merge_bodies(&owners, &audience);
+        contacts.merge_bodies(&owners, |part| sensors.contains(part), &audience);
     }
     counters.tick.contacts = contacts.len() as u64;
 }

@@ -46,6 +46,7 @@ pub(crate) fn regroup(world: &mut World) {
         return;
     };
     let Due { mut entities, all } = regroup.take();
+    regroup.set_writes(true);
     if all {
         entities = all_of(world);
     }
@@ -70,6 +71,7 @@ pub(crate) fn regroup(world: &mut World) {
             open.extend(children.map(|child| (*child, body)));
         }
     }
+    world.resource_mut::<Regroup>().set_writes(false);
 }
 
 /// All that are parts, or may be, disabled ones included.

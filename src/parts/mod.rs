@@ -61,7 +61,9 @@
 //! The messages [`BodyCollisionStarted`](crate::contacts::BodyCollisionStarted) and
 //! [`BodyCollisionEnded`](crate::contacts::BodyCollisionEnded) are about whole bodies: one when the
 //! first two parts touch, one when the last two have parted, exactly once each. They are written for
-//! all that a body meets, whether that is a body or not. Observers of a body are told if it has
+//! all that a body meets, whether that is a body or not. What
+//! [sensors](crate::filters::Sensor) see is told apart from what solid parts do: a ship whose radar
+//! reaches the wall is told so, and is told again when its hull does. Observers of a body are told if it has
 //! [`CollisionEventsEnabled`](crate::contacts::CollisionEventsEnabled).
 //!
 //! | asked | of a part | of a body |

@@ -31,8 +31,7 @@ pub struct CollisionBody {
 }
 
 /// Says which body a shape is a part of. Kept up to date by the library, for all shapes that hang on
-/// a [`CollisionBody`], and that of the body itself; what others write is undone when the entity is
-/// next looked at.
+/// a [`CollisionBody`], and that of the body itself; what others write is undone in the next tick.
 ///
 /// A cloned entity gets one of its own.
 #[derive(Component, Clone, Debug, PartialEq, Eq, Reflect)]
@@ -96,7 +95,8 @@ impl BodyParts {
     }
 }
 
-fn join(world: DeferredWorld, context: HookContext) {
+fn join(mut world: DeferredWorld, context: HookContext) {
+    regroup::note_written(&mut world, context.entity);
     let Some(part) = world.get::<PartOf>(context.entity) else {
         return;
     };
@@ -104,7 +104,8 @@ fn join(world: DeferredWorld, context: HookContext) {
     change_filter(world, context, |filter| filter.body = number);
 }
 
-fn leave(world: DeferredWorld, context: HookContext) {
+fn leave(mut world: DeferredWorld, context: HookContext) {
+    regroup::note_written(&mut world, context.entity);
     change_filter(world, context, |filter| filter.body = PairFilter::NO_BODY);
 }
 

@@ -70,7 +70,7 @@ mod velocity;
 use bevy::prelude::*;
 use bevy_rapier3d::{
     geometry::Collider,
-    plugin::{PhysicsSet, RapierContextInitialization},
+    plugin::{PhysicsSet, RapierContextInitialization, systems::sync_removals},
 };
 
 pub use shape::ShapeFromRapier;
@@ -105,10 +105,13 @@ impl Plugin for RapierInteropPlugin {
         }
         shape::register(app);
         add_to_tick(app, |app, schedule| {
-            // Where Rapier runs in another schedule, its set is empty here, and orders nothing.
+            // Where Rapier runs in another schedule, its set is empty here, and orders nothing. What
+            // was removed, it then notices in `PostUpdate`: before the tick, as in its own schedule.
             app.configure_sets(
                 schedule,
-                CollisionSystems::First.after(PhysicsSet::Writeback),
+                CollisionSystems::First
+                    .after(PhysicsSet::Writeback)
+                    .after(sync_removals),
             );
             shape::add_systems(app, schedule);
             velocity::add_systems(app, schedule);

@@ -16,10 +16,13 @@ const PARTS: usize = 22;
 const TICKS: usize = 40;
 const REACH: f32 = 2.0;
 
+/// Two bodies, and whether it is sensors that see it.
+type BodyContact = (EntityPair, bool);
+
 /// What bodies were told, as strings, and which are in contact by that.
 #[derive(Resource, Default)]
 struct Told {
-    open: Vec<EntityPair>,
+    open: Vec<BodyContact>,
     last: Vec<String>,
 }
 
@@ -34,13 +37,13 @@ fn follow(
 ) {
     told.last.clear();
     for message in ended.read() {
-        let pair = pair(message.a, message.b);
+        let pair = (pair(message.a, message.b), message.is_sensor);
         let place = told.open.iter().position(|other| *other == pair);
         told.open.swap_remove(place.expect("what ends has started"));
         told.last.push(format!("{message:?}"));
     }
     for message in started.read() {
-        let pair = pair(message.a, message.b);
+        let pair = (pair(message.a, message.b), message.is_sensor);
         assert!(!told.open.contains(&pair), "{pair:?} started twice");
         told.open.push(pair);
         told.last.push(format!("{message:?}"));
@@ -149,7 +152,7 @@ impl History {
         let body = self.rng.usize(0..BODIES);
         let part = self.rng.usize(0..PARTS);
         let other = self.parts[self.rng.usize(0..PARTS)];
-        let (kind, to, place) = (self.rng.u8(0..26), self.vector(1.0), self.place(REACH));
+        let (kind, to, place) = (self.rng.u8(0..28), self.vector(1.0), self.place(REACH));
         let (own, own_part) = (self.bodies[body], self.parts[part]);
         self.log
             .push(format!("{kind} {own} {own_part} {other} {to}"));
@@ -198,6 +201,8 @@ impl History {
             22 => _ = world.entity_mut(own_part).remove::<CollisionBody>(),
             23 if self.moves => _ = world.entity_mut(own).insert(Swept::default()),
             24 if self.moves => _ = world.entity_mut(own).remove::<Swept>(),
+            26 => _ = world.entity_mut(own_part).insert(Sensor),
+            27 => _ = world.entity_mut(own_part).remove::<Sensor>(),
             _ => {
                 let target = if kind == 25 && to.x > 0.5 {
                     own
@@ -277,7 +282,10 @@ impl History {
                 let asks = world.get::<CollisionBody>(bodies[0]).unwrap();
                 assert!(asks.inner_contacts, "{contact:?} {what}");
             } else if a.is_some() || b.is_some() {
-                expected.push(pair(bodies[0], bodies[1]));
+                let is_sensor = [contact.a, contact.b]
+                    .into_iter()
+                    .any(|part| world.get::<Sensor>(part).is_some());
+                expected.push((pair(bodies[0], bodies[1]), is_sensor));
             }
         }
         expected.sort();
@@ -289,10 +297,15 @@ impl History {
             total
         );
         for pair in &found {
+            let same = found.iter().filter(|c| (c.a, c.b) == (pair.a, pair.b));
+            let expected = same.map(|c| c.contacts as usize).sum::<usize>();
             let between = all.between_bodies(pair.b, pair.a);
-            assert_eq!(between.count(), pair.contacts as usize, "{what}");
+            assert_eq!(between.count(), expected, "{what}");
         }
-        let mut found: Vec<_> = found.iter().map(|c| pair(c.a, c.b)).collect();
+        let mut found: Vec<_> = found
+            .iter()
+            .map(|c| (pair(c.a, c.b), c.is_sensor))
+            .collect();
         found.sort();
         assert_eq!(found, expected, "{what}");
         let mut open = world.resource::<Told>().open.clone();
