@@ -34,10 +34,18 @@ use crate::{
 /// # Sheared shapes
 ///
 /// A parent with a scale that differs by axis shears the children that are turned against it.
-/// Cuboids and meshes are then what they are under it, exactly. A ball stays a ball, by the largest
-/// stretch in any direction, and a Rapier collider is not sheared, as by Rapier itself: both with a
-/// warning in the log, once for each entity. Ancestors that move, turn and stretch cost what they
+/// Cuboids, convex solids, meshes, half-spaces, triangles, segments, and what is rounded of these but
+/// cuboids, are then what they are under it, exactly, but for the radius around them. All others are
+/// not sheared, with a warning in the log, once for each entity: a ball stays a ball, by the largest
+/// stretch in any direction; capsules, frusta, rounded cuboids, compounds, height fields and voxels
+/// are turned as is nearest, and as long along each of their own axes as they would be; a Rapier
+/// collider is as by Rapier itself. Ancestors that move, turn and stretch cost what they
 /// cost elsewhere; a shape that turns against them is built anew, in time linear in its vertices.
+///
+/// # Scales that differ by axis
+///
+/// What [does not follow](crate::narrow_phase::Shape) such a scale, as a ball that stays a ball, is
+/// told of in a warning in the log: once for each entity, when it gets the shape or the scale.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BoundsPlugin;
 
@@ -97,6 +105,7 @@ fn update_roots(
                 if shape.is_changed() || transform.is_changed() || proxy.is_changed() {
                     *aabb = world_aabb(&tests, entity, &shape, &transform);
                     let placed = Placed::new(&shape, &transform);
+                    tell_scale(entity, placed, proxy.pose(), shape.is_changed());
                     let proxy = proxy.bypass_change_detection();
                     proxy.note_box(placed, aabb.last_changed());
                 }
@@ -147,7 +156,10 @@ fn update_table(tests: &NarrowPhase, (entities, shapes, transforms, boxes, proxi
                     let (shape, transform) = (&shapes[row], &transforms[row]);
                     boxes[row] = world_aabb(tests, entities[row], shape, transform);
                     boxed[row] = since.this_run();
-                    proxies[row].note_box(Placed::new(shape, transform), since.this_run());
+                    let placed = Placed::new(shape, transform);
+                    let is_reshaped = since.changed(ticks[0]);
+                    tell_scale(entities[row], placed, proxies[row].pose(), is_reshaped);
+                    proxies[row].note_box(placed, since.this_run());
                 }
             }
         }
@@ -155,7 +167,7 @@ fn update_table(tests: &NarrowPhase, (entities, shapes, transforms, boxes, proxi
 }
 
 type Child = (
-    &'static CollisionShape,
+    Ref<'static, CollisionShape>,
     &'static mut WorldAabb,
     &'static mut BroadPhaseProxy,
     Option<&'static mut Sheared>,
@@ -186,7 +198,13 @@ pub(crate) fn update_children(
             aabb.set_if_neq(WorldAabb::NONE);
             return;
         };
+        let is_reshaped = own.is_changed();
+        let own = &own.0;
         let placement = shear::put(own, &pose, sheared.as_deref());
+        if !placement.is_sheared {
+            let placed = Placed::new(own, &placement.transform);
+            tell_scale(entity, placed, proxy.pose(), is_reshaped);
+        }
         let mut put = |shape: &Shape| {
             let placed = Placed::new(shape, &placement.transform);
             *aabb = world_aabb(&tests, entity, shape, placed.transform);
@@ -222,6 +240,32 @@ pub(crate) fn world_aabb(
     match tests.world_aabb(Placed::new(shape, transform)) {
         Ok(aabb) => WorldAabb(aabb),
         Err(error) => without_box(entity, error),
+    }
+}
+
+/// Tells of a shape that does not follow its scale, when it gets the one or the other.
+#[inline]
+fn tell_scale(entity: Entity, placed: Placed, before: &Transform, is_reshaped: bool) {
+    let scale = placed.transform.scale;
+    let follows = matches!(placed.shape, Shape::Cuboid { .. } | Shape::Mesh(_)) || is_even(scale);
+    if !follows && (is_reshaped || is_even(before.scale)) {
+        tell_left_by_scale(entity, placed);
+    }
+}
+
+#[inline]
+fn is_even(scale: Vec3) -> bool {
+    let Vec3 { x, y, z } = scale.abs();
+    x == y && y == z
+}
+
+#[cold]
+fn tell_left_by_scale(entity: Entity, placed: Placed) {
+    let scale = placed.transform.scale;
+    if let Some(what) = placed.shape.left_by_scale(scale)
+        && scale.is_finite()
+    {
+        tracing::warn!("{entity} has a scale that differs by axis, {scale}, and {what}");
     }
 }
 

@@ -7,11 +7,16 @@ pub mod bullets {}
 #[doc = include_str!("../docs/guide/coming_from.md")]
 pub mod coming_from {}
 
+// What it is about is there with that feature alone.
+#[cfg(feature = "mesh")]
 #[doc = include_str!("../docs/guide/levels_from_gltf.md")]
 pub mod levels_from_gltf {}
 
 #[doc = include_str!("../docs/guide/parts.md")]
 pub mod parts {}
+
+#[doc = include_str!("../docs/guide/shapes.md")]
+pub mod shapes {}
 
 #[doc = include_str!("../docs/guide/shapes_as_data.md")]
 pub mod shapes_as_data {}

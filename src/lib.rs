@@ -87,7 +87,8 @@
 //!
 //! # Guide
 //!
-//! The [`guide`] has a page for each of some subjects: triggers, bullets, and what is called how
+//! The [`guide`] has a page for each of some subjects: shapes and what each costs, shapes as data,
+//! things made of parts, triggers, bullets, levels from glTF (feature `mesh`), and what is called how
 //! elsewhere.
 //!
 //! # Parts

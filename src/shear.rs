@@ -68,13 +68,6 @@ pub(crate) struct Placement {
 
 /// Puts a shape in its place in the world, after the turn that is built into it already, if that
 /// will do.
-#[cfg_attr(
-    not(feature = "rapier"),
-    expect(
-        unused_variables,
-        reason = "Rapier's shapes alone are placed otherwise"
-    )
-)]
 pub(crate) fn put(shape: &Shape, world: &DAffine3, sheared: Option<&Sheared>) -> Placement {
     let linear = world.matrix3;
     if is_upright(&linear) {
@@ -85,12 +78,9 @@ pub(crate) fn put(shape: &Shape, world: &DAffine3, sheared: Option<&Sheared>) ->
             is_sheared: false,
         };
     }
-    #[cfg(feature = "rapier")]
-    if matches!(shape, Shape::Rapier(_)) {
-        // As Rapier itself has it.
-        let transform = GlobalTransform::from(world.as_affine3a()).compute_transform();
+    if !shape.can_turn() {
         return Placement {
-            transform,
+            transform: unsheared(shape, world),
             turn: DMat3::IDENTITY,
             is_sheared: true,
         };
@@ -103,6 +93,29 @@ pub(crate) fn put(shape: &Shape, world: &DAffine3, sheared: Option<&Sheared>) ->
         transform: upright_transform(&(linear * turn), world.translation),
         turn,
         is_sheared: true,
+    }
+}
+
+/// Where a shape is that cannot be sheared: turned as is nearest to what the map does, and as long
+/// along each of its own axes as that makes it.
+fn unsheared(shape: &Shape, world: &DAffine3) -> Transform {
+    if shape.is_rigid() {
+        // As Rapier itself has it.
+        return GlobalTransform::from(world.as_affine3a()).compute_transform();
+    }
+    let linear = world.matrix3;
+    let mirror = 1f64.copysign(linear.determinant());
+    let signs = DMat3::from_diagonal(DVec3::new(mirror, 1.0, 1.0));
+    // A map that mirrors nothing is a stretch along some axes, and a turn.
+    let turn = upright_turn(linear * signs);
+    let stretched = upright_transform(&(linear * signs * turn), world.translation);
+    let rotation = DMat3::from_quat(stretched.rotation.as_dquat().normalize()) * turn.transpose();
+    let columns = [linear.x_axis, linear.y_axis, linear.z_axis];
+    let size = DVec3::from(columns.map(DVec3::length));
+    Transform {
+        translation: stretched.translation,
+        rotation: DQuat::from_mat3(&rotation).normalize().as_quat(),
+        scale: (size * DVec3::new(mirror, 1.0, 1.0)).as_vec3(),
     }
 }
 

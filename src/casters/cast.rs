@@ -1,7 +1,11 @@
 //! Casts what casters say, all of them side by side.
 
 use bevy::{
-    ecs::{component::Mutable, entity_disabling::Disabled, query::QueryData},
+    ecs::{
+        component::Mutable,
+        entity_disabling::Disabled,
+        query::{QueryData, QueryFilter},
+    },
     math::DAffine3,
     prelude::*,
 };
@@ -11,6 +15,7 @@ use crate::{
     ancestors,
     hierarchy::{self, Link},
     parallel,
+    parts::CollisionBody,
     spatial_query::{SpatialQuery, SpatialQueryFilter},
     worlds::InCollisionWorld,
 };
@@ -48,9 +53,18 @@ pub(super) fn cast<C: Caster>(
     mut casters: Query<Parts<C>, Allow<Disabled>>,
     links: Query<Link, Allow<Disabled>>,
     parents: Query<&ChildOf, Allow<Disabled>>,
+    bodies: Query<(), (With<CollisionBody>, Allow<Disabled>)>,
     spatial: SpatialQuery,
 ) {
     let parent = |entity| parents.get(entity).ok().map(ChildOf::parent);
+    // Where there are none, nobody looks for one.
+    let are_bodies = !bodies.is_empty();
+    let body = |entity| {
+        let look = |entity| Some((entity, parent(entity)));
+        let up = are_bodies.then(|| ancestors::up(entity, look))?;
+        up.map_while(Result::ok)
+            .find(|entity| bodies.contains(*entity))
+    };
     let renew = |caster: Item<'_, '_, '_, C>| {
         let (entity, caster, mut hits, world, is_disabled) = caster;
         let has_changed = hits.bypass_change_detection().renew(|hits| {
@@ -58,7 +72,7 @@ pub(super) fn cast<C: Caster>(
             if let Some(filter) = filter
                 && let Some(pose) = pose(entity, &links)
             {
-                filter.apply(entity, world, parent, |filter| {
+                filter.apply(entity, world, parent, body, |filter| {
                     caster.find(&pose, &spatial, filter, hits);
                 });
             }
@@ -75,7 +89,7 @@ pub(super) fn cast<C: Caster>(
 }
 
 /// Where an entity is in the world, by now; `None` if that is nowhere.
-fn pose(entity: Entity, links: &Query<Link, Allow<Disabled>>) -> Option<DAffine3> {
+pub(crate) fn pose<F: QueryFilter>(entity: Entity, links: &Query<Link, F>) -> Option<DAffine3> {
     // Without a transform of its own, there is no walk up.
     links.get(entity).ok()?;
     let look = |entity| {

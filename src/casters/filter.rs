@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// Says which entities a [`RayCaster`](super::RayCaster) or
-/// [`ShapeCaster`](super::ShapeCaster) sees: by default all but itself.
+/// [`ShapeCaster`](super::ShapeCaster) sees: by default all but the thing that it is part of.
 ///
 /// Those in the world of the caster, always: the default one, or that of the caster's
 /// [`InCollisionWorld`].
@@ -41,8 +41,11 @@ pub enum CasterIgnores {
     /// None of it: a caster in the middle of its own shape meets that.
     Nothing,
     /// The entity that the caster is on.
-    #[default]
     Itself,
+    /// That entity, and all parts of the nearest [body](crate::parts) that it is or hangs on: a ship
+    /// does not see its wings, wherever on it the caster is. Of what is on no body, the entity alone.
+    #[default]
+    Body,
     /// All that hangs on the same topmost ancestor, that one and the entity itself included: for
     /// what is a hierarchy of its own, such as a tank with its turret. Not for what hangs on a level
     /// that is all one hierarchy.
@@ -99,6 +102,7 @@ impl CasterFilter {
         entity: Entity,
         world: Option<&InCollisionWorld>,
         parent: impl Fn(Entity) -> Option<Entity> + Sync,
+        body: impl FnOnce(Entity) -> Option<Entity>,
         ask: impl FnOnce(&SpatialQueryFilter),
     ) {
         let all = SpatialQueryFilter::DEFAULT;
@@ -115,6 +119,13 @@ impl CasterFilter {
         match self.ignores {
             CasterIgnores::Nothing => ask(&filter),
             CasterIgnores::Itself => ask(&filter.except(entity)),
+            CasterIgnores::Body => {
+                let filter = filter.except(entity);
+                match body(entity) {
+                    Some(body) => ask(&filter.without_body(body)),
+                    None => ask(&filter),
+                }
+            }
             CasterIgnores::Family => {
                 let own = topmost(entity, &parent);
                 ask(&filter.only(&|other| topmost(other, &parent) != own));

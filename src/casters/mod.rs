@@ -49,6 +49,8 @@ mod shape;
 
 use bevy::prelude::*;
 
+#[cfg(feature = "debug_draw")]
+pub(crate) use cast::pose;
 pub use filter::{CasterFilter, CasterIgnores};
 pub use hits::{RayHits, ShapeHits};
 pub use ray::RayCaster;

@@ -120,7 +120,12 @@ impl RayCaster {
     /// if that is nowhere.
     #[must_use]
     pub fn global_ray(&self, at: &GlobalTransform) -> Option<Ray3d> {
-        ray(self.origin, self.direction, &at.affine().as_daffine3())
+        self.ray(&at.affine().as_daffine3())
+    }
+
+    /// The same, given what the hierarchy does to the entity.
+    pub(crate) fn ray(&self, pose: &DAffine3) -> Option<Ray3d> {
+        ray(self.origin, self.direction, pose)
     }
 }
 

@@ -133,7 +133,8 @@ impl ShapeCaster {
         self.start(&at.affine().as_daffine3())
     }
 
-    fn start(&self, pose: &DAffine3) -> Option<(Transform, Dir3)> {
+    /// The same, given what the hierarchy does to the entity.
+    pub(crate) fn start(&self, pose: &DAffine3) -> Option<(Transform, Dir3)> {
         let Self {
             origin, rotation, ..
         } = self;

@@ -8,8 +8,8 @@ use crate::{
     components::{BroadPhaseProxy, WorldAabb},
 };
 
-/// Says how the box of one entity is drawn, its shape, and its way if it is
-/// [swept](crate::swept::Swept), whatever the [`CollisionGizmos`] say about others.
+/// Says how the box of one entity is drawn, its shape, its way if it is
+/// [swept](crate::swept::Swept), and what it [casts](crate::casters), whatever the [`CollisionGizmos`] say about others.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -17,8 +17,8 @@ pub enum DebugDraw {
     /// Not at all.
     #[default]
     Hidden,
-    /// In a colour of its own: its box even where others are not drawn, its shape and its way where
-    /// those of others are.
+    /// In a colour of its own: its box even where others are not drawn, all else where that of others
+    /// is.
     Color(Color),
 }
 

@@ -46,12 +46,16 @@ pub struct CollisionGizmos {
     /// The colours of leaves: from those of which there is nothing to tell (the root, an empty
     /// leaf) to the deepest or fullest of the moment.
     pub leaf_colors: [Color; 2],
-    /// Rays, and what they hit: see [`QueryGizmos::ray_hit`](super::QueryGizmos::ray_hit).
+    /// Rays, and what they hit: those of [`RayCaster`](crate::casters::RayCaster)s, and
+    /// [others](super::QueryGizmos::ray_hit).
     pub rays: Option<Color>,
-    /// How far rays that hit nothing are drawn, in world units.
+    /// How far rays that hit nothing are drawn, and the ways of shapes that touch nothing, in world
+    /// units.
     pub ray_length: f32,
     /// Boxes on their way from one place to another: those of entities that are
-    /// [`Swept`](crate::swept::Swept), and [others](super::QueryGizmos::swept_box).
+    /// [`Swept`](crate::swept::Swept), and [others](super::QueryGizmos::swept_box). And the ways of
+    /// what [`ShapeCaster`](crate::casters::ShapeCaster)s cast: a line, the shape where it touches
+    /// something, and where that is.
     pub sweeps: Option<Color>,
 }
 

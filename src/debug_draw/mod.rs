@@ -1,6 +1,6 @@
 //! Draws what is known about collisions by Bevy's gizmos: the leaves of the broad phase's tree, the
-//! shapes and boxes of entities, contacts with their normals, and what queries met. With the feature
-//! `debug_draw`.
+//! shapes and boxes of entities, contacts with their normals, and what casters and queries met. With
+//! the feature `debug_draw`.
 //!
 //! ```
 //! use bevy::{gizmos::GizmoPlugin, mesh::MeshPlugin, prelude::*};
@@ -20,13 +20,14 @@
 //! ```
 //!
 //! What is drawn, and in which colours, is up to the [`CollisionGizmos`], at any time. An entity
-//! with a [`DebugDraw`] has a colour of its own, or none. Queries are drawn by whoever makes them:
-//! see [`QueryGizmos`].
+//! with a [`DebugDraw`] has a colour of its own, or none. [Casters](crate::casters) are drawn with what
+//! they met in the last tick; queries are drawn by whoever makes them: see [`QueryGizmos`].
 //!
 //! To see it, the app needs what shows gizmos: a window, a camera, and Bevy's feature
 //! `bevy_gizmos_render`.
 
 mod boxes;
+mod casters;
 mod contacts;
 mod gizmos;
 mod leaves;
@@ -72,6 +73,8 @@ impl Plugin for CollisionDebugPlugin {
                 boxes::draw_boxes,
                 shapes::draw_shapes,
                 sweep::draw_ways,
+                casters::draw_rays,
+                casters::draw_shapes,
                 contacts::draw_contacts,
             )
                 .chain()

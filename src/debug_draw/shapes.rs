@@ -40,7 +40,7 @@ pub(super) fn draw_shapes(mut gizmos: Gizmos<CollisionGizmos>, all: Query<Drawn>
 }
 
 /// Draws a shape where it is.
-fn draw<Config: GizmoConfigGroup, Clear: Send + Sync + 'static>(
+pub(super) fn draw<Config: GizmoConfigGroup, Clear: Send + Sync + 'static>(
     pen: &mut Pen<Config, Clear>,
     shape: &Shape,
     at: &Transform,

@@ -61,7 +61,7 @@
 //! | closes but for a few edges | it is a surface, and the log names an edge |
 //! | is in the memory of the renderer alone | error: [`NoAccess`](crate::narrow_phase::ShapeError::NoAccess) |
 //! | cannot be loaded | error: [`NotLoaded`](crate::narrow_phase::ShapeError::NotLoaded), until it is loaded after all |
-//! | is never loaded | is waited for, without a word |
+//! | is never loaded | is waited for; after more than ten seconds the log says who waits, once |
 //!
 //! A node whose scale is zero along an axis makes a flat shape; one whose numbers are not finite is
 //! left out of collision detection, as any entity that is nowhere.
@@ -73,6 +73,7 @@ mod rules;
 mod shape_from_mesh;
 mod shapes_from_meshes;
 mod voxels;
+mod waiting;
 
 use bevy::prelude::App;
 
@@ -85,4 +86,5 @@ pub use shapes_from_meshes::ShapesFromMeshes;
 pub(crate) fn register(app: &mut App) {
     shape_from_mesh::register(app);
     shapes_from_meshes::register(app);
+    waiting::register(app);
 }

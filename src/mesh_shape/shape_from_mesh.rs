@@ -65,8 +65,8 @@ use crate::{
 /// named.
 ///
 /// A mesh that could not be loaded is such an error, too, until it is loaded after all. A handle
-/// that leads nowhere is waited for, without a word: its asset may come in any later tick. So is a
-/// `Mesh3d`, if there is none and no mesh is named. Without an `Assets<Mesh>`, as `MeshPlugin` or `DefaultPlugins` bring it, the component does
+/// that leads nowhere is waited for: its asset may come in any later tick. So is a `Mesh3d`, if there is
+/// none and no mesh is named. Of who has waited for ten to twenty seconds the log says so, once. Without an `Assets<Mesh>`, as `MeshPlugin` or `DefaultPlugins` bring it, the component does
 /// nothing, and the log says so once.
 ///
 /// # What changes
@@ -115,7 +115,7 @@ impl ShapeFromMesh {
     }
 
     /// The mesh that is meant, of an entity with this `Mesh3d`.
-    fn handle<'a>(&'a self, own: Option<&'a Mesh3d>) -> Option<&'a Handle<Mesh>> {
+    pub(super) fn handle<'a>(&'a self, own: Option<&'a Mesh3d>) -> Option<&'a Handle<Mesh>> {
         self.mesh.as_ref().or_else(|| own.map(|own| &own.0))
     }
 }
@@ -147,7 +147,14 @@ type Source = (AssetId<Mesh>, MeshForm);
 
 /// What is known of the meshes that shapes are built of.
 #[derive(Resource, Default)]
-struct MeshShapes(HashMap<Source, Progress>);
+pub(super) struct MeshShapes(HashMap<Source, Progress>);
+
+impl MeshShapes {
+    /// Was a shape of this form built of a mesh, or is it being built?
+    pub(super) fn knows(&self, mesh: AssetId<Mesh>, form: MeshForm) -> bool {
+        self.0.contains_key(&(mesh, form))
+    }
+}
 
 enum Progress {
     Building(Task<Result<Built, ShapeError>>),
@@ -337,7 +344,7 @@ fn build_shapes(
 }
 
 /// An entity, as the log has it.
-fn called(entity: Entity, name: Option<&Name>) -> String {
+pub(super) fn called(entity: Entity, name: Option<&Name>) -> String {
     name.map_or_else(
         || format!("entity {entity}"),
         |name| format!("entity {entity} \"{name}\""),
@@ -345,7 +352,7 @@ fn called(entity: Entity, name: Option<&Name>) -> String {
 }
 
 /// Where the mesh is from, if that is known, with a space before.
-fn called_mesh(from: &ShapeFromMesh, own: Option<&Mesh3d>) -> String {
+pub(super) fn called_mesh(from: &ShapeFromMesh, own: Option<&Mesh3d>) -> String {
     let path = from.handle(own).and_then(Handle::path);
     path.map_or_else(String::new, |path| format!(" \"{path}\""))
 }

@@ -45,6 +45,7 @@ impl Compound {
                 parts.push(measured(number, pose, shape).map_err(refused)?);
                 Ok(())
             };
+            let shape = owned(shape);
             match nested(&shape) {
                 Some(compound) => {
                     for part in compound.0.iter() {
@@ -89,6 +90,13 @@ impl Compound {
         self.0.memory_bytes()
     }
 
+    /// Do all parts follow a scale along the axes of the whole? Those that are turned do not: the
+    /// scale would shear them.
+    pub(super) fn follows_scale(&self) -> bool {
+        let mut parts = self.parts();
+        parts.all(|(pose, shape)| pose.rotation == Quat::IDENTITY && shape.follows_scale())
+    }
+
     /// Centre, half extents and bounding radius.
     pub(super) fn local_bounds(&self) -> (Vec3A, Vec3A, f32) {
         self.0.local_bounds()
@@ -113,6 +121,15 @@ fn nested(shape: &Shape) -> Option<&Compound> {
     }
 }
 
+/// A shape of Rapier's as what it is of ours, if it is one: then, it follows the scale of the whole.
+fn owned(shape: Shape) -> Shape {
+    match &shape {
+        #[cfg(feature = "rapier")]
+        Shape::Rapier(inner) => inner.own().cloned().unwrap_or(shape),
+        _ => shape,
+    }
+}
+
 /// A part with its box.
 fn measured(number: u32, pose: Isometry3d, shape: Shape) -> Result<Part<Shape>, BoundsError> {
     let (middle, _, radius) = shape.local_bounds()?;
@@ -132,6 +149,12 @@ fn measured(number: u32, pose: Isometry3d, shape: Shape) -> Result<Part<Shape>, 
     let slack = ROUNDING * far.max_element();
     let half = half + slack;
     let radius = radius + center.distance(pose * middle) + slack;
+    let is_rigid = shape.is_rigid();
+    let stray = if pose.rotation == Quat::IDENTITY && shape.follows_scale() {
+        0.0
+    } else {
+        radius + center.distance(pose.translation)
+    };
     let is_finite = (center + half).is_finite() && (center - half).is_finite();
     if !(is_finite && radius.is_finite()) {
         return Err(BoundsError::NonFinite);
@@ -143,6 +166,8 @@ fn measured(number: u32, pose: Isometry3d, shape: Shape) -> Result<Part<Shape>, 
         center,
         half,
         radius,
+        stray,
+        is_rigid,
     })
 }
 

@@ -13,6 +13,9 @@ use super::mesh::{convex_mesh::ConvexMesh, polygon_mesh::PolygonMesh};
 use super::rounded::{Rounded, RoundedCore};
 use super::shape::{Compound, Shape};
 
+/// Regular polygons of more sides are refused: that is no number of sides, but a mistake.
+const MOST_SIDES: u32 = 1 << 16;
+
 /// # Constructors
 ///
 /// Those that take sizes, and the conversions from Bevy's primitives, never fail. One rule is for
@@ -515,7 +518,7 @@ impl From<primitives::Extrusion<primitives::Rhombus>> for Shape {
 }
 
 impl From<primitives::Extrusion<primitives::RegularPolygon>> for Shape {
-    /// A convex solid. One without a volume is in contact with nothing.
+    /// A convex solid. One without a volume, or of more than 65 536 sides, is in contact with nothing.
     fn from(extrusion: primitives::Extrusion<primitives::RegularPolygon>) -> Self {
         let primitives::RegularPolygon {
             circumcircle: primitives::Circle { radius },
@@ -524,6 +527,9 @@ impl From<primitives::Extrusion<primitives::RegularPolygon>> for Shape {
         let sizes = [radius, extrusion.half_depth];
         let what = "the radius and half the depth of a regular polygon";
         Self::by_sizes(what, sizes, |[radius, half_depth]| {
+            if sides > MOST_SIDES {
+                return Err(ShapeError::TooLarge);
+            }
             let circumcircle = primitives::Circle { radius };
             let polygon = primitives::RegularPolygon {
                 circumcircle,

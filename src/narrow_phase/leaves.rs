@@ -91,6 +91,14 @@ impl<'a> Composite<'a> {
         [center.as_dvec3() * scale, half.as_dvec3() * scale.abs()]
     }
 
+    /// How far what it consists of may be beyond its boxes at a scale.
+    pub(super) fn stray_at(self, scale: DVec3) -> f64 {
+        match self {
+            Self::Compound(compound) => compound.0.stray_at(scale.as_vec3a()).into(),
+            Self::HeightField(_) | Self::Voxels(_) => 0.0,
+        }
+    }
+
     /// Centre, half extents and bounding radius, of its own coordinates.
     pub(super) fn local_bounds(self) -> (Vec3A, Vec3A, f32) {
         match self {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bevy::math::{Quat, Vec3, Vec3A};
+use bevy::math::{Vec3, Vec3A};
 #[cfg(feature = "rapier")]
 use bevy_rapier3d::parry::shape::{ShapeType, SharedShape};
 
@@ -29,6 +29,10 @@ const UNBOUNDED: f32 = f32::MAX / 8.0;
 ///   half-space turns as the scale turns it.
 /// * The half extents of a cuboid, the radius of a sphere and the scale of any shape may be zero:
 ///   the shape is then flat, or a segment or point.
+/// * Height fields and voxels follow it, and so do the parts of a compound that are not turned in
+///   it. What is turned is not sheared: it is as long along each of its own axes as the scale makes
+///   it.
+/// * In an app, what does not follow a scale is [told of](crate::plugins::BoundsPlugin) in the log.
 /// * `Shape::Rapier` ignores the scale, since `bevy_rapier3d` bakes it into the collider itself.
 ///
 /// The [constructors](#constructors) tell the log of bad numbers, or refuse them. Variants built by
@@ -220,6 +224,51 @@ impl Shape {
         }
     }
 
+    /// What of it does not follow a scale, as the log has it; `None` if all does.
+    pub(crate) fn left_by_scale(&self, scale: Vec3) -> Option<&'static str> {
+        let size = scale.abs();
+        if size.x == size.y && size.y == size.z {
+            return None;
+        }
+        match self {
+            Self::Sphere { .. } => Some("the ball stays round, by the largest of the three"),
+            Self::Capsule { .. } if size.x != size.z => {
+                Some("the capsule stays round, by the larger of the first and the third")
+            }
+            Self::Rounded(rounded) if rounded.radius() > 0.0 => {
+                Some("the radius around the shape is scaled by the largest of the three")
+            }
+            Self::Compound(compound) if !compound.follows_scale() => {
+                Some("parts of the compound that are turned or round are not sheared")
+            }
+            _ => None,
+        }
+    }
+
+    /// Does no scale have an effect on it?
+    pub(crate) const fn is_rigid(&self) -> bool {
+        matches!(self.kind(), Kind::Foreign)
+    }
+
+    /// Does it follow a scale along each of its own axes, so that all of it is where the scale takes
+    /// it?
+    pub(super) fn follows_scale(&self) -> bool {
+        match self {
+            Self::Sphere { .. } | Self::Capsule { .. } => false,
+            Self::Rounded(rounded) => rounded.radius() == 0.0,
+            Self::Compound(compound) => compound.follows_scale(),
+            Self::Cuboid { .. }
+            | Self::ConicalFrustum { .. }
+            | Self::HalfSpace { .. }
+            | Self::HeightField(_)
+            | Self::Voxels(_)
+            | Self::Convex(_)
+            | Self::Mesh(_) => true,
+            #[cfg(feature = "rapier")]
+            Self::Rapier(_) => false,
+        }
+    }
+
     /// The scale as the shape understands it; see [`Shape`].
     #[inline]
     pub(super) fn effective_scale(&self, scale: Vec3) -> Vec3A {
@@ -373,33 +422,18 @@ impl Shape {
 pub struct Compound(pub(super) Parts<Shape>);
 
 impl Compound {
-    /// Centre, half extents and bounding radius at a scale. What of its parts a scale that differs
-    /// by axis would shear, is not sheared, and may stick out of the scaled box: its ball is counted
-    /// in. O(n) then.
+    /// Centre, half extents and bounding radius at a scale. What of its parts does not follow a
+    /// scale that differs by axis, may stick out of the scaled box.
     pub(super) fn bounds_at(&self, scale: Vec3A) -> (Vec3A, Vec3A, f32) {
         let (center, half, radius) = self.0.local_bounds();
         let size = scale.abs();
         let largest = size.max_element();
-        if size == Vec3A::splat(largest) {
+        let stray = self.0.stray_at(scale);
+        if stray == 0.0 {
             return (center * scale, half * size, radius * largest);
         }
-        let (low, high) = self.0.iter().fold(
-            (Vec3A::INFINITY, Vec3A::NEG_INFINITY),
-            |(low, high), part| {
-                let middle = part.center * scale;
-                let is_turned = part.pose.rotation != Quat::IDENTITY;
-                // From the origin of the part, both are no further away than its ball.
-                let from = part.center.distance(part.pose.translation);
-                let reach = if is_turned {
-                    Vec3A::splat((part.radius + 2.0 * from) * largest)
-                } else {
-                    part.half * size
-                };
-                (low.min(middle - reach), high.max(middle + reach))
-            },
-        );
-        let half = (high - low) * 0.5;
-        (low.midpoint(high), half, length(half))
+        let half = half * size + stray;
+        (center * scale, half, length(half))
     }
 }
 

@@ -327,6 +327,80 @@ fn a_family_is_not_seen_by_its_members() {
     assert!(seen(&mut app, CasterIgnores::Family).is_empty());
 }
 
+/// A ship of a hull and two wings, with eyes in its hull, in a wing, and on a mast that has no shape.
+#[test]
+fn a_body_is_not_seen_from_any_of_its_parts() {
+    let mut app = new_app();
+    let target = row(&mut app, Vec3::NEG_Z * 4.0, 1)[0];
+    let ball = || CollisionShape::sphere(0.5);
+    let fleet = spawn(&mut app, Transform::default());
+    let ship = spawn(&mut app, (CollisionBody::default(), ChildOf(fleet)));
+    let part = |app: &mut App, z: f32, parent| {
+        let at = Transform::from_xyz(0.0, 0.0, z);
+        spawn(app, (ball(), at, ChildOf(parent)))
+    };
+    let hull = part(&mut app, 0.0, ship);
+    let wing = part(&mut app, -0.5, hull);
+    // Those are things of their own.
+    let boat = part(&mut app, -1.0, ship);
+    app.world_mut()
+        .entity_mut(boat)
+        .insert(CollisionBody::default());
+    let other = part(&mut app, -2.0, fleet);
+    let mast = spawn(&mut app, ChildOf(hull));
+    let seen = |app: &mut App, on: Entity, caster: RayCaster| {
+        app.world_mut()
+            .entity_mut(on)
+            .insert(caster.with_max_hits(u32::MAX));
+        tick(app, 1);
+        let mut seen: Vec<_> = met(app, on).into_iter().map(|(entity, _)| entity).collect();
+        app.world_mut().entity_mut(on).remove::<RayCaster>();
+        seen.sort();
+        seen
+    };
+    let sorted = |mut all: Vec<Entity>| {
+        all.sort();
+        all
+    };
+    assert_eq!(CasterIgnores::default(), CasterIgnores::Body);
+    for on in [ship, hull, mast] {
+        let found = seen(&mut app, on, RayCaster::default());
+        assert_eq!(found, sorted(vec![boat, other, target]), "{on}");
+    }
+    // From a wing, which is in front.
+    let found = seen(&mut app, wing, RayCaster::new(Vec3::Z, Dir3::NEG_Z));
+    assert_eq!(found, sorted(vec![boat, other, target]));
+    // The boat sees the ship on which it hangs.
+    let back = RayCaster::new(Vec3::NEG_Z * 0.25, Dir3::Z);
+    assert_eq!(seen(&mut app, boat, back), sorted(vec![hull, wing]));
+    // On nothing that is a body, the entity alone is not seen.
+    let from_other = seen(&mut app, other, RayCaster::new(Vec3::Z * 4.0, Dir3::NEG_Z));
+    assert_eq!(from_other, sorted(vec![hull, wing, boat, target]));
+    let own =
+        RayCaster::default().with_filter(CasterFilter::default().ignoring(CasterIgnores::Itself));
+    assert_eq!(
+        seen(&mut app, hull, own),
+        sorted(vec![wing, boat, other, target])
+    );
+    // Shapes that are cast, too.
+    let ahead = ShapeCaster::new(Sphere::new(0.1), Vec3::ZERO, Dir3::NEG_Z);
+    app.world_mut()
+        .entity_mut(mast)
+        .insert(ahead.with_max_hits(u32::MAX));
+    tick(&mut app, 1);
+    let mut found: Vec<_> = get::<ShapeHits>(&app, mast)
+        .iter()
+        .map(|hit| hit.entity)
+        .collect();
+    found.sort();
+    assert_eq!(found, sorted(vec![boat, other, target]));
+    // No longer a body.
+    app.world_mut().entity_mut(mast).remove::<ShapeCaster>();
+    app.world_mut().entity_mut(ship).remove::<CollisionBody>();
+    let found = seen(&mut app, hull, RayCaster::default());
+    assert_eq!(found, sorted(vec![wing, boat, other, target]));
+}
+
 /// What bounces on its way is where it has come to; and who hears of a contact reads hits of the
 /// same tick.
 #[test]

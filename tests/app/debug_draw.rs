@@ -417,6 +417,98 @@ fn a_ray_is_drawn_to_what_it_hits() {
     assert_eq!(drawn.len(), 1 + 3 + 5 + 1);
 }
 
+/// As far as they reach, with what they met; those of an entity that hangs on another where that is.
+#[test]
+fn casters_are_drawn_with_what_they_met() {
+    let mut app = drawing(BroadPhaseMethod::default());
+    for x in [4.0, 8.0] {
+        spawn(&mut app, x);
+    }
+    let mast = app
+        .world_mut()
+        .spawn(Transform::from_xyz(1.0, 0.0, 0.0))
+        .id();
+    let eye = app
+        .world_mut()
+        .spawn((RayCaster::default(), ChildOf(mast)))
+        .id();
+    let gizmos = CollisionGizmos {
+        rays: Some(RAYS),
+        sweeps: Some(SWEEPS),
+        ..NOTHING
+    };
+    let look = |app: &mut App, caster: RayCaster| {
+        app.world_mut().entity_mut(eye).insert(caster);
+        tick(app, 1);
+        draw(app, gizmos);
+        lines(app, RAYS)
+    };
+    let x = |x: f32| Vec3::X * x;
+    let ahead = RayCaster::new(Vec3::ZERO, Dir3::X);
+    let near = |line: &[Vec3; 2], expected: [Vec3; 2]| {
+        line.iter()
+            .zip(expected)
+            .all(|(point, other)| point.distance(other) < 1e-3)
+    };
+    let has = |drawn: &[[Vec3; 2]], line: [Vec3; 2]| drawn.iter().any(|one| near(one, line));
+    // The line, a cross of three lines, an arrow of five.
+    let drawn = look(&mut app, ahead.clone());
+    assert!(
+        has(&drawn, [x(1.0), x(3.5)]) && has(&drawn, [x(3.5), x(1.5)]),
+        "{drawn:?}"
+    );
+    assert_eq!(drawn.len(), 1 + 3 + 5);
+    // Two, and one more would be met: it goes on.
+    let drawn = look(&mut app, ahead.clone().with_max_hits(3));
+    assert!(has(&drawn, [x(1.0), x(51.0)]), "{drawn:?}");
+    assert_eq!(drawn.len(), 1 + 2 * (3 + 5));
+    // Nothing is met, and nothing is drawn beyond its end.
+    let drawn = look(&mut app, ahead.clone().with_length(2.0));
+    assert!(
+        drawn.len() == 1 && near(&drawn[0], [x(1.0), x(3.0)]),
+        "{drawn:?}"
+    );
+    let off = RayCaster {
+        enabled: false,
+        ..ahead
+    };
+    assert!(look(&mut app, off).is_empty());
+    assert!(lines(&app, SWEEPS).is_empty());
+
+    // A ball that is cast: the way, the ball where it touches, and where that is.
+    let ball = ShapeCaster::new(Sphere::new(0.25), Vec3::ZERO, Dir3::X);
+    app.world_mut()
+        .entity_mut(eye)
+        .remove::<RayCaster>()
+        .insert(ball.clone());
+    tick(&mut app, 1);
+    draw(&mut app, gizmos);
+    let drawn = lines(&app, SWEEPS);
+    assert!(
+        has(&drawn, [x(1.0), x(3.25)]) && has(&drawn, [x(3.5), x(1.5)]),
+        "{drawn:?}"
+    );
+    let beside = drawn
+        .iter()
+        .flatten()
+        .map(|point| point.y.abs())
+        .fold(0.0, f32::max);
+    assert!((beside - 0.25).abs() < 0.15, "{beside}");
+    let round = drawn.len();
+    // One that touches nothing is where its way ends.
+    app.world_mut()
+        .entity_mut(eye)
+        .insert(ball.with_length(1.0));
+    tick(&mut app, 1);
+    draw(&mut app, gizmos);
+    let drawn = lines(&app, SWEEPS);
+    assert!(has(&drawn, [x(1.0), x(2.0)]), "{drawn:?}");
+    assert_eq!(drawn.len(), round - 3 - 5);
+    app.world_mut().entity_mut(eye).insert(DebugDraw::Hidden);
+    draw(&mut app, gizmos);
+    assert!(paths(&app).is_empty());
+}
+
 #[test]
 fn a_swept_box_is_two_boxes_and_what_is_between() {
     let mut app = drawing(BroadPhaseMethod::default());

@@ -2,6 +2,7 @@
 //! program, which is quicker to build than a program each. `cargo test --test app -- swept::` runs
 //! one of them.
 
+mod bad_shapes;
 mod body_contacts;
 mod bounce;
 mod bullets;

@@ -7,6 +7,7 @@ use bevy::{
     ecs::schedule::SingleThreadedExecutor,
     mesh::{Indices, Mesh3d},
     prelude::*,
+    time::TimeUpdateStrategy,
 };
 use bevy_octree::{mesh_shape::MeshShapeCounts, narrow_phase::Shape, prelude::*};
 
@@ -232,6 +233,39 @@ fn one_that_never_loads_is_waited_for_until_it_goes() {
     let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
     let _ = meshes.insert(nowhere.id(), Tetrahedron::default().into());
     assert_eq!(ready(&mut app), (root, [2, 1, 0]));
+}
+
+/// Nobody can know whether a mesh will come; who waits for long is told of, once.
+#[test]
+fn who_waits_for_long_is_told_of() {
+    let mut app = app();
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs(4)));
+    let cube = add(&mut app, Cuboid::default());
+    let nowhere = Mesh3d(app.world().resource::<Assets<Mesh>>().reserve_handle());
+    let world = app.world_mut();
+    let there = world.spawn((cube.clone(), ShapeFromMesh::default())).id();
+    let never = world.spawn((Name::new("never"), nowhere, ShapeFromMesh::default()));
+    let never = never.id();
+    let meshless = world.spawn(ShapeFromMesh::default()).id();
+    let lines = told(|| {
+        wait(&mut app, |world| shape(world, there).is_some());
+        (0..20).for_each(|_| app.update());
+    });
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    for (entity, name) in [(never, "\"never\""), (meshless, "")] {
+        let who = format!("entity {entity}");
+        let is_told = |line: &String| {
+            line.contains(&who) && line.contains(name) && line.contains("waiting for its mesh")
+        };
+        assert!(lines.iter().any(is_told), "{lines:?}");
+    }
+    // It comes after all.
+    app.world_mut().entity_mut(meshless).insert(cube);
+    let lines = told(|| {
+        wait(&mut app, |world| shape(world, meshless).is_some());
+        (0..20).for_each(|_| app.update());
+    });
+    assert_eq!(lines, [""; 0]);
 }
 
 #[test]

@@ -20,7 +20,7 @@ fn wholes(rng: &mut Rng) -> Vec<Whole> {
     let mut parts = vec![];
     for known in kinds(rng)
         .into_iter()
-        .filter(|known| known.name != "wall")
+        .filter(|known| !["wall", "half-space"].contains(&known.name))
         .take(6)
     {
         let at = pose(rng, 2.0, false);

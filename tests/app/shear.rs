@@ -6,11 +6,18 @@ use std::f32::consts::FRAC_PI_4;
 
 use bevy::{
     ecs::system::RunSystemOnce,
-    math::{DAffine3, DVec3},
+    math::{DAffine3, DVec3, Isometry3d},
     prelude::*,
 };
-use bevy_octree::{components::WorldAabb, narrow_phase::Shape, prelude::*};
-use common::{warnings::warnings, *};
+use bevy_octree::{
+    components::WorldAabb,
+    narrow_phase::{HeightField, Shape, Voxels},
+    prelude::*,
+};
+use common::{
+    warnings::{told, warnings},
+    *,
+};
 use fastrand::Rng;
 
 const ALL: SpatialQueryFilter = SpatialQueryFilter::DEFAULT;
@@ -420,4 +427,147 @@ fn a_rapier_collider_is_not_sheared() {
     );
     get_mut::<Transform>(&mut app, parent).translation.y = 1.0;
     assert_eq!(warnings(|| tick(&mut app, 1)), 0);
+}
+
+/// What of a shape does not follow a scale is told once, when it gets the shape or the scale.
+#[test]
+fn what_does_not_follow_a_scale_is_told_once() {
+    let hull = Shape::convex_hull([Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z]).unwrap();
+    let turned = (
+        Isometry3d::from_rotation(Quat::from_rotation_z(0.5)),
+        Shape::cuboid(1.0, 1.0, 1.0),
+    );
+    let upright = (Isometry3d::IDENTITY, Shape::cuboid(1.0, 1.0, 1.0));
+    let round = (Isometry3d::IDENTITY, Shape::sphere(1.0));
+    let nothing: &[&str] = &[];
+    let cases = [
+        (Shape::sphere(1.0), &["the ball"][..]),
+        (Shape::capsule(0.5, 1.0), &["the capsule"]),
+        (Shape::rounded(&hull, 0.1).unwrap(), &["the radius"]),
+        (Shape::compound([turned]).unwrap(), &["parts"]),
+        (Shape::compound([round]).unwrap(), &["parts"]),
+        // All of these follow it.
+        (Shape::compound([upright]).unwrap(), nothing),
+        (Shape::cuboid(1.0, 2.0, 3.0), nothing),
+        (Shape::cone(1.0, 2.0), nothing),
+        (Shape::half_space(Vec3::ONE).unwrap(), nothing),
+        (Shape::segment(Vec3::ZERO, Vec3::ONE).unwrap(), nothing),
+        (
+            HeightField::new(2, 2, vec![0.0; 4], Vec2::ONE)
+                .unwrap()
+                .into(),
+            nothing,
+        ),
+        (
+            Voxels::from_cells(1.0, [IVec3::ZERO]).unwrap().into(),
+            nothing,
+        ),
+        (hull, nothing),
+    ];
+    let uneven = Transform::from_scale(Vec3::new(1.0, 2.0, -3.0));
+    for (shape, expected) in cases {
+        for is_child in [false, true] {
+            let mut app = app(BroadPhaseMethod::default());
+            let shape = CollisionShape(shape.clone());
+            let entity = app.world_mut().spawn((shape.clone(), uneven)).id();
+            if is_child {
+                let parent = app.world_mut().spawn(Transform::default()).id();
+                app.world_mut().entity_mut(entity).insert(ChildOf(parent));
+            }
+            let lines = told(|| tick(&mut app, 2));
+            let is_told = |lines: &[String]| {
+                lines.len() == expected.len()
+                    && lines.iter().zip(expected).all(|(line, expected)| {
+                        line.starts_with(&format!("{entity} has a scale"))
+                            && line.contains(expected)
+                    })
+            };
+            assert!(is_told(&lines), "{lines:?} {shape:?}");
+            // While it moves, and is scaled in another way, nothing is said again.
+            for step in 1..4 {
+                let mut at = app.world_mut().get_mut::<Transform>(entity).unwrap();
+                at.translation.x += 1.0;
+                at.scale.y = 3.0 + step as f32;
+                assert_eq!(told(|| tick(&mut app, 1)), [""; 0]);
+            }
+            // Of another shape, it is.
+            app.world_mut().entity_mut(entity).insert(shape);
+            let lines = told(|| tick(&mut app, 1));
+            assert!(is_told(&lines), "{lines:?}");
+        }
+    }
+    // What a capsule can do is no matter.
+    let mut app = app(BroadPhaseMethod::default());
+    let tall = Transform::from_scale(Vec3::new(2.0, 5.0, -2.0));
+    app.world_mut()
+        .spawn((CollisionShape(Shape::capsule(0.5, 1.0)), tall));
+    assert_eq!(told(|| tick(&mut app, 1)), [""; 0]);
+}
+
+/// What cannot be sheared is turned as is nearest, and as long along its axes as it would be.
+#[test]
+fn what_is_along_axes_of_its_own_is_not_sheared() {
+    for mirror in [1.0, -1.0] {
+        let mut app = app(BroadPhaseMethod::default());
+        // Hardly a shear: so everything is where it would be without.
+        let parent = Transform::from_scale(Vec3::new(2.0, 2.002 * mirror, 2.0));
+        let parent = app.world_mut().spawn(parent).id();
+        let turned = Transform::from_rotation(Quat::from_rotation_z(0.6)).with_translation(Vec3::X);
+        let core = Shape::cuboid(0.4, 1.0, 0.4);
+        let [a, b] = [Vec3::NEG_Y, Vec3::Y].map(|end| end * 0.5);
+        let field = HeightField::new(2, 2, vec![0.0; 4], Vec2::splat(0.5)).unwrap();
+        let shapes = [
+            Shape::capsule(0.2, 1.0),
+            Shape::cylinder(0.2, 1.0),
+            Shape::rounded(&core, 0.1).unwrap(),
+            Shape::compound([(Isometry3d::IDENTITY, core)]).unwrap(),
+            field.into(),
+            Voxels::from_cells(0.5, [IVec3::NEG_Y, IVec3::ZERO])
+                .unwrap()
+                .into(),
+            // These are: without a word.
+            Shape::capsule_between(a, b, 0.2).unwrap(),
+            Shape::segment(a, b).unwrap(),
+            Shape::half_space(Vec3::Y).unwrap(),
+        ];
+        for (number, shape) in shapes.into_iter().enumerate() {
+            let bounds = shape.world_aabb(&Transform::IDENTITY);
+            let shape = CollisionShape(shape);
+            let entity = app
+                .world_mut()
+                .spawn((shape.clone(), turned, ChildOf(parent)))
+                .id();
+            let lines = told(|| tick(&mut app, 2));
+            let is_told = lines.len() == 1 && lines[0].contains("is sheared");
+            assert_eq!(is_told, number < 6, "{lines:?}");
+            let Ok(bounds) = bounds else {
+                // A point that is just behind the plane, and one that is just before.
+                let at = |y: f32| {
+                    let map = DAffine3::from_scale(DVec3::new(2.0, 2.002 * f64::from(mirror), 2.0));
+                    (map * local(&turned))
+                        .transform_point3(DVec3::new(0.3, y.into(), 0.2))
+                        .as_vec3()
+                };
+                assert_eq!(found_at(&mut app, at(-0.01)), [entity]);
+                assert_eq!(found_at(&mut app, at(0.01)), []);
+                continue;
+            };
+            // The corners of its own box, as the hierarchy has them.
+            let map = place(app.world(), entity);
+            let [low, high] = [bounds.min, bounds.max].map(|corner| Vec3::from(corner).as_dvec3());
+            let middle = map.transform_point3((low + high) * 0.5);
+            let aabb = get::<WorldAabb>(&app, entity).0;
+            let center = Vec3::from((aabb.min + aabb.max) * 0.5).as_dvec3();
+            assert!(
+                center.distance(middle) < 0.01,
+                "{shape:?} {center} {middle}"
+            );
+            // Its long axis, still the way that the child is turned.
+            let long = map.transform_vector3(DVec3::Y).normalize() * (high.y - low.y);
+            let tall = f64::from((aabb.max - aabb.min).y);
+            assert!(tall > 2.0 * long.y.abs() - 0.02, "{shape:?} {tall} {long}");
+            app.world_mut().despawn(entity);
+            tick(&mut app, 1);
+        }
+    }
 }

@@ -127,7 +127,7 @@ impl HeightField {
         if triangles.is_none_or(|triangles| u32::try_from(triangles).is_err()) {
             return Err(ShapeError::TooLarge);
         }
-        if heights.len() != rows * columns {
+        if Some(heights.len()) != rows.checked_mul(columns) {
             let heights = heights.len();
             return Err(ShapeError::HeightCount {
                 rows,

@@ -20,6 +20,11 @@ pub struct Part<S> {
     pub half: Vec3A,
     /// The radius of a ball around that middle, in which it is.
     pub radius: f32,
+    /// How far from where it is in the axes of the whole a point of it may be that does not follow a
+    /// scale along these; 0 if all do.
+    pub stray: f32,
+    /// Whether no scale has an effect on it, but for where it is.
+    pub is_rigid: bool,
 }
 
 impl<S> Part<S> {
@@ -41,6 +46,9 @@ pub struct Parts<S> {
     center: Vec3A,
     half: Vec3A,
     radius: f32,
+    stray: f32,
+    /// Of those that are rigid.
+    rigid_stray: f32,
 }
 
 impl<S> Parts<S> {
@@ -68,6 +76,11 @@ impl<S> Parts<S> {
         let half = (max - center).max(center - min);
         let reach = |part: &Part<S>| length(part.center - center) + part.radius;
         let radius = in_order.iter().map(reach).fold(0.0, f32::max);
+        let furthest = |of: &dyn Fn(&Part<S>) -> bool| {
+            let found = in_order.iter().filter(|part| of(part));
+            found.map(|part| part.stray).fold(0.0, f32::max)
+        };
+        let (stray, rigid_stray) = (furthest(&|_| true), furthest(&|part| part.is_rigid));
         Self {
             parts: in_order,
             slots,
@@ -75,7 +88,22 @@ impl<S> Parts<S> {
             center,
             half,
             radius: radius.min(length(half)),
+            stray,
+            rigid_stray,
         }
+    }
+
+    /// How far a part may be beyond its box, once that is scaled: between the least and the largest
+    /// of three factors is all that a point may be moved by, away from where its part is.
+    pub fn stray_at(&self, scale: Vec3A) -> f32 {
+        let size = scale.abs();
+        let (largest, least) = (size.max_element(), size.min_element());
+        let of_rigid = if scale == Vec3A::ONE {
+            0.0
+        } else {
+            (largest + 1.0) * self.rigid_stray
+        };
+        ((largest - least) * self.stray).max(of_rigid)
     }
 
     /// How many there are; at least one.

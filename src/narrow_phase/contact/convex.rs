@@ -6,7 +6,7 @@ use super::{buffers::Buffers, facet::highest, support::highest_vertex};
 use crate::narrow_phase::{
     answer::LocalContact,
     frame::{
-        common_point::mean_touch,
+        common_point::{mean_touch, middle},
         edge_polygon,
         local_aabb::LocalAabb,
         placed::PlacedPair,
@@ -41,12 +41,17 @@ pub fn contact(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalCont
         let [a, b] = &workspace.surfaces;
         least_overlap(a, b, bias)?
     };
-    let (a, b) = (&pair.box_a, &pair.box_b);
-    let smaller = if b.radius < a.radius { b } else { a };
+    let inner = || {
+        if pair.box_b.radius < pair.box_a.radius {
+            middle(pair.b, &pair.box_b)
+        } else {
+            middle(pair.a, &pair.box_a)
+        }
+    };
     Some(LocalContact {
         normal,
         // One inside the other: nothing crosses.
-        point: meeting.unwrap_or(smaller.center),
+        point: meeting.unwrap_or_else(inner),
         depth: (-gap).max(0.0),
     })
 }

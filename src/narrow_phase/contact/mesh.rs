@@ -17,7 +17,13 @@ use super::{
 };
 use crate::narrow_phase::{
     answer::LocalContact,
-    frame::{closest, edge_polygon, placed::PlacedPair, workspace::Workspace},
+    frame::{
+        closest,
+        common_point::{middle, reach},
+        edge_polygon,
+        placed::PlacedPair,
+        workspace::Workspace,
+    },
     mesh::polygon_mesh::PolygonMesh,
     shape::Shape,
 };
@@ -97,8 +103,8 @@ pub fn nested(
     let out = (closest.point - solid.center).try_normalize()?;
     is_inside.then(|| LocalContact {
         normal: -out,
-        point: solid.center,
-        depth: closest.distance + solid.extent(out),
+        point: middle(pair.a, solid),
+        depth: closest.distance + reach(pair.a, solid, -out),
     })
 }
 

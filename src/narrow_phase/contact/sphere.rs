@@ -65,6 +65,11 @@ fn from_point(
         (Some(towards), true) => (-towards, radius + distance),
         (None, _) => (-outwards, radius),
     };
+    // Further inside than it is large, the sphere does not reach the surface.
+    let point = match towards {
+        Some(towards) if inside && distance > radius => center + towards * radius,
+        _ => point,
+    };
     Some(LocalContact {
         normal: normal.try_normalize()?,
         point,

@@ -3,8 +3,11 @@
 use bevy::math::Vec3A;
 
 use super::edge_polygon::{self, Touch};
-use super::placed::PlacedPair;
+use super::oriented_box::OrientedBox;
+use super::placed::{Placed, PlacedPair};
+use super::placing::Placing;
 use super::workspace::Workspace;
+use crate::narrow_phase::shape::Shape;
 
 /// How often to go back and forth between two shapes in search of a point of both: twice is the
 /// rule.
@@ -34,4 +37,31 @@ pub fn mean_touch(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec3A>
         points += point;
     });
     (count > 0.0).then(|| points / count)
+}
+
+/// A point in the middle of a shape, in the frame: that of its box, or of a convex mesh, which may
+/// not reach there, the mean of the ends of its edges. Linear in these.
+pub fn middle(placed: Placed, bounds: &OrientedBox) -> Vec3A {
+    let Shape::Convex(mesh) = placed.shape else {
+        return bounds.center;
+    };
+    let placing = Placing::of((mesh, Vec3A::ONE), placed, bounds);
+    let corners = mesh.edges().as_flattened();
+    let sum: Vec3A = (corners.iter())
+        .map(|corner| placing.place(mesh.vertices()[*corner as usize]) - bounds.center)
+        .sum();
+    bounds.center + sum / corners.len() as f32
+}
+
+/// How far a shape reaches from the centre of its box along a direction: as far as the box, or a
+/// convex mesh by itself. Linear in its edges.
+pub fn reach(placed: Placed, bounds: &OrientedBox, direction: Vec3A) -> f32 {
+    let Shape::Convex(mesh) = placed.shape else {
+        return bounds.extent(direction);
+    };
+    let placing = Placing::of((mesh, Vec3A::ONE), placed, bounds);
+    (mesh.edges().as_flattened().iter())
+        .map(|corner| placing.place(mesh.vertices()[*corner as usize]) - bounds.center)
+        .map(|from_center| from_center.dot(direction))
+        .fold(f32::NEG_INFINITY, f32::max)
 }

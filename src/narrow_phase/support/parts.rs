@@ -65,7 +65,12 @@ pub fn gap(a: &Part, b: &Part, limit: f64, with_depth: bool) -> Result<Option<Ga
             let lowest = b.furthest(-*normal) - *normal * b.radius;
             let distance = lowest.dot(*normal) - offset;
             let points = [lowest - *normal * distance, lowest];
-            let between = points[0].midpoint(points[1]);
+            // What is above the deepest point need not be in the shape.
+            let between = if distance < 0.0 {
+                lowest
+            } else {
+                points[0].midpoint(points[1])
+            };
             Ok((distance <= limit).then_some(Gap {
                 distance,
                 normal: *normal,

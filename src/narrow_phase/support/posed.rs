@@ -231,7 +231,8 @@ fn each_leaf(
         [one.min(other), one.max(other)]
     };
     // Rounding is for the numbers in the tree.
-    let slack = ROUNDING * shape.box_at(scale).map(|side| side.abs().max_element())[1];
+    let slack = ROUNDING * shape.box_at(scale).map(|side| side.abs().max_element())[1]
+        + shape.stray_at(scale);
     let mut is_known = true;
     let mut on_leaf = |leaf: Leaf| {
         if !search.goes_on() {
