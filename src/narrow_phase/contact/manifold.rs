@@ -3,7 +3,13 @@
 use bevy::math::{Vec3, Vec3A};
 use bevy::reflect::Reflect;
 
-use super::{buffers::Buffers, convex, meshes, patch::PatchPoint};
+use super::{
+    buffers::Buffers,
+    convex,
+    features::{self, Measure},
+    meshes,
+    patch::PatchPoint,
+};
 use crate::narrow_phase::{
     answer::Contact,
     frame::{
@@ -19,6 +25,9 @@ use crate::narrow_phase::{
 /// How far two points have to be from each other, or a point from a line, to count by themselves,
 /// as a share of the whole.
 const APART: f32 = 1e-3;
+/// How much less deep than the contact the deepest point of two features may be, as a share: the
+/// depth of round shapes is not known more exactly.
+const SHALLOWER: f32 = 0.02;
 
 /// A point at which two shapes overlap or touch, and how deep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
@@ -169,6 +178,13 @@ impl NarrowPhase {
         workspace: &mut Workspace,
     ) -> Manifold {
         let single = Manifold::from(contact);
+        if matches!(
+            Case::of(first.shape, second.shape),
+            Case::Parts | Case::Foreign
+        ) {
+            let found = self.of_features(first, second, contact, workspace);
+            return found.unwrap_or(single);
+        }
         let Ok(pair) = PlacedPair::new(first, second, self.tolerance()) else {
             return single;
         };
@@ -182,6 +198,7 @@ impl NarrowPhase {
         }
         let normal = Vec3A::from(contact.normal);
         match pair.case() {
+            // The last two went another way.
             Case::Spheres
             | Case::SphereFirst
             | Case::SphereSecond
@@ -214,6 +231,38 @@ impl NarrowPhase {
             points: chosen.map(point),
             count,
         }
+    }
+
+    /// Of two of which one is known by its support function, or taken apart; `None` if there is one
+    /// point, which is that of the contact.
+    fn of_features(
+        &self,
+        first: Placed,
+        second: Placed,
+        contact: Contact,
+        workspace: &mut Workspace,
+    ) -> Option<Manifold> {
+        let patch = &mut workspace.contact.of::<Buffers>().patch;
+        let pair = PlacedPair::new(first, second, self.tolerance());
+        // One without an end has no size.
+        let tolerance = pair.map_or(self.tolerance(), |pair| pair.tolerance);
+        let Measure { unit, size } = features::gather(first, second, &contact, tolerance, patch)?;
+        let depths = patch.points.iter().map(|point| point.depth);
+        let deepest = depths.reduce(f32::max)?;
+        let depth = contact.depth / unit;
+        if deepest < depth * (1.0 - SHALLOWER) - tolerance / unit {
+            patch.add_point(Vec3A::ZERO, depth);
+        }
+        let (chosen, count) = choose(&patch.points, contact.normal.into(), size);
+        let origin = Vec3A::from(contact.point);
+        (count > 1).then(|| Manifold {
+            normal: contact.normal,
+            points: chosen.map(|point| ManifoldPoint {
+                point: (origin + point.point * unit).into(),
+                depth: point.depth * unit,
+            }),
+            count,
+        })
     }
 }
 

@@ -6,6 +6,7 @@ pub(super) mod buffers;
 mod claims;
 mod convex;
 mod facet;
+mod features;
 mod hull;
 mod large_hull;
 pub(super) mod manifold;
