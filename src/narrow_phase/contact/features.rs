@@ -7,7 +7,10 @@
 use bevy::math::{DVec3, Vec3A};
 use smallvec::SmallVec;
 
-use super::patch::Patch;
+use super::{
+    flush::{Flush, Lying},
+    patch::{Patch, PatchPoint},
+};
 use crate::narrow_phase::{
     answer::Contact,
     frame::{closest, placed::Placed},
@@ -37,27 +40,30 @@ pub struct Measure {
 /// Puts the points at which two shapes lie on each other into a patch; `None` if nothing can be said
 /// about one of them.
 pub fn gather(
-    a: Placed,
-    b: Placed,
+    (a, b): (Placed, Placed),
     contact: &Contact,
     tolerance: f32,
-    patch: &mut Patch,
+    (patch, flush): (&mut Patch, &mut Flush),
 ) -> Option<Measure> {
     patch.clear();
+    flush.clear();
     let normal = contact.normal.as_dvec3().try_normalize()?;
     let origin = contact.point;
     let size = support::smaller_size(a, b, origin)?;
     let unit = power_of_two(size);
+    let tolerance = f64::from(tolerance);
     let mut laying = Laying {
         normal,
         unit,
-        tolerance: f64::from(tolerance),
-        depth: f64::from(contact.depth),
+        tolerance: tolerance / unit,
+        depth: f64::from(contact.depth) / unit,
         patch,
+        flush,
     };
-    each_two(a, b, origin, f64::from(tolerance), &mut |one, other| {
+    each_two(a, b, origin, tolerance, &mut |one, other| {
         laying.lay(one, other);
     });
+    flush.gather((tolerance / unit) as f32, patch);
     Some(Measure {
         unit: unit as f32,
         size: (size / unit) as f32,
@@ -70,6 +76,7 @@ fn power_of_two(size: f64) -> f64 {
     if power.is_normal() { power } else { 1.0 }
 }
 
+/// Lengths are in units, but for those of features.
 struct Laying<'a> {
     normal: DVec3,
     unit: f64,
@@ -77,6 +84,7 @@ struct Laying<'a> {
     /// Of the contact.
     depth: f64,
     patch: &'a mut Patch,
+    flush: &'a mut Flush,
 }
 
 impl Laying<'_> {
@@ -87,28 +95,39 @@ impl Laying<'_> {
             return;
         };
         let flat = |feature: &Feature| feature.flatness().filter(|flatness| *flatness >= ALIKE);
-        match (flat(&on_a), flat(&on_b)) {
-            (None, None) => self.beside((a, &on_a.edge()), (b, &on_b.edge())),
-            (Some(_), None) => self.cut(&on_a, &on_b, normal),
-            (None, Some(_)) => self.cut(&on_b, &on_a, -normal),
-            (Some(flat_a), Some(flat_b)) => {
-                let is_even = (flat_a - flat_b).abs() <= EVEN;
-                // Numbers of something small are more exact.
-                if if is_even {
-                    on_a.size() >= on_b.size()
-                } else {
-                    flat_a > flat_b
-                } {
-                    self.cut(&on_a, &on_b, normal);
-                } else {
-                    self.cut(&on_b, &on_a, -normal);
-                }
+        let is_under = match (flat(&on_a), flat(&on_b)) {
+            (None, None) => return self.beside((a, &on_a.edge()), (b, &on_b.edge())),
+            (Some(flat_a), Some(flat_b)) if (flat_a - flat_b).abs() > EVEN => flat_a > flat_b,
+            // Numbers of something small are more exact.
+            (Some(_), Some(_)) => on_a.size() >= on_b.size(),
+            (flat_a, _) => flat_a.is_some(),
+        };
+        if is_under {
+            self.cut(&on_a, &on_b, normal, None);
+        } else {
+            self.cut(&on_b, &on_a, -normal, None);
+        }
+    }
+
+    /// Takes up what of two edges or points, of which none is part of a flat face, is at one place.
+    fn beside(&mut self, (a, on_a): (&NearPart, &Feature), (b, on_b): (&NearPart, &Feature)) {
+        let is_under = match (direction(on_a), direction(on_b)) {
+            (Some(one), Some(other)) if one.cross(other).length() > PARALLEL => {
+                return self.cross((a, on_a), on_b);
             }
+            (Some(_), Some(_)) => on_a.size() >= on_b.size(),
+            (of_a, _) => of_a.is_some(),
+        };
+        if is_under {
+            self.cut(on_a, on_b, self.normal, Some(a));
+        } else {
+            self.cut(on_b, on_a, -self.normal, Some(b));
         }
     }
 
     /// Takes up what of one feature is over another, which is on the near side of it along an axis.
-    fn cut(&mut self, under: &Feature, over: &Feature, axis: DVec3) {
+    /// Beside an edge, where a surface falls off, only what is in the part that has it.
+    fn cut(&mut self, under: &Feature, over: &Feature, axis: DVec3, part: Option<&NearPart>) {
         if over.kind == FeatureKind::Plane {
             return;
         }
@@ -125,72 +144,74 @@ impl Laying<'_> {
                 patch.cut_to(&border, up);
             }
             FeatureKind::Edge => {
-                if let [Some(from), Some(to)] = ends(under).map(|end| end.map(small)) {
-                    let along = to - from;
-                    patch.cut(along, to.dot(along));
-                    patch.cut(-along, -from.dot(along));
-                }
+                let [from, to] = ends(under).map(small);
+                let along = to - from;
+                patch.cut(along, to.dot(along));
+                patch.cut(-along, -from.dot(along));
             }
         }
         let (offset, normal) = (under.offset() / unit, under.normal);
         let along = normal.dot(axis);
-        let (offset, normal) = ((offset / along) as f32, (normal / along).as_vec3a());
-        let deep = |point: Vec3A| offset - point.dot(normal);
-        let (depth, tolerance) = (self.depth / unit, self.tolerance / unit);
-        let most = (depth * (1.0 + DEEPER) + tolerance) as f32;
-        if patch.piece.iter().all(|point| deep(*point) <= most) {
-            patch.add_up_to(depth as f32, up, tolerance as f32, deep);
+        let (plane, slope) = ((offset / along) as f32, (normal / along).as_vec3a());
+        let deep = |point: Vec3A| plane - point.dot(slope);
+        let most = (self.depth * (1.0 + DEEPER) + self.tolerance) as f32;
+        if patch.piece.iter().any(|point| deep(*point) > most) {
+            return;
         }
-    }
-
-    /// Takes up what of two edges or points, of which none is part of a flat face, is at one place.
-    fn beside(&mut self, (a, on_a): (&NearPart, &Feature), (b, on_b): (&NearPart, &Feature)) {
-        let known = self.patch.points.len();
-        let normal = self.normal;
-        match (direction(on_a), direction(on_b)) {
-            (Some(one), Some(other)) if one.cross(other).length() > PARALLEL => {
-                self.cross(on_a, on_b);
-            }
-            (Some(_), None) => self.cut(on_a, on_b, normal),
-            (None, Some(_)) => self.cut(on_b, on_a, -normal),
-            _ if on_a.size() >= on_b.size() => self.cut(on_a, on_b, normal),
-            _ => self.cut(on_b, on_a, -normal),
-        }
-        // Surfaces that are round fall off beside an edge.
-        let (unit, tolerance) = (self.unit, 2.0 * self.tolerance);
-        let is_in = |part: &NearPart, point: Vec3A| {
-            part.reaches(point.as_dvec3() * unit, tolerance)
+        let lying = Lying {
+            normal,
+            offset,
+            over: over.first_two(),
         };
-        let mut index = 0;
-        self.patch.points.retain(|point| {
-            index += 1;
-            index <= known || (is_in(a, point.point) && is_in(b, point.point))
-        });
+        let depth = self.depth as f32;
+        let halfway = |point: &Vec3A| {
+            let depth = deep(*point).min(depth);
+            let point = *point + up * (depth * 0.5);
+            PatchPoint { point, depth }
+        };
+        let lengths = [unit, self.tolerance];
+        let is_there = |found: &PatchPoint| {
+            part.is_none_or(|part| is_below(part, found.point, found.depth, lengths))
+        };
+        let piece = patch.piece.iter().map(halfway).filter(is_there);
+        self.flush
+            .add(lying, self.tolerance, self.normal.as_vec3a(), piece);
     }
 
     /// Takes up the point where two edges cross.
-    fn cross(&mut self, on_a: &Feature, on_b: &Feature) {
+    fn cross(&mut self, (a, on_a): (&NearPart, &Feature), on_b: &Feature) {
         let small = |point: DVec3| (point / self.unit).as_vec3a();
-        let ends = [on_a, on_b].map(|edge| ends(edge).map(|end| end.map_or(Vec3A::ZERO, small)));
-        let (on_a, on_b) = closest::segments(ends[0], ends[1]);
-        let deep = (on_a - on_b).dot(self.normal.as_vec3a());
-        let (depth, tolerance) = (self.depth / self.unit, self.tolerance / self.unit);
-        if deep >= -tolerance as f32 && f64::from(deep) <= depth * (1.0 + DEEPER) + tolerance {
-            self.patch.add_point(on_a.midpoint(on_b), deep.min(depth as f32));
+        let [one, other] = [on_a, on_b].map(|edge| ends(edge).map(small));
+        let (one, other) = closest::segments(one, other);
+        let deep = (one - other).dot(self.normal.as_vec3a());
+        let depth = f64::from(deep);
+        let most = self.depth * (1.0 + DEEPER) + self.tolerance;
+        let halfway = one.midpoint(other);
+        let is_there = || is_below(a, halfway, deep, [self.unit, self.tolerance]);
+        if depth >= -self.tolerance && depth <= most && is_there() {
+            self.patch.add_point(halfway, deep.min(self.depth as f32));
         }
     }
 }
 
-/// The two ends of an edge.
-fn ends(edge: &Feature) -> [Option<DVec3>; 2] {
+/// Is a point halfway between the surface of a part and one that is below it by a depth? Not beside
+/// an edge, where the surface is further down.
+fn is_below(part: &NearPart, halfway: Vec3A, depth: f32, [unit, tolerance]: [f64; 2]) -> bool {
+    let limit = tolerance + 0.5 * f64::from(depth).max(0.0);
+    part.reaches(halfway.as_dvec3() * unit, limit * unit)
+}
+
+/// The two ends of an edge; of a point, itself.
+fn ends(edge: &Feature) -> [DVec3; 2] {
     let mut ends = edge.border();
-    [ends.next(), ends.next()]
+    let first = ends.next().unwrap_or(DVec3::ZERO);
+    [first, ends.next().unwrap_or(first)]
 }
 
 /// The direction of an edge; `None` for a point.
 fn direction(edge: &Feature) -> Option<DVec3> {
     let [from, to] = ends(edge);
-    (to? - from?).try_normalize()
+    (to - from).try_normalize()
 }
 
 #[cfg(test)]

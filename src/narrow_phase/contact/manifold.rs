@@ -126,17 +126,32 @@ impl NarrowPhase {
     /// Returns the points at which two shapes lie on each other: some if and only if they
     /// [intersect](Self::intersects), with the normal of their [`contact`](Self::contact).
     ///
-    /// * Where two faces of cuboids or convex meshes lie on each other, the corners of what they
-    ///   share; of an edge on a face, the ends of what is over the face; of a corner, or two edges
-    ///   that cross, one point.
-    /// * On a mesh, those of all polygons in touch that share the contact's normal, about as far as
-    ///   10°, as one: a box on two triangles of a floor stands on its own four corners.
-    /// * Of spheres, and of Rapier's shapes but for its cuboids, the one point of the contact.
+    /// * Where two faces lie on each other, the corners of what they share; of an edge on a face, the
+    ///   ends of what is over the face; of a corner, or two edges that cross, one point.
+    /// * The cap of a cylinder, cone or frustum counts as a face with eight corners on its circle: a
+    ///   can stands on four points of its border. A capsule, and the side of a cylinder, cone or
+    ///   frustum, is an edge: what lies has two points. So have two that lie side by side, along
+    ///   each other to within 3°: the ends of what they share.
+    /// * What is [rounded](super::Rounded) has the faces, edges and corners of its core, moved
+    ///   out by the radius.
+    /// * On a half-space, all corners of what faces it.
+    /// * On a mesh, a height field or voxels, those of all polygons and cells in touch that share the
+    ///   contact's normal, about as far as 10°, as one: a box on two triangles of a floor stands on
+    ///   its own four corners. Faces between two cells count for nothing, nor do borders between
+    ///   parts whose surfaces are one plane.
+    /// * Of a compound, the same of all its parts: a table stands on the outermost corners of its legs.
+    /// * Of a sphere, the one point of the contact; so it is for shapes of Rapier's that are known by a
+    ///   support map alone.
+    ///
+    /// A face or edge that leans has those of its points that are below the surface of the other, or
+    /// above it by no more than the tolerance, each with its own depth. A point is halfway between the
+    /// two surfaces along the normal: of what is no wider there than it is deep, it may be beside.
     ///
     /// Swapping the two turns the normal around and keeps the points and their order, unless they
     /// are equal in all things, position included.
     ///
-    /// Costs a contact, and the cutting of the faces. Allocates nothing once the workspace is warm.
+    /// Costs a contact, and the cutting of the faces; of shapes of many, those of each two parts that
+    /// are near each other. Allocates nothing once the workspace is warm.
     ///
     /// ```
     /// use bevy::transform::components::Transform;
@@ -242,16 +257,17 @@ impl NarrowPhase {
         contact: Contact,
         workspace: &mut Workspace,
     ) -> Option<Manifold> {
-        let patch = &mut workspace.contact.of::<Buffers>().patch;
+        let Buffers { patch, flush, .. } = workspace.contact.of::<Buffers>();
         let pair = PlacedPair::new(first, second, self.tolerance());
         // One without an end has no size.
         let tolerance = pair.map_or(self.tolerance(), |pair| pair.tolerance);
-        let Measure { unit, size } = features::gather(first, second, &contact, tolerance, patch)?;
+        let both = (first, second);
+        let measure = features::gather(both, &contact, tolerance, (patch, flush))?;
+        let Measure { unit, size } = measure;
         let depths = patch.points.iter().map(|point| point.depth);
         let deepest = depths.reduce(f32::max)?;
-        let depth = contact.depth / unit;
-        if deepest < depth * (1.0 - SHALLOWER) - tolerance / unit {
-            patch.add_point(Vec3A::ZERO, depth);
+        if deepest < contact.depth / unit * (1.0 - SHALLOWER) - tolerance / unit {
+            patch.add_point(Vec3A::ZERO, contact.depth / unit);
         }
         let (chosen, count) = choose(&patch.points, contact.normal.into(), size);
         let origin = Vec3A::from(contact.point);

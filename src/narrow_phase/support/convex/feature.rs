@@ -99,6 +99,11 @@ impl Feature {
         highest(&self.core, self.normal) + self.radius
     }
 
+    /// Two points of the core, by which it is known again.
+    pub fn first_two(&self) -> [DVec3; 2] {
+        [self.core[0], self.core[1 % self.core.len()]]
+    }
+
     /// How large it is: the distance of its furthest points, or about that; infinite for a plane.
     pub fn size(&self) -> f64 {
         if self.kind == FeatureKind::Plane {
@@ -248,7 +253,10 @@ fn cuboid_face(half: DVec3, faces: Faces, direction: DVec3) -> Option<(DVec3, Po
     let other = DVec3::new(0.0, normal.z.abs(), normal.x.abs() + normal.y.abs()) * half;
     let middle = normal * half;
     let corners = [-side - other, side - other, side + other, other - side];
-    Some((normal, corners.map(|corner| middle + corner).into_iter().collect()))
+    Some((
+        normal,
+        corners.map(|corner| middle + corner).into_iter().collect(),
+    ))
 }
 
 /// What of a frustum faces a direction.
