@@ -113,7 +113,7 @@ impl Laying<'_> {
     fn beside(&mut self, (a, on_a): (&NearPart, &Feature), (b, on_b): (&NearPart, &Feature)) {
         let is_under = match (direction(on_a), direction(on_b)) {
             (Some(one), Some(other)) if one.cross(other).length() > PARALLEL => {
-                return self.cross((a, on_a), on_b);
+                return self.cross(on_a, on_b);
             }
             (Some(_), Some(_)) => on_a.size() >= on_b.size(),
             (of_a, _) => of_a.is_some(),
@@ -165,8 +165,8 @@ impl Laying<'_> {
         };
         let depth = self.depth as f32;
         let halfway = |point: &Vec3A| {
-            let depth = deep(*point).min(depth);
-            let point = *point + up * (depth * 0.5);
+            let deep = deep(*point);
+            let (point, depth) = (*point + up * (deep * 0.5), deep.min(depth));
             PatchPoint { point, depth }
         };
         let lengths = [unit, self.tolerance];
@@ -178,17 +178,17 @@ impl Laying<'_> {
             .add(lying, self.tolerance, self.normal.as_vec3a(), piece);
     }
 
-    /// Takes up the point where two edges cross.
-    fn cross(&mut self, (a, on_a): (&NearPart, &Feature), on_b: &Feature) {
+    /// Takes up the point where two edges cross, if the way from one to the other is along the normal.
+    fn cross(&mut self, on_a: &Feature, on_b: &Feature) {
         let small = |point: DVec3| (point / self.unit).as_vec3a();
         let [one, other] = [on_a, on_b].map(|edge| ends(edge).map(small));
         let (one, other) = closest::segments(one, other);
         let deep = (one - other).dot(self.normal.as_vec3a());
-        let depth = f64::from(deep);
+        let (depth, apart) = (f64::from(deep), f64::from(one.distance(other)));
         let most = self.depth * (1.0 + DEEPER) + self.tolerance;
-        let halfway = one.midpoint(other);
-        let is_there = || is_below(a, halfway, deep, [self.unit, self.tolerance]);
-        if depth >= -self.tolerance && depth <= most && is_there() {
+        let is_along = apart <= depth.abs() * (1.0 + DEEPER) + self.tolerance;
+        if is_along && depth >= -self.tolerance && depth <= most {
+            let halfway = one.midpoint(other);
             self.patch.add_point(halfway, deep.min(self.depth as f32));
         }
     }
