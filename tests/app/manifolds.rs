@@ -4,7 +4,7 @@ use crate::common;
 
 use bevy::prelude::*;
 use bevy_octree::{
-    narrow_phase::{Manifold, Shape},
+    narrow_phase::{HeightField, Manifold, Shape, Voxels},
     prelude::*,
 };
 use common::*;
@@ -88,6 +88,41 @@ fn who_asks_is_told_while_it_asks() {
     app.world_mut().entity_mut(body).despawn();
     tick(&mut app, 1);
     assert_eq!(manifold(&app, floor, body), None);
+}
+
+#[test]
+fn round_shapes_lie_on_grounds_of_all_kinds() {
+    let cells = (-8..8).flat_map(|x| (-8..8).map(move |z| IVec3::new(x, -1, z)));
+    let field = HeightField::new(9, 9, vec![0.0; 81], Vec2::ONE).unwrap();
+    let grounds = [
+        floor(),
+        CollisionShape(Voxels::from_cells(0.5, cells).unwrap().into()),
+        CollisionShape(field.into()),
+        CollisionShape(Shape::half_space(Vec3::Y).unwrap()),
+    ];
+    for ground in grounds {
+        let mut app = app(BroadPhaseMethod::default());
+        let ground = app.world_mut().spawn((ground, StaticShape)).id();
+        let lying = Quat::from_rotation_z(std::f32::consts::FRAC_PI_2);
+        let bodies = [
+            (Shape::capsule(0.2, 1.0), 0.2, lying, 2),
+            (Shape::cylinder(0.2, 1.0), 0.2, lying, 2),
+            (Shape::cylinder(0.3, 1.0), 0.5, Quat::IDENTITY, 4),
+            (Shape::sphere(0.4), 0.4, Quat::IDENTITY, 1),
+        ];
+        for (shape, height, turn, count) in bodies {
+            let at = Transform::from_xyz(0.3, height - 0.01, 0.2).with_rotation(turn);
+            let body = (CollisionShape(shape), ManifoldsEnabled, at);
+            let body = app.world_mut().spawn(body).id();
+            tick(&mut app, 1);
+            let found = manifold(&app, ground, body).unwrap();
+            assert_eq!(found.points().len(), count, "{found:?}");
+            for point in found.points() {
+                assert!((point.depth - 0.01).abs() < 1e-4, "{found:?}");
+            }
+            app.world_mut().entity_mut(body).despawn();
+        }
+    }
 }
 
 #[test]

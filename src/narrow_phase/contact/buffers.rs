@@ -2,7 +2,9 @@
 
 use bevy::math::Vec3A;
 
-use super::{facet::WayOut, hull::Hull, large_hull::Room, patch::Patch, summit::Summits};
+use super::{
+    facet::WayOut, flush::Flush, hull::Hull, large_hull::Room, patch::Patch, summit::Summits,
+};
 use crate::narrow_phase::gjk::Polytope;
 
 /// What a polygon says about the contact of its mesh with a solid.
@@ -45,6 +47,8 @@ pub struct Buffers {
     /// A face of the solid.
     pub face: Vec<Vec3A>,
     pub patch: Patch,
+    /// What lies on parts that join.
+    pub flush: Flush,
     /// How far two meshes reach.
     pub summits: Summits,
     /// That of two convex shapes whose overlap is sought.

@@ -3,7 +3,13 @@
 use bevy::math::{Vec3, Vec3A};
 use bevy::reflect::Reflect;
 
-use super::{buffers::Buffers, convex, meshes, patch::PatchPoint};
+use super::{
+    buffers::Buffers,
+    convex,
+    features::{self, Measure},
+    meshes,
+    patch::PatchPoint,
+};
 use crate::narrow_phase::{
     answer::Contact,
     frame::{
@@ -19,6 +25,9 @@ use crate::narrow_phase::{
 /// How far two points have to be from each other, or a point from a line, to count by themselves,
 /// as a share of the whole.
 const APART: f32 = 1e-3;
+/// How much less deep than the contact the deepest point of two features may be, as a share: the
+/// depth of round shapes is not known more exactly.
+const SHALLOWER: f32 = 0.02;
 
 /// A point at which two shapes overlap or touch, and how deep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
@@ -117,17 +126,32 @@ impl NarrowPhase {
     /// Returns the points at which two shapes lie on each other: some if and only if they
     /// [intersect](Self::intersects), with the normal of their [`contact`](Self::contact).
     ///
-    /// * Where two faces of cuboids or convex meshes lie on each other, the corners of what they
-    ///   share; of an edge on a face, the ends of what is over the face; of a corner, or two edges
-    ///   that cross, one point.
-    /// * On a mesh, those of all polygons in touch that share the contact's normal, about as far as
-    ///   10°, as one: a box on two triangles of a floor stands on its own four corners.
-    /// * Of spheres, and of Rapier's shapes but for its cuboids, the one point of the contact.
+    /// * Where two faces lie on each other, the corners of what they share; of an edge on a face, the
+    ///   ends of what is over the face; of a corner, or two edges that cross, one point.
+    /// * The cap of a cylinder, cone or frustum counts as a face with eight corners on its circle: a
+    ///   can stands on four points of its border. A capsule, and the side of a cylinder, cone or
+    ///   frustum, is an edge: what lies has two points. So have two that lie side by side, along
+    ///   each other to within 3°: the ends of what they share.
+    /// * What is [rounded](super::Rounded) has the faces, edges and corners of its core, moved
+    ///   out by the radius.
+    /// * On a half-space, all corners of what faces it.
+    /// * On a mesh, a height field or voxels, those of all polygons and cells in touch that share the
+    ///   contact's normal, about as far as 10°, as one: a box on two triangles of a floor stands on
+    ///   its own four corners. Faces between two cells count for nothing, nor do borders between
+    ///   parts whose surfaces are one plane.
+    /// * Of a compound, the same of all its parts: a table stands on the outermost corners of its legs.
+    /// * Of a sphere, the one point of the contact; so it is for shapes of Rapier's that are known by a
+    ///   support map alone.
+    ///
+    /// A face or edge that leans has those of its points that are below the surface of the other, or
+    /// above it by no more than the tolerance, each with its own depth. A point is halfway between the
+    /// two surfaces along the normal: of what is no wider there than it is deep, it may be beside.
     ///
     /// Swapping the two turns the normal around and keeps the points and their order, unless they
     /// are equal in all things, position included.
     ///
-    /// Costs a contact, and the cutting of the faces. Allocates nothing once the workspace is warm.
+    /// Costs a contact, and the cutting of the faces; of shapes of many, those of each two parts that
+    /// are near each other. Allocates nothing once the workspace is warm.
     ///
     /// ```
     /// use bevy::transform::components::Transform;
@@ -169,6 +193,13 @@ impl NarrowPhase {
         workspace: &mut Workspace,
     ) -> Manifold {
         let single = Manifold::from(contact);
+        if matches!(
+            Case::of(first.shape, second.shape),
+            Case::Parts | Case::Foreign
+        ) {
+            let found = self.of_features(first, second, contact, workspace);
+            return found.unwrap_or(single);
+        }
         let Ok(pair) = PlacedPair::new(first, second, self.tolerance()) else {
             return single;
         };
@@ -182,6 +213,7 @@ impl NarrowPhase {
         }
         let normal = Vec3A::from(contact.normal);
         match pair.case() {
+            // The last two went another way.
             Case::Spheres
             | Case::SphereFirst
             | Case::SphereSecond
@@ -214,6 +246,39 @@ impl NarrowPhase {
             points: chosen.map(point),
             count,
         }
+    }
+
+    /// Of two of which one is known by its support function, or taken apart; `None` if there is one
+    /// point, which is that of the contact.
+    fn of_features(
+        &self,
+        first: Placed,
+        second: Placed,
+        contact: Contact,
+        workspace: &mut Workspace,
+    ) -> Option<Manifold> {
+        let Buffers { patch, flush, .. } = workspace.contact.of::<Buffers>();
+        let pair = PlacedPair::new(first, second, self.tolerance());
+        // One without an end has no size.
+        let tolerance = pair.map_or(self.tolerance(), |pair| pair.tolerance);
+        let both = (first, second);
+        let measure = features::gather(both, &contact, tolerance, (patch, flush))?;
+        let Measure { unit, size } = measure;
+        let depths = patch.points.iter().map(|point| point.depth);
+        let deepest = depths.reduce(f32::max)?;
+        if deepest < contact.depth / unit * (1.0 - SHALLOWER) - tolerance / unit {
+            patch.add_point(Vec3A::ZERO, contact.depth / unit);
+        }
+        let (chosen, count) = choose(&patch.points, contact.normal.into(), size);
+        let origin = Vec3A::from(contact.point);
+        (count > 1).then(|| Manifold {
+            normal: contact.normal,
+            points: chosen.map(|point| ManifoldPoint {
+                point: (origin + point.point * unit).into(),
+                depth: point.depth * unit,
+            }),
+            count,
+        })
     }
 }
 

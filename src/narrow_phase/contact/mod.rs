@@ -6,6 +6,8 @@ pub(super) mod buffers;
 mod claims;
 mod convex;
 mod facet;
+mod features;
+mod flush;
 mod hull;
 mod large_hull;
 pub(super) mod manifold;

@@ -1,6 +1,8 @@
 //! Convex shapes by their support functions: a core, and all that is within a radius of it. In 64-bit
 //! floats, so that neither the size of one nor a position far from the other costs exactness.
 
+pub mod feature;
+
 #[cfg(feature = "rapier")]
 use bevy::math::DQuat;
 use bevy::math::{DMat3, DVec3, Vec3};

@@ -21,6 +21,7 @@ mod foreign_core;
 mod gap;
 mod gjk;
 mod mesh_contact;
+mod near_parts;
 mod own;
 mod pairs;
 mod parts;
@@ -35,6 +36,8 @@ mod triangulate;
 mod tests;
 
 pub use cast::{cast_ray, sweep};
+pub use convex::feature::{Feature, FeatureKind};
 pub use faces::{cast_ray_with, passage};
+pub use near_parts::{NearPart, each_two, smaller_size};
 pub use own::{as_own, with_own, with_own_pair};
 pub use query::{closest_point, closest_points, contact, enclosed, intersects, is_known, side};

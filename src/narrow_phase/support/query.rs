@@ -97,16 +97,20 @@ pub fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalContact> {
 /// Where those parts of two shapes meet that are deepest in each other.
 fn deepest(a: &PosedShape, b: &PosedShape, tolerance: f64) -> Option<Gap> {
     let search = Search::within(tolerance);
-    let mut deepest: Option<Gap> = None;
+    // What another part would stop counts if nothing else does: in a corner between a floor and a
+    // wall that are one, the way out of the part that both join is through all of it.
+    let [mut deepest, mut forced] = [None::<Gap>; 2];
     pairs::pairs(&search, a, b, &mut |a, b| {
         let Ok(found) = parts::gap(a, b, tolerance, true) else {
             return false;
         };
         let found = found.and_then(|gap| by_border(gap, a, b));
-        if let Some(gap) =
-            found.filter(|gap| deepest.is_none_or(|deepest| gap.distance < deepest.distance))
-        {
-            deepest = Some(gap);
+        let Some((gap, is_forced)) = found else {
+            return true;
+        };
+        let best = if is_forced { &mut forced } else { &mut deepest };
+        if best.is_none_or(|best| gap.distance < best.distance) {
+            *best = Some(gap);
             // Beside a plane, what is further is less deep.
             if matches!(
                 (a, b),
@@ -117,29 +121,32 @@ fn deepest(a: &PosedShape, b: &PosedShape, tolerance: f64) -> Option<Gap> {
         }
         true
     });
-    deepest
+    deepest.or(forced)
 }
 
 /// The least direction that counts as one to a face of a cuboid.
 const TO_FACE: f64 = 1e-3;
 
 /// A gap whose normal leads out of what parts are part of. One that leads into the next part is
-/// replaced by the least way out through a face that is one of the whole; `None` if there is none.
-fn by_border(gap: Gap, a: &Part, b: &Part) -> Option<Gap> {
+/// replaced by the least way out through a face that is one of the whole, and it is told so; `None`
+/// if there is none.
+fn by_border(gap: Gap, a: &Part, b: &Part) -> Option<(Gap, bool)> {
     let (Part::Convex(a), Part::Convex(b)) = (a, b) else {
-        return Some(gap);
+        return Some((gap, false));
     };
     if a.faces == Faces::ALL && b.faces == Faces::ALL {
-        return Some(gap);
+        return Some((gap, false));
     }
     if a.faces != Faces::ALL {
         return out_of(gap, a, b);
     }
-    out_of(gap.reversed(), b, a).map(Gap::reversed)
+    let found = out_of(gap.reversed(), b, a);
+    found.map(|(gap, is_forced)| (gap.reversed(), is_forced))
 }
 
-/// The gap of a cuboid, of which not all faces bound a solid, and another part.
-fn out_of(gap: Gap, cell: &Convex, other: &Convex) -> Option<Gap> {
+/// The gap of a cuboid, of which not all faces bound a solid, and another part; and whether it was
+/// replaced.
+fn out_of(gap: Gap, cell: &Convex, other: &Convex) -> Option<(Gap, bool)> {
     let way = cell.at.direction_to_local(gap.normal);
     let leads_out = (0..3).all(|axis| {
         way[axis].abs() < TO_FACE
@@ -149,7 +156,7 @@ fn out_of(gap: Gap, cell: &Convex, other: &Convex) -> Option<Gap> {
             })
     });
     if leads_out {
-        return Some(gap);
+        return Some((gap, false));
     }
     let by_face = |face: Face| {
         let normal = cell.at.rotation * face.offset().as_dvec3();
@@ -163,7 +170,8 @@ fn out_of(gap: Gap, cell: &Convex, other: &Convex) -> Option<Gap> {
         }
     };
     let ways = cell.faces.iter().map(by_face);
-    ways.max_by(|one, other| one.distance.total_cmp(&other.distance))
+    let least = ways.max_by(|one, other| one.distance.total_cmp(&other.distance));
+    least.map(|gap| (gap, true))
 }
 
 /// Where that part of a shape meets a mesh of ours that is deepest in it.
