@@ -221,7 +221,7 @@ impl<'a> Body<'a> {
             }
     }
 
-    /// Calls `visit` with the normals of all its faces, if it has some, and how far they are from the
+    /// Calls `visit` with the normals of all its flat faces, if it has some, and how far they are from the
     /// origin along these. What a scale of zero makes of a mesh has none.
     #[inline]
     pub fn each_face(&self, mut visit: impl FnMut(Vec3A, f32)) {
@@ -251,7 +251,23 @@ impl<'a> Body<'a> {
                     visit(normal, local.dot(on_face * scale) + normal.dot(self.center));
                 }
             }
-            _ => {}
+            Core::Frustum {
+                half_height, scale, ..
+            } => {
+                let normal = self.axes.y_axis;
+                let (at, half) = (normal.dot(self.center), half_height * scale.y.abs());
+                visit(normal, half + at);
+                visit(-normal, half - at);
+            }
+            Core::Triangle([a, b, c]) => {
+                let normal = (b - a).cross(c - a).normalize_or_zero();
+                if normal != Vec3A::ZERO {
+                    let at = normal.dot(self.center + a);
+                    visit(normal, at);
+                    visit(-normal, -at);
+                }
+            }
+            Core::Point | Core::Segment(_) => {}
         }
     }
 }

@@ -26,6 +26,10 @@ const MOST: f32 = 2.0;
 /// How much less the overlap along a later direction has to be to be preferred, as a share of the
 /// sizes.
 const BIAS: f32 = 1e-3;
+/// What is left uncertain of a depth, as a share of the sizes: about what rounding leaves.
+const UNCERTAIN: f32 = 1e-7;
+/// The cosine of the angle up to which a normal may be that of a face.
+const ALONG_FACE: f32 = 0.999;
 /// So often does the search for a point of both go from one shape to the other.
 const MOST_WAYS: usize = 8;
 /// Two points that are no further apart count as one, as a share of the sizes at hand.
@@ -54,6 +58,13 @@ struct OverFace {
 }
 
 impl OverFace {
+    /// A point of both, where they touch: of a ball that is further inside than it is large, the one
+    /// nearest to the face.
+    fn point(&self, radius: f32) -> Vec3A {
+        let way = self.on_mesh - self.center;
+        self.center + way * (radius / self.height.abs().max(f32::MIN_POSITIVE)).min(1.0)
+    }
+
     /// Where the two are closest, given their radii.
     fn nearest(&self, radii: [f32; 2]) -> Nearest {
         let on_mesh = if self.height > 0.0 {
@@ -176,7 +187,7 @@ impl<'a> Bodies<'a> {
             let is_met = over.height <= self.tolerance + self.radii();
             return Some(is_met.then(|| LocalContact {
                 normal: over.towards_b,
-                point: over.on_mesh,
+                point: over.point(self.a.radius.max(self.b.radius)),
                 depth: (self.radii() - over.height).max(0.0),
             }));
         }
@@ -286,7 +297,7 @@ impl<'a> Bodies<'a> {
         expand(
             &simplex.wide(),
             difference,
-            f64::from(size),
+            [size, UNCERTAIN * size].map(f64::from),
             towards,
             polytope,
         )
@@ -305,11 +316,30 @@ impl<'a> Bodies<'a> {
             points,
         } = self.least_overlap(simplex, size, polytope);
         let middle = points[0].midpoint(points[1]).as_vec3a();
+        let (normal, depth) = self.along_face(normal.as_vec3a(), depth as f32);
         LocalContact {
-            normal: normal.as_vec3a(),
+            normal,
             point: self.common_point(middle, simplex),
-            depth: depth as f32 + self.radii(),
+            depth: depth + self.radii(),
         }
+    }
+
+    /// The normal of a face that is as good as one that was found, but for rounding, and the overlap
+    /// along it: what lies on a face does so exactly.
+    fn along_face(&self, normal: Vec3A, depth: f32) -> (Vec3A, f32) {
+        let mut best = (normal, depth);
+        let mut most = depth + SAME * self.size;
+        for (body, other, turn) in [(&self.a, &self.b, 1.0), (&self.b, &self.a, -1.0)] {
+            body.each_face(|face, plane| {
+                if face.dot(normal) * turn > ALONG_FACE {
+                    let overlap = plane + other.reach(-face);
+                    if overlap <= most {
+                        (best, most) = ((face * turn, overlap), overlap);
+                    }
+                }
+            });
+        }
+        best
     }
 
     /// A point of two cores that touch, near another, by going back and forth between the two; that

@@ -4,8 +4,6 @@ use bevy::math::DVec3;
 
 use super::simplex::{Simplex, Vertex, triangle_weights};
 
-/// What is left uncertain of a depth, as a share of the sizes at hand.
-const PRECISION: f64 = 1e-7;
 /// What counts as flat, as a share of the sizes at hand.
 const FLAT: f64 = 1e-12;
 /// So often is a polytope expanded: round shapes in the middle of each other need most.
@@ -63,12 +61,15 @@ pub struct Polytope {
 /// the polytope that begins with it and grows where it is closest to the origin. Every direction
 /// that is tried parts the two, and so the least is no guess wherever the search ends.
 ///
+/// It ends where no more than `uncertain` is left uncertain of the depth, which leaves the normal
+/// uncertain by the root of that where the shapes are round.
+///
 /// Those without a volume in common overlap by nothing, along a normal that is as near to `towards`
 /// as there is.
 pub fn expand(
     simplex: &Simplex<DVec3>,
     difference: impl Fn(DVec3) -> Vertex<DVec3>,
-    size: f64,
+    [size, uncertain]: [f64; 2],
     towards: DVec3,
     polytope: &mut Polytope,
 ) -> Overlap {
@@ -112,7 +113,7 @@ pub fn expand(
         }
         // No direction parts them by less than the polytope does.
         let certain = least.map_or(reach, |(least, _)| least);
-        if certain - nearest.offset <= PRECISION * size {
+        if certain - nearest.offset <= uncertain {
             break;
         }
         let last = vertices.len();

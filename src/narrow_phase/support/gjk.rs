@@ -8,6 +8,8 @@ use super::gap::Gap;
 use super::segment_triangle;
 use crate::narrow_phase::gjk::{Found, Polytope, Simplex, Vertex, expand, search};
 
+/// What is left uncertain of a depth, as a share of the sizes at hand: little enough for normals.
+const UNCERTAIN: f64 = 1e-12;
 /// So often does the search for a point of both go from one shape to the other.
 const MOST_WAYS: usize = 8;
 /// Two points that are no further apart count as one, as a share of the sizes at hand.
@@ -64,7 +66,8 @@ pub fn by_steps(a: &Convex, b: &Convex, limit: f64, with_depth: bool) -> Option<
         });
     }
     let polytope = &mut Polytope::default();
-    let deepest = expand(&simplex, difference, size, towards_b, polytope);
+    let sizes = [size, UNCERTAIN * size];
+    let deepest = expand(&simplex, difference, sizes, towards_b, polytope);
     let middle = deepest.points[0].midpoint(deepest.points[1]);
     Some(Gap {
         distance: -deepest.depth.max(f64::MIN_POSITIVE),

@@ -56,6 +56,9 @@ impl Part<'_> {
     }
 }
 
+/// How far from a shape a point is that counts as in it, as a share of a depth.
+const IN_SHAPE: f64 = 1e-6;
+
 /// The gap between two that have no parts; see [`gjk::gap`]. An error if nothing can be said about
 /// it.
 pub fn gap(a: &Part, b: &Part, limit: f64, with_depth: bool) -> Result<Option<Gap>, Unknown> {
@@ -66,10 +69,19 @@ pub fn gap(a: &Part, b: &Part, limit: f64, with_depth: bool) -> Result<Option<Ga
             let distance = lowest.dot(*normal) - offset;
             let points = [lowest - *normal * distance, lowest];
             // What is above the deepest point need not be in the shape.
-            let between = if distance < 0.0 {
-                lowest
+            let middle = points[0].midpoint(points[1]);
+            let is_in_shape = || {
+                // What a triangle may be the surface of goes on behind it.
+                if b.as_triangle().is_some() {
+                    return true;
+                }
+                let near = -distance * IN_SHAPE;
+                gjk::gap(&Convex::point(middle), b, near, false).is_some()
+            };
+            let between = if !with_depth || distance >= 0.0 || is_in_shape() {
+                middle
             } else {
-                points[0].midpoint(points[1])
+                lowest
             };
             Ok((distance <= limit).then_some(Gap {
                 distance,
