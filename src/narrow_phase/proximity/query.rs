@@ -218,7 +218,7 @@ fn larger(found: Proximity, factor: f32, swapped: bool) -> Option<Proximity> {
 }
 
 /// The closest points of two shapes, in the frame of the pair.
-fn local_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
+pub fn local_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<[Vec3A; 2]> {
     match pair.case() {
         Case::Spheres | Case::SphereFirst => sphere_other(pair, workspace),
         Case::SphereSecond => {
