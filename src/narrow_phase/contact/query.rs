@@ -15,6 +15,7 @@ use crate::narrow_phase::{
         smaller::Smaller,
         workspace::Workspace,
     },
+    proximity,
     settings::NarrowPhase,
     shape::Kind,
     stage::Stage,
@@ -51,7 +52,8 @@ impl NarrowPhase {
     ///   is nearest to its centre; and if all that fails, the direction from centre to centre, and
     ///   +Y if these coincide. The depth is then the overlap of the two boxes that way.
     ///
-    /// The point is the middle of what they share, seen along the normal.
+    /// The point is the middle of what they share, seen along the normal; beside a half-space, the
+    /// deepest one.
     ///
     /// Of a mesh, only the polygons near the other shape are looked at: O(log n) for each of these;
     /// for two meshes, for each two of them that are near each other. A convex mesh of up to 128
@@ -176,8 +178,17 @@ impl NarrowPhase {
             Some(smaller) => {
                 let [a, b] = smaller.placed(pair);
                 let found = smaller.tests.contact(a, b, workspace);
+                // Where numbers end, the position is as near as any.
+                let point = |found: Contact| {
+                    let point = found.point * smaller.factor;
+                    if point.is_finite() {
+                        point
+                    } else {
+                        pair.a.transform.translation
+                    }
+                };
                 let larger = |found: Contact| Contact {
-                    point: found.point * smaller.factor,
+                    point: point(found),
                     depth: (found.depth * smaller.factor).min(f32::MAX),
                     ..found
                 };
@@ -193,7 +204,9 @@ impl NarrowPhase {
 }
 
 fn local_contact(pair: &PlacedPair, workspace: &mut Workspace) -> LocalContact {
-    by_case(pair, workspace).unwrap_or_else(|| from_centers(pair))
+    by_case(pair, workspace)
+        .or_else(|| from_between(pair, workspace))
+        .unwrap_or_else(|| from_centers(pair))
 }
 
 fn by_case(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
@@ -237,6 +250,17 @@ fn polygons(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact
 fn center_direction(pair: &PlacedPair) -> Vec3A {
     let offset = pair.box_b.center - pair.box_a.center;
     offset.try_normalize().unwrap_or(Vec3A::Y)
+}
+
+/// Of two that only nearly touch: along what is between them.
+fn from_between(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
+    let [from, to] = proximity::local_points(pair, workspace)?.points;
+    let normal = (to - from).try_normalize()?;
+    Some(LocalContact {
+        normal,
+        point: from.midpoint(to),
+        depth: 0.0,
+    })
 }
 
 /// The last resort: the boxes, from centre to centre.

@@ -27,7 +27,7 @@ const MOST: f32 = 2.0;
 /// sizes.
 const BIAS: f32 = 1e-3;
 /// What is left uncertain of a depth, as a share of the sizes: about what rounding leaves.
-const UNCERTAIN: f32 = 1e-7;
+const UNCERTAIN: f64 = 1e-7;
 /// The cosine of the angle up to which a normal may be that of a face.
 const ALONG_FACE: f32 = 0.999;
 /// So often does the search for a point of both go from one shape to the other.
@@ -118,10 +118,10 @@ impl<'a> Bodies<'a> {
     }
 
     /// See [`search`].
-    fn search(&self, limits: [f32; 2], simplex: &mut Simplex<Vec3A>, size: &mut f32) -> Found {
+    fn search(&self, limits: [f32; 2], simplex: &mut Simplex<Vec3A>) -> Found {
         let difference =
             |direction| Vertex::of([self.a.furthest(direction), self.b.furthest(-direction)]);
-        search(difference, self.towards(), limits, simplex, size)
+        search(difference, self.towards(), limits, simplex, &mut 0.0)
     }
 
     #[inline]
@@ -143,7 +143,7 @@ impl<'a> Bodies<'a> {
         if let Some(over) = self.over_face() {
             return Some(over.height <= limit);
         }
-        match self.search([limit; 2], &mut Simplex::empty(), &mut 0.0) {
+        match self.search([limit; 2], &mut Simplex::empty()) {
             Found::Beyond | Found::Apart => Some(false),
             Found::Enough | Found::Overlap => Some(true),
             Found::Unsettled => None,
@@ -166,7 +166,7 @@ impl<'a> Bodies<'a> {
             return Some(over.nearest([self.a.radius, self.b.radius]).of_surfaces());
         }
         let mut simplex = Simplex::empty();
-        match self.search([f32::INFINITY, -1.0], &mut simplex, &mut 0.0) {
+        match self.search([f32::INFINITY, -1.0], &mut simplex) {
             Found::Apart => {
                 let nearest = self.nearest(&simplex);
                 let share = nearest.distance() / self.size;
@@ -191,9 +191,9 @@ impl<'a> Bodies<'a> {
                 depth: (self.radii() - over.height).max(0.0),
             }));
         }
-        let (mut simplex, mut size) = (Simplex::empty(), 0.0);
+        let mut simplex = Simplex::empty();
         let limits = [self.tolerance + self.radii(), -1.0];
-        match self.search(limits, &mut simplex, &mut size) {
+        match self.search(limits, &mut simplex) {
             Found::Beyond => Some(None),
             Found::Apart => {
                 let nearest = self.nearest(&simplex);
@@ -201,15 +201,15 @@ impl<'a> Bodies<'a> {
                     return Some(None);
                 }
                 if self.have_few_faces() {
-                    return self.of_faces(&simplex, None, polytope).map(Some);
+                    return self.of_faces(&simplex, false, polytope).map(Some);
                 }
                 (nearest.distance() > LEAST * self.size).then(|| Some(nearest.contact()))
             }
             Found::Overlap | Found::Enough => {
                 if self.have_few_faces() {
-                    return self.of_faces(&simplex, Some(size), polytope).map(Some);
+                    return self.of_faces(&simplex, true, polytope).map(Some);
                 }
-                Some(Some(self.deepest(&simplex, size, polytope)))
+                Some(Some(self.deepest(&simplex, polytope)))
             }
             Found::Unsettled => None,
         }
@@ -242,11 +242,11 @@ impl<'a> Bodies<'a> {
     }
 
     /// Two that are bounded by faces: along the normal of one of these, if no other direction is much
-    /// better. The simplex is what the search ended with: where they overlap, at a size.
+    /// better. The simplex is what the search ended with.
     fn of_faces(
         &self,
         simplex: &Simplex<Vec3A>,
-        overlap: Option<f32>,
+        do_overlap: bool,
         polytope: &mut Polytope,
     ) -> Option<LocalContact> {
         let bias = BIAS * (self.reaches[0] + self.reaches[1]);
@@ -259,10 +259,8 @@ impl<'a> Bodies<'a> {
                 }
             });
         }
-        if let Some(size) = overlap
-            && best.1 < -bias
-        {
-            let found = self.least_overlap(simplex, size, polytope);
+        if do_overlap && best.1 < -bias {
+            let found = self.least_overlap(simplex, polytope);
             if -found.depth as f32 > best.1 + bias {
                 best = (found.normal.as_vec3a(), -found.depth as f32);
             }
@@ -282,39 +280,23 @@ impl<'a> Bodies<'a> {
         })
     }
 
-    fn least_overlap(
-        &self,
-        simplex: &Simplex<Vec3A>,
-        size: f32,
-        polytope: &mut Polytope,
-    ) -> Overlap {
+    fn least_overlap(&self, simplex: &Simplex<Vec3A>, polytope: &mut Polytope) -> Overlap {
         let difference = |direction: DVec3| {
             let direction = direction.as_vec3a();
             let on = [self.a.furthest(direction), self.b.furthest(-direction)];
             Vertex::of(on.map(wide))
         };
         let towards = wide(self.towards());
-        expand(
-            &simplex.wide(),
-            difference,
-            [size, UNCERTAIN * size].map(f64::from),
-            towards,
-            polytope,
-        )
+        expand(&simplex.wide(), difference, UNCERTAIN, towards, polytope)
     }
 
     /// Two of which the cores overlap.
-    fn deepest(
-        &self,
-        simplex: &Simplex<Vec3A>,
-        size: f32,
-        polytope: &mut Polytope,
-    ) -> LocalContact {
+    fn deepest(&self, simplex: &Simplex<Vec3A>, polytope: &mut Polytope) -> LocalContact {
         let Overlap {
             depth,
             normal,
             points,
-        } = self.least_overlap(simplex, size, polytope);
+        } = self.least_overlap(simplex, polytope);
         let middle = points[0].midpoint(points[1]).as_vec3a();
         let (normal, depth) = self.along_face(normal.as_vec3a(), depth as f32);
         LocalContact {

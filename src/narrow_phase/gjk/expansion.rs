@@ -61,7 +61,7 @@ pub struct Polytope {
 /// the polytope that begins with it and grows where it is closest to the origin. Every direction
 /// that is tried parts the two, and so the least is no guess wherever the search ends.
 ///
-/// It ends where no more than `uncertain` is left uncertain of the depth, which leaves the normal
+/// It ends where no more of the depth is uncertain than that share of the sizes, which leaves the normal
 /// uncertain by the root of that where the shapes are round.
 ///
 /// Those without a volume in common overlap by nothing, along a normal that is as near to `towards`
@@ -69,7 +69,7 @@ pub struct Polytope {
 pub fn expand(
     simplex: &Simplex<DVec3>,
     difference: impl Fn(DVec3) -> Vertex<DVec3>,
-    [size, uncertain]: [f64; 2],
+    uncertain: f64,
     towards: DVec3,
     polytope: &mut Polytope,
 ) -> Overlap {
@@ -80,6 +80,8 @@ pub fn expand(
     } = polytope;
     vertices.clear();
     facets.clear();
+    let extents = DVec3::AXES.map(|axis| difference(axis).point.distance(difference(-axis).point));
+    let size = extents.into_iter().fold(0.0, f64::max);
     let nothing = |normal: DVec3| Overlap {
         depth: 0.0,
         normal: if normal.dot(towards) < 0.0 {
@@ -113,7 +115,7 @@ pub fn expand(
         }
         // No direction parts them by less than the polytope does.
         let certain = least.map_or(reach, |(least, _)| least);
-        if certain - nearest.offset <= uncertain {
+        if certain - nearest.offset <= uncertain * size {
             break;
         }
         let last = vertices.len();

@@ -5,3 +5,5 @@ mod polygons;
 mod query;
 #[cfg(test)]
 mod tests;
+
+pub use query::local_points;

@@ -212,7 +212,7 @@ fn larger(found: Proximity, factor: f32, swapped: bool) -> Option<Proximity> {
 }
 
 /// The closest points of two shapes, in the frame of the pair.
-fn local_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Closest> {
+pub fn local_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Closest> {
     // Boxes turned alike have a closed form.
     let bodies = match pair.case() {
         Case::Cuboids if pair.box_a.axes != pair.box_b.axes => Bodies::of(pair),

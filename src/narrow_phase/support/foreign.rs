@@ -52,13 +52,12 @@ impl<'a> Foreign<'a> {
     }
 
     pub const fn is_compound(&self) -> bool {
-        matches!(
-            self,
-            Self::Tree {
-                is_compound: true,
-                ..
-            }
-        )
+        match self {
+            Self::Tree { is_compound, .. } => *is_compound,
+            Self::HeightField(..) => false,
+            // Its cells need not hang together.
+            Self::Voxels(..) => true,
+        }
     }
 
     /// Is it made of triangles that have numbers?

@@ -66,8 +66,7 @@ pub fn by_steps(a: &Convex, b: &Convex, limit: f64, with_depth: bool) -> Option<
         });
     }
     let polytope = &mut Polytope::default();
-    let sizes = [size, UNCERTAIN * size];
-    let deepest = expand(&simplex, difference, sizes, towards_b, polytope);
+    let deepest = expand(&simplex, difference, UNCERTAIN, towards_b, polytope);
     let middle = deepest.points[0].midpoint(deepest.points[1]);
     Some(Gap {
         distance: -deepest.depth.max(f64::MIN_POSITIVE),

@@ -71,14 +71,10 @@ pub fn gap(a: &Part, b: &Part, limit: f64, with_depth: bool) -> Result<Option<Ga
             // What is above the deepest point need not be in the shape.
             let middle = points[0].midpoint(points[1]);
             let is_in_shape = || {
-                // What a triangle may be the surface of goes on behind it.
-                if b.as_triangle().is_some() {
-                    return true;
-                }
                 let near = -distance * IN_SHAPE;
                 gjk::gap(&Convex::point(middle), b, near, false).is_some()
             };
-            let between = if !with_depth || distance >= 0.0 || is_in_shape() {
+            let between = if distance >= 0.0 || with_depth && is_in_shape() {
                 middle
             } else {
                 lowest

