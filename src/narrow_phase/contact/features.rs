@@ -19,8 +19,8 @@ use crate::narrow_phase::{
 
 /// The cosine of the angle up to which a face or an edge lies flat along the contact's normal.
 const ALIKE: f64 = 0.985;
-/// How much flatter one of two faces has to be for the other to be cut to it: the difference of two
-/// such cosines, of which more than a hundredth of a degree apart.
+/// How much flatter one of two faces has to be for the other to be cut to it, by the cosines: those
+/// of nothing and of a hundredth of a degree differ by this.
 const EVEN: f64 = 1e-8;
 /// The sine of the angle up to which two edges are side by side.
 const PARALLEL: f64 = 0.05;

@@ -132,8 +132,8 @@ impl NarrowPhase {
     ///   can stands on four points of its border. A capsule, and the side of a cylinder, cone or
     ///   frustum, is an edge: what lies has two points. So have two that lie side by side, along
     ///   each other to within 3°: the ends of what they share.
-    /// * What is [rounded](super::Rounded) has the faces, edges and corners of its core, moved
-    ///   out by the radius.
+    /// * What is [rounded](crate::narrow_phase::Rounded) has the faces, edges and corners of its core,
+    ///   moved out by the radius.
     /// * On a half-space, all corners of what faces it.
     /// * On a mesh, a height field or voxels, those of all polygons and cells in touch that share the
     ///   contact's normal, about as far as 10°, as one: a box on two triangles of a floor stands on
