@@ -219,10 +219,12 @@ fn triangle<V: Vector>([a, b, c]: [V; 3]) -> Nearest<V, 3> {
     ];
     let whole = areas[0] + areas[1] + areas[2];
     if squared > zero && whole > zero && areas.iter().all(|area| *area >= zero) {
-        let height = a.dot(normal);
+        let weights = areas.map(|area| area / whole);
+        // By what the weights make, not by the plane: that of a triangle without an area is noise.
+        let nearest = a * weights[0] + b * weights[1] + c * weights[2];
         return Nearest {
-            weights: areas.map(|area| area / whole),
-            squared: height / squared * height,
+            weights,
+            squared: nearest.length_squared(),
         };
     }
     let (one, other) = (segment([a, c]), segment([b, c]));
