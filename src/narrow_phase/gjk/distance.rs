@@ -60,10 +60,7 @@ pub fn search<V: Vector>(
                 distance: next_distance,
             } => (nearest, distance) = (next, next_distance),
             Step::None => break,
-            Step::Inside => {
-                simplex.enclose(&vertex);
-                return Found::Overlap;
-            }
+            Step::Inside => return Found::Overlap,
         }
     }
     Found::Unsettled

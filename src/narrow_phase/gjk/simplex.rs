@@ -101,10 +101,10 @@ impl<V: Vector> Simplex<V> {
     /// The weights of the point closest to the origin with one more vertex: those of the others, and
     /// then that of the new one. `None` if the hull has the origin inside.
     #[inline(always)]
-    fn weights_with(&self, point: V) -> Option<([V::Scalar; 3], V::Scalar)> {
+    fn weights_with(&self, point: V) -> Result<([V::Scalar; 3], V::Scalar), [V::Scalar; 4]> {
         let zero = V::Scalar::ZERO;
         let [a, b, c, _] = self.vertices.each_ref().map(|vertex| vertex.point);
-        Some(match self.count {
+        Ok(match self.count {
             1 => {
                 let [a, d] = segment([a, point]).weights;
                 ([a, zero, zero], d)
@@ -120,12 +120,18 @@ impl<V: Vector> Simplex<V> {
         })
     }
 
-    /// Adds a vertex if that brings the hull closer to the origin than `distance`, and drops those
-    /// that are then no use.
+    /// Adds a vertex if that brings the hull closer to the origin than `distance`, or has it inside, and
+    /// drops those that are then no use.
     #[inline]
     pub fn add(&mut self, vertex: &Vertex<V>, distance: V::Scalar) -> Step<V> {
-        let Some((weights, last)) = self.weights_with(vertex.point) else {
-            return Step::Inside;
+        let (weights, last) = match self.weights_with(vertex.point) {
+            Ok(weights) => weights,
+            Err(all) => {
+                self.vertices[3] = *vertex;
+                self.weights = all;
+                self.count = 4;
+                return Step::Inside;
+            }
         };
         let mut nearest = vertex.point * last;
         for (vertex, weight) in self.vertices.iter().zip(weights).take(self.count) {
@@ -157,15 +163,6 @@ impl<V: Vector> Simplex<V> {
             nearest,
             distance: next,
         }
-    }
-
-    /// Becomes the hull with one more vertex, which has the origin inside.
-    pub fn enclose(&mut self, vertex: &Vertex<V>) {
-        self.vertices[3] = *vertex;
-        self.count = 4;
-        let half = V::Scalar::ONE / (V::Scalar::ONE + V::Scalar::ONE);
-        let points = self.vertices.each_ref().map(|vertex| vertex.point);
-        self.weights = inside(points).unwrap_or([half * half; 4]);
     }
 }
 
@@ -243,10 +240,10 @@ fn triangle<V: Vector>([a, b, c]: [V; 3]) -> Nearest<V, 3> {
     }
 }
 
-/// The weights of the point of a tetrahedron that is closest to the origin; `None` if that is
-/// inside.
+/// The weights of the point of a tetrahedron that is closest to the origin; those of the origin as an
+/// error, if it is inside.
 #[inline]
-fn tetrahedron<V: Vector>(points: [V; 4]) -> Option<[V::Scalar; 4]> {
+fn tetrahedron<V: Vector>(points: [V; 4]) -> Result<[V::Scalar; 4], [V::Scalar; 4]> {
     let zero = V::Scalar::ZERO;
     let [a, b, c, d] = points;
     let [u, v, w] = [a - d, b - d, c - d];
@@ -259,10 +256,11 @@ fn tetrahedron<V: Vector>(points: [V; 4]) -> Option<[V::Scalar; 4]> {
     let is_flat = volume.greater(-volume) <= V::Scalar::FLAT * longest * longest.sqrt();
     // How much of each corner the origin has, but for the last.
     let shares = normals.map(|normal| -d.dot(normal) / volume);
-    let is_inside = shares.iter().all(|share| *share >= zero)
-        && shares[0] + shares[1] + shares[2] <= V::Scalar::ONE;
+    let last = V::Scalar::ONE - shares[0] - shares[1] - shares[2];
+    let is_inside = last >= zero && shares.iter().all(|share| *share >= zero);
     if is_inside && !is_flat {
-        return None;
+        let [a, b, c] = shares;
+        return Err([a, b, c, last]);
     }
     // The sides that it is beyond, and those that rounding may have it beyond.
     let is_before = |share: V::Scalar| share > V::Scalar::DOUBT;
@@ -297,19 +295,5 @@ fn tetrahedron<V: Vector>(points: [V; 4]) -> Option<[V::Scalar; 4]> {
         } = triangle([a, b, d]);
         consider([a, b, zero, d], squared);
     }
-    Some(best.map_or([zero, zero, zero, V::Scalar::ONE], |best| best.weights))
-}
-
-/// The weights of the origin, if it is inside a tetrahedron that is not flat.
-fn inside<V: Vector>([a, b, c, d]: [V; 4]) -> Option<[V::Scalar; 4]> {
-    let zero = V::Scalar::ZERO;
-    let [u, v, w] = [b - a, c - a, d - a];
-    let volume = u.cross(v).dot(w);
-    let [to_b, to_c, to_d] =
-        [v.cross(w), w.cross(u), u.cross(v)].map(|normal| -a.dot(normal) / volume);
-    let weights = [V::Scalar::ONE - to_b - to_c - to_d, to_b, to_c, to_d];
-    weights
-        .iter()
-        .all(|weight| *weight >= zero)
-        .then_some(weights)
+    Ok(best.map_or([zero, zero, zero, V::Scalar::ONE], |best| best.weights))
 }

@@ -91,3 +91,46 @@ fn common_point(a: &Convex, b: &Convex, near: DVec3, size: f64) -> Option<DVec3>
         (on_a.distance(point) <= SAME * size).then(|| on_a.midpoint(point))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::narrow_phase::{Shape, support::convex::Isometry};
+    use bevy::math::{DMat3, DQuat, Vec3};
+
+    #[test]
+    fn points_of_a_gap_are_of_the_two() {
+        let mut random = fastrand::Rng::with_seed(4);
+        let mut vector = || DVec3::from_array([0; 3].map(|_| random.f64() * 2.0 - 1.0));
+        let mut worst = [0.0f64; 2];
+        for _ in 0..300 {
+            let points: Vec<Vec3> = (0..24).map(|_| vector().as_vec3()).collect();
+            let Ok(Shape::Convex(hull)) = Shape::convex_hull(points) else {
+                continue;
+            };
+            for _ in 0..30 {
+                let turn = DMat3::from_quat(DQuat::from_scaled_axis(vector() * 3.0));
+                let at = Isometry {
+                    rotation: turn,
+                    translation: vector() * 2.0,
+                };
+                let a = Convex::mesh(&hull, DVec3::ONE, at);
+                let corners = [vector(), vector(), vector()];
+                let b = Convex::triangle(corners, 0.0, Isometry::IDENTITY);
+                let gap = by_steps(&a, &b, f64::INFINITY, false).unwrap();
+                if gap.distance < 0.0 {
+                    continue;
+                }
+                let off = (gap.points[0].distance(gap.points[1]) - gap.distance).abs();
+                let [p, q, r] = corners;
+                let normal = (q - p).cross(r - p).normalize();
+                let height = normal.dot(gap.points[1] - p).abs();
+                worst = [worst[0].max(off), worst[1].max(height)];
+                let certain = b.furthest(-gap.normal).dot(gap.normal)
+                    - a.furthest(gap.normal).dot(gap.normal);
+                assert!((certain - gap.distance).abs() < 1e-9, "{certain} {gap:?}");
+            }
+        }
+        assert!(worst[0] < 1e-12 && worst[1] < 1e-12, "{worst:?}");
+    }
+}
