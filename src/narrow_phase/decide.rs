@@ -51,6 +51,9 @@ impl NarrowPhase {
             pair.count(self.tolerance(), verdict, &mut workspace.counters);
             return verdict;
         }
+        if let Some(verdict) = support::with_own(a, b, |a, b| self.intersects(a, b, workspace)) {
+            return verdict;
+        }
         match PlacedPair::new(a, b, self.tolerance()) {
             Ok(pair) if pair.is_large() => self.decide_large(&pair, workspace),
             Ok(pair) => self.decide(&pair, workspace),
@@ -87,11 +90,6 @@ impl NarrowPhase {
         if let Some(smaller) = Smaller::of(pair, self) {
             let [a, b] = smaller.placed(pair);
             return smaller.tests.intersects(a, b, workspace);
-        }
-        if let Some(verdict) =
-            support::with_own(pair.a, pair.b, |a, b| self.intersects(a, b, workspace))
-        {
-            return verdict;
         }
         let verdict = complete(pair, workspace);
         workspace.counters.count(Stage::Complete, Some(verdict));
@@ -191,11 +189,8 @@ fn complete(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
                 && edge_polygon::intersects(pair, workspace)
         }
         Case::Cuboids | Case::Polygons => edge_polygon::intersects(pair, workspace),
-        Case::Parts => parts(pair, workspace),
-        Case::Foreign => support::with_own_pair(pair, |pair| {
-            boxes(pair).unwrap_or_else(|| complete(pair, workspace))
-        })
-        .unwrap_or_else(|| parts(pair, workspace)),
+        // What is one of ours has been asked as such.
+        Case::Parts | Case::Foreign => parts(pair, workspace),
     }
 }
 

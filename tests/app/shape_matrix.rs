@@ -28,7 +28,7 @@ const WHOLE_ROUNDS: usize = 10;
 /// How far off a distance may be, as a share of the sizes.
 const EXACT: f64 = 1e-5;
 /// The same of depths of round shapes, which are the end of an iteration.
-const DEEP: f64 = 2e-3;
+const DEEP: f64 = 2e-5;
 
 const PARTS: &str = "of the deepest parts";
 
@@ -469,7 +469,7 @@ impl Alone<'_> {
         assert!(!is_in, "{point} {}", self.what());
         // The shorter a vector of 32-bit numbers is, the less is known of its direction.
         let size = at.size();
-        let doubt = 3.0 * exact + 5e-7 * size * size / distance;
+        let doubt = exact + 5e-7 * size * size / distance;
         // What parts the point from all of it.
         for part in &at.parts {
             let on_part = tests.closest_point(part.placed(), point, &mut workspace);
@@ -659,7 +659,7 @@ fn check_all(tally: &Tally, least: u32) {
 #[test]
 fn all_pairs_of_convex_shapes_pass_all_tests() {
     let around = directions(1500);
-    let mut rng = Rng::with_seed(13);
+    let mut rng = Rng::with_seed(std::env::var("SEED").map_or(13, |s| s.parse().unwrap()));
     let mut tally = Tally::default();
     for round in 0..ROUNDS {
         let all: Vec<Whole> = kinds(&mut rng).into_iter().map(Whole::from).collect();
@@ -681,7 +681,7 @@ fn all_pairs_of_convex_shapes_pass_all_tests() {
 #[test]
 fn all_pairs_of_all_shapes_pass_all_tests() {
     let around = directions(300);
-    let mut rng = Rng::with_seed(31);
+    let mut rng = Rng::with_seed(std::env::var("SEED").map_or(31, |s| s.parse().unwrap()));
     let mut tally = Tally::default();
     for round in 0..WHOLE_ROUNDS {
         let all = wholes(&mut rng);

@@ -67,6 +67,9 @@ impl NarrowPhase {
     #[doc(alias = "penetration")]
     #[must_use]
     pub fn contact(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Contact> {
+        if let Some(found) = support::with_own(a, b, |a, b| self.contact(a, b, workspace)) {
+            return found;
+        }
         if let Some(found) = self.at_once(a, b, workspace) {
             return found;
         }
@@ -174,30 +177,22 @@ impl NarrowPhase {
     fn large_contact(&self, pair: &PlacedPair, workspace: &mut Workspace) -> Option<Contact> {
         // The stages have been counted.
         let counters = workspace.counters;
-        let found = match Smaller::of(pair, self) {
-            Some(smaller) => {
-                let [a, b] = smaller.placed(pair);
-                let found = smaller.tests.contact(a, b, workspace);
+        let smaller = Smaller::of(pair, self)?;
+        let [a, b] = smaller.placed(pair);
+        let found = smaller.tests.contact(a, b, workspace);
+        let found = found.map(|found| {
+            let point = found.point * smaller.factor;
+            Contact {
                 // Where numbers end, the position is as near as any.
-                let point = |found: Contact| {
-                    let point = found.point * smaller.factor;
-                    if point.is_finite() {
-                        point
-                    } else {
-                        pair.a.transform.translation
-                    }
-                };
-                let larger = |found: Contact| Contact {
-                    point: point(found),
-                    depth: (found.depth * smaller.factor).min(f32::MAX),
-                    ..found
-                };
-                found.map(larger)
+                point: if point.is_finite() {
+                    point
+                } else {
+                    pair.a.transform.translation
+                },
+                depth: (found.depth * smaller.factor).min(f32::MAX),
+                ..found
             }
-            None => {
-                support::with_own(pair.a, pair.b, |a, b| self.contact(a, b, workspace)).flatten()
-            }
-        };
+        });
         workspace.counters = counters;
         found
     }
@@ -219,9 +214,7 @@ fn by_case(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact>
         Case::Cuboids => cuboids(pair, workspace),
         Case::Convex => convex::contact(pair, workspace),
         Case::Polygons => polygons(pair, workspace),
-        Case::Parts => support::contact(pair.a, pair.b, pair.tolerance),
-        Case::Foreign => support::with_own_pair(pair, |pair| by_case(pair, workspace))
-            .unwrap_or_else(|| support::contact(pair.a, pair.b, pair.tolerance)),
+        Case::Parts | Case::Foreign => support::contact(pair.a, pair.b, pair.tolerance),
     }
 }
 

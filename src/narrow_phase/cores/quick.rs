@@ -17,7 +17,7 @@ use crate::narrow_phase::{
 };
 
 /// The least distance of two cores that tells a direction, as a share of the sizes.
-const LEAST: f32 = 1e-4;
+const LEAST: f32 = 1e-5;
 
 /// How many times larger a box is of which the place of the other is computed in 64-bit floats.
 const MUCH_LARGER: f32 = 8.0;
@@ -326,7 +326,7 @@ impl QuickPair {
         Some(Some(LocalContact {
             normal: if is_box_first { outwards } else { -outwards },
             point,
-            depth: depth + radius,
+            depth: (depth + radius).max(0.0),
         }))
     }
 }

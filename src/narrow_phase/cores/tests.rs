@@ -4,7 +4,9 @@ use bevy::math::{Quat, Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
 use super::{Bodies, QuickPair, segments::*};
-use crate::narrow_phase::{Placed, Shape, frame::placed::PlacedPair, gjk::Polytope, support};
+use crate::narrow_phase::{
+    NarrowPhase, Placed, Shape, Workspace, frame::placed::PlacedPair, gjk::Polytope, support,
+};
 
 struct Random(fastrand::Rng);
 
@@ -178,4 +180,34 @@ fn both_precisions_say_the_same() {
         }
     }
     assert!(told > 2000 && deep > 1000, "{told} {deep}");
+}
+
+#[test]
+fn points_of_convex_meshes_are_the_closest() {
+    let mut random = Random(fastrand::Rng::with_seed(3));
+    let tests = NarrowPhase::default();
+    let mut workspace = Workspace::default();
+    for round in 0..400 {
+        let corners = [0; 4].map(|_| random.vector() * 1.5);
+        let Ok(shape) = Shape::tetrahedron(corners) else {
+            continue;
+        };
+        let scale = if round % 2 == 0 {
+            Vec3::ONE
+        } else {
+            Vec3::new(1.06, 1.48, -1.11)
+        };
+        let at = random.at(1.0).with_scale(scale);
+        let placed = Placed::new(&shape, &at);
+        for _ in 0..20 {
+            let point = random.vector() * 3.0;
+            let found = tests.closest_point(placed, point, &mut workspace).unwrap();
+            let exact = support::closest_point(placed, point).unwrap();
+            let (found, exact) = (found.distance(point), exact.distance(point));
+            assert!(
+                (found - exact).abs() < 3e-5,
+                "{found}, not {exact}: {corners:?} {at:?} {point}"
+            );
+        }
+    }
 }

@@ -228,11 +228,7 @@ pub fn local_points(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Clos
         }
         Case::Cuboids => boxes::closest_points(pair, workspace),
         Case::Convex | Case::Polygons => polygons::closest_points(pair, workspace),
-        Case::Parts => parts(pair, workspace),
-        Case::Foreign => {
-            return support::with_own_pair(pair, |pair| local_points(pair, workspace))
-                .unwrap_or_else(|| Some(parts(pair, workspace)?.into()));
-        }
+        Case::Parts | Case::Foreign => parts(pair, workspace),
     };
     points.map(Closest::from)
 }

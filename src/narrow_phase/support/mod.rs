@@ -39,5 +39,5 @@ pub use cast::{cast_ray, sweep};
 pub use convex::feature::{Feature, FeatureKind};
 pub use faces::{cast_ray_with, passage};
 pub use near_parts::{NearPart, each_two, smaller_size};
-pub use own::{as_own, with_own, with_own_pair};
+pub use own::{as_own, with_own};
 pub use query::{closest_point, closest_points, contact, enclosed, intersects, is_known, side};

@@ -3,10 +3,7 @@
 use bevy::transform::components::Transform;
 
 use crate::narrow_phase::{
-    frame::{
-        case::Case,
-        placed::{Placed, PlacedPair},
-    },
+    frame::{case::Case, placed::Placed},
     shape::Shape,
 };
 
@@ -43,9 +40,4 @@ pub fn with_own<T>(a: Placed, b: Placed, f: impl FnOnce(Placed, Placed) -> T) ->
     };
     let ((a, at_a), (b, at_b)) = (known(a)?, known(b)?);
     Some(f(Placed::new(&a, &at_a), Placed::new(&b, &at_b)))
-}
-
-/// The same, of a pair whose boxes and tolerance are known.
-pub fn with_own_pair<T>(pair: &PlacedPair, f: impl FnOnce(&PlacedPair) -> T) -> Option<T> {
-    with_own(pair.a, pair.b, |a, b| f(&PlacedPair { a, b, ..*pair }))
 }

@@ -159,7 +159,7 @@ pub(crate) fn kinds(rng: &mut Rng) -> Vec<Known> {
         0.3,
     ));
     // Of few enough edges for the depth of two to be exact.
-    let points: Vec<Vec3> = (0..12).map(|_| point(rng, 1.2)).collect();
+    let points: Vec<Vec3> = (0..24).map(|_| point(rng, 1.2)).collect();
     let hull = Shape::convex_hull(points.iter().copied()).unwrap();
     let round = Shape::rounded(&hull, 0.2).unwrap();
     all.push(Known::of_points("hull", hull, &points));
