@@ -264,6 +264,17 @@ fn closest_to_center(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec
             let offset = pair.box_b.center - center;
             Some(center + offset * (1.0 - (pair.box_b.radius / offset.length()).min(1.0)))
         }
+        // Which side of a thin solid a point is on, its nearest polygons alone do not tell.
+        Kind::Convex if Bodies::of_case(pair).is_some() => {
+            let mote = Shape::Sphere { radius: 0.0 };
+            let at_center = Placed::new(&mote, pair.a.transform);
+            let found = Bodies::of_case(pair)
+                .filter(|_| pair.box_a.radius == 0.0)
+                .and_then(|bodies| bodies.closest_points())
+                .or_else(|| support::closest_points(at_center, pair.b).map(Closest::from))?;
+            let apart = found.distance > 0.0;
+            Some(center + if apart { found.offset } else { Vec3A::ZERO })
+        }
         Kind::Convex | Kind::Mesh => match edge_polygon::sphere_closest(pair, workspace)? {
             (_, true) => Some(center),
             (closest, false) => Some(closest.point),

@@ -194,6 +194,12 @@ impl PartAt<'_> {
         self.known.radius * (self.known.radius_scale)(self.scale)
     }
 
+    /// Is it bounded by nothing but faces?
+    pub(super) fn has_faces(&self) -> bool {
+        let are_corners = matches!(&self.known.core, Core::Points(points) if points.len() > 3);
+        are_corners && self.known.radius == 0.0
+    }
+
     /// The normal of a half-space, and how far along it its plane is.
     pub(super) fn plane(&self) -> Option<(DVec3, f64)> {
         let Core::Behind(normal) = self.known.core else {
