@@ -5,7 +5,7 @@ use bevy::math::Vec3A;
 use super::{buffers::Buffers, convex, mesh, meshes, sphere};
 use crate::narrow_phase::{
     answer::{Contact, LocalContact},
-    cores::{Balls, Bodies},
+    cores::{Balls, Bodies, Closest},
     error::BoundsError,
     frame::{
         case::Case,
@@ -199,9 +199,7 @@ impl NarrowPhase {
 }
 
 fn local_contact(pair: &PlacedPair, workspace: &mut Workspace) -> LocalContact {
-    by_case(pair, workspace)
-        .or_else(|| from_between(pair, workspace))
-        .unwrap_or_else(|| from_centers(pair))
+    by_case(pair, workspace).unwrap_or_else(|| from_between(pair, workspace))
 }
 
 fn by_case(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
@@ -245,15 +243,26 @@ fn center_direction(pair: &PlacedPair) -> Vec3A {
     offset.try_normalize().unwrap_or(Vec3A::Y)
 }
 
-/// Of two that only nearly touch: along what is between them.
-fn from_between(pair: &PlacedPair, workspace: &mut Workspace) -> Option<LocalContact> {
-    let [from, to] = proximity::local_points(pair, workspace)?.points;
-    let normal = (to - from).try_normalize()?;
-    Some(LocalContact {
-        normal,
-        point: from.midpoint(to),
-        depth: 0.0,
-    })
+/// Of two of which nothing else is known: along what is between them, if they only nearly touch, and
+/// else from centre to centre, at a point of both.
+fn from_between(pair: &PlacedPair, workspace: &mut Workspace) -> LocalContact {
+    let Some(Closest {
+        points: [from, to], ..
+    }) = proximity::local_points(pair, workspace)
+    else {
+        return from_centers(pair);
+    };
+    match (to - from).try_normalize() {
+        Some(normal) => LocalContact {
+            normal,
+            point: from.midpoint(to),
+            depth: 0.0,
+        },
+        None => LocalContact {
+            point: from,
+            ..from_centers(pair)
+        },
+    }
 }
 
 /// The last resort: the boxes, from centre to centre.
