@@ -22,6 +22,8 @@ pub enum Core<'a> {
     Triangle([Vec3A; 3]),
     /// By half its sides.
     Cuboid(Vec3A),
+    /// A cuboid along the axes of the frame.
+    Upright(Vec3A),
     /// Around the second axis: a cylinder or a cone, too. Elliptic, if its scale differs across.
     Frustum {
         bottom: f32,
@@ -110,6 +112,45 @@ impl<'a> Body<'a> {
         })
     }
 
+    /// The axes of a cuboid.
+    #[inline]
+    pub const fn axes_of_cuboid(&self) -> Option<Mat3A> {
+        match self.core {
+            Core::Cuboid(_) => Some(self.axes),
+            _ => None,
+        }
+    }
+
+    /// The same in other axes, of a cuboid whose own these are, or of any shape.
+    #[inline]
+    pub fn along(&self, axes: &Mat3A, is_own: bool) -> Self {
+        let into = axes.transpose();
+        let center = into * self.center;
+        if let Core::Cuboid(half) = self.core
+            && is_own
+        {
+            return Self {
+                core: Core::Upright(half),
+                center,
+                axes: Mat3A::IDENTITY,
+                back: Mat3A::IDENTITY,
+                radius: self.radius,
+            };
+        }
+        let turned = into * self.axes;
+        Self {
+            core: match self.core {
+                Core::Segment(half) => Core::Segment(into * half),
+                Core::Triangle(corners) => Core::Triangle(corners.map(|corner| into * corner)),
+                core => core,
+            },
+            center,
+            axes: turned,
+            back: turned.transpose(),
+            radius: self.radius,
+        }
+    }
+
     /// The point of the core that is furthest along a direction.
     #[inline]
     pub fn furthest(&self, direction: Vec3A) -> Vec3A {
@@ -133,6 +174,10 @@ impl<'a> Body<'a> {
                     2
                 };
                 return self.center + corners[furthest];
+            }
+            Core::Upright(half) => {
+                let corner = Vec3A::select(direction.cmplt(Vec3A::ZERO), -half, half);
+                return self.center + corner;
             }
             Core::Cuboid(half) => {
                 let direction = self.back * direction;
@@ -172,6 +217,7 @@ impl<'a> Body<'a> {
     #[inline]
     pub fn reach(&self, direction: Vec3A) -> f32 {
         let from_center = match self.core {
+            Core::Upright(half) => direction.abs().dot(half),
             Core::Cuboid(half) => (self.back * direction).abs().dot(half),
             Core::Hull(mesh, scale) => mesh.corners().reach(self.back * direction * scale),
             _ => return self.furthest(direction).dot(direction),
@@ -215,7 +261,7 @@ impl<'a> Body<'a> {
     pub fn has_few_faces(&self) -> bool {
         self.radius == 0.0
             && match self.core {
-                Core::Cuboid(_) => true,
+                Core::Cuboid(_) | Core::Upright(_) => true,
                 Core::Hull(mesh, _) => mesh.polygon_count() <= FEW_FACES,
                 _ => false,
             }
@@ -226,7 +272,7 @@ impl<'a> Body<'a> {
     #[inline]
     pub fn each_face(&self, mut visit: impl FnMut(Vec3A, f32)) {
         match self.core {
-            Core::Cuboid(half) => {
+            Core::Cuboid(half) | Core::Upright(half) => {
                 for axis in 0..3 {
                     let normal = self.axes.col(axis);
                     let at = normal.dot(self.center);

@@ -1,7 +1,7 @@
 //! Convex shapes of any kind by their support functions, in 32-bit floats: a fraction of the steps
 //! that 64-bit ones take, and as exact as positions are. What these cannot tell is left to those.
 
-use bevy::math::{DVec3, Vec3A};
+use bevy::math::{DVec3, Mat3A, Vec3A};
 
 use super::body::{Body, Core};
 use super::nearest::{Closest, Nearest};
@@ -44,6 +44,9 @@ pub struct Bodies<'a> {
     reaches: [f32; 2],
     size: f32,
     tolerance: f32,
+    /// The axes in which the two are, if not those of the frame: of a cuboid among them, which is
+    /// quicker to ask for it.
+    axes: Option<Mat3A>,
 }
 
 /// The centre of a ball, inside a convex mesh or over the middle of one of its faces.
@@ -92,9 +95,19 @@ impl<'a> Bodies<'a> {
         if !FAIR.contains(&pair.size) || pair.is_wide() {
             return None;
         }
+        let (mut a, mut b) = (
+            Body::of(pair.a, &pair.box_a)?,
+            Body::of(pair.b, &pair.box_b)?,
+        );
+        let own = a.axes_of_cuboid();
+        let axes = own.or_else(|| b.axes_of_cuboid());
+        if let Some(axes) = &axes {
+            (a, b) = (a.along(axes, own.is_some()), b.along(axes, own.is_none()));
+        }
         Some(Self {
-            a: Body::of(pair.a, &pair.box_a)?,
-            b: Body::of(pair.b, &pair.box_b)?,
+            a,
+            b,
+            axes,
             reaches: [pair.box_a.radius, pair.box_b.radius],
             size: pair.size,
             tolerance: pair.tolerance,
@@ -170,11 +183,12 @@ impl<'a> Bodies<'a> {
             Found::Apart => {
                 let nearest = self.nearest(&simplex);
                 let share = nearest.distance() / self.size;
-                (share > LEAST && share < MOST).then(|| nearest.of_surfaces())
+                (share > LEAST && share < MOST)
+                    .then(|| self.closest_in_frame(nearest.of_surfaces()))
             }
             Found::Overlap | Found::Enough => {
                 let [on_a, on_b] = simplex.points();
-                Some([on_a.midpoint(on_b); 2].into())
+                Some(self.closest_in_frame([on_a.midpoint(on_b); 2].into()))
             }
             Found::Beyond | Found::Unsettled => None,
         }
@@ -183,6 +197,34 @@ impl<'a> Bodies<'a> {
     /// Where and how deep the two meet, if they do: as [`intersects`](Self::intersects) has it. The
     /// outer `None` where that is too close to tell.
     pub fn contact(&self, polytope: &mut Polytope) -> Option<Option<LocalContact>> {
+        let found = self.own_contact(polytope)?;
+        Some(found.map(|found| match &self.axes {
+            None => found,
+            Some(axes) => LocalContact {
+                normal: *axes * found.normal,
+                point: *axes * found.point,
+                ..found
+            },
+        }))
+    }
+
+    fn closest_in_frame(&self, found: Closest) -> Closest {
+        match &self.axes {
+            None => found,
+            Some(axes) => {
+                let offset = *axes * found.offset;
+                Closest {
+                    points: found.points.map(|point| *axes * point),
+                    offset,
+                    distance: offset.length(),
+                }
+            }
+        }
+    }
+
+    /// The contact, in the axes in which the two are.
+    #[inline]
+    fn own_contact(&self, polytope: &mut Polytope) -> Option<Option<LocalContact>> {
         if let Some(over) = self.over_face() {
             let is_met = over.height <= self.tolerance + self.radii();
             return Some(is_met.then(|| LocalContact {
