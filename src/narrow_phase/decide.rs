@@ -1,6 +1,6 @@
 //! The chain of decisions for a pair of shapes.
 
-use bevy::math::Vec3A;
+use bevy::math::{Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
 use super::cores::{Balls, Bodies, QuickPair};
@@ -31,35 +31,54 @@ impl NarrowPhase {
     #[inline]
     #[must_use]
     pub fn intersects(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> bool {
-        if let (Shape::Cuboid { half_size: half_a }, Shape::Cuboid { half_size: half_b }) =
-            (a.shape, b.shape)
-            && a.transform.rotation == b.transform.rotation
-            && self.exactness() == Exactness::Cheapest
-        {
-            let half_a = (Vec3A::from(*half_a) * Vec3A::from(a.transform.scale)).abs();
-            let half_b = (Vec3A::from(*half_b) * Vec3A::from(b.transform.scale)).abs();
-            let verdict = self.aligned(a.transform, half_a, b.transform, half_b);
-            workspace.counters.count(Stage::Boxes, Some(verdict));
+        let verdict = match (a.shape, b.shape) {
+            (Shape::Cuboid { half_size: half_a }, Shape::Cuboid { half_size: half_b }) => {
+                self.alike((a, *half_a), (b, *half_b), workspace)
+            }
+            _ => self.without_frame(a, b, workspace),
+        };
+        if let Some(verdict) = verdict {
             return verdict;
-        }
-        if let Some(balls) = Balls::of(a, b) {
-            return balls.intersects(self.tolerance(), &mut workspace.counters);
         }
         let (a, b, _) = in_order(a, b);
-        if let Some(pair) = self.quick(a, b) {
-            let verdict = pair.intersects(self.tolerance());
-            pair.count(self.tolerance(), verdict, &mut workspace.counters);
-            return verdict;
-        }
-        if let Some(verdict) = support::with_own(a, b, |a, b| self.intersects(a, b, workspace)) {
-            return verdict;
-        }
         match PlacedPair::new(a, b, self.tolerance()) {
             Ok(pair) if pair.is_large() => self.decide_large(&pair, workspace),
             Ok(pair) => self.decide(&pair, workspace),
             Err(BoundsError::Unbounded) => unbounded(a, b, self.tolerance(), workspace),
             Err(BoundsError::NonFinite) => false,
         }
+    }
+
+    /// Two cuboids, if they are turned alike and the cheapest test is asked for.
+    #[inline]
+    fn alike(
+        &self,
+        (a, half_a): (Placed, Vec3),
+        (b, half_b): (Placed, Vec3),
+        workspace: &mut Workspace,
+    ) -> Option<bool> {
+        if a.transform.rotation != b.transform.rotation || self.exactness() != Exactness::Cheapest {
+            return None;
+        }
+        let half_a = (Vec3A::from(half_a) * Vec3A::from(a.transform.scale)).abs();
+        let half_b = (Vec3A::from(half_b) * Vec3A::from(b.transform.scale)).abs();
+        let verdict = self.aligned(a.transform, half_a, b.transform, half_b);
+        workspace.counters.count(Stage::Boxes, Some(verdict))
+    }
+
+    /// Two that need no frame of their own: of a closed form, or Rapier's that are ours.
+    #[inline]
+    fn without_frame(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<bool> {
+        if let Some(balls) = Balls::of(a, b) {
+            return Some(balls.intersects(self.tolerance(), &mut workspace.counters));
+        }
+        let (first, second, _) = in_order(a, b);
+        if let Some(pair) = self.quick(first, second) {
+            let verdict = pair.intersects(self.tolerance());
+            pair.count(self.tolerance(), verdict, &mut workspace.counters);
+            return Some(verdict);
+        }
+        support::with_own(a, b, |a, b| self.intersects(a, b, workspace))
     }
 
     /// Two of which all is told in closed form.

@@ -17,7 +17,7 @@ use crate::narrow_phase::{
     },
     proximity,
     settings::NarrowPhase,
-    shape::Kind,
+    shape::{Kind, Shape},
     stage::Stage,
     support,
 };
@@ -67,11 +67,17 @@ impl NarrowPhase {
     #[doc(alias = "penetration")]
     #[must_use]
     pub fn contact(&self, a: Placed, b: Placed, workspace: &mut Workspace) -> Option<Contact> {
-        if let Some(found) = support::with_own(a, b, |a, b| self.contact(a, b, workspace)) {
-            return found;
-        }
-        if let Some(found) = self.at_once(a, b, workspace) {
-            return found;
+        let are_cuboids = matches!(
+            (a.shape, b.shape),
+            (Shape::Cuboid { .. }, Shape::Cuboid { .. })
+        );
+        if !are_cuboids {
+            if let Some(found) = support::with_own(a, b, |a, b| self.contact(a, b, workspace)) {
+                return found;
+            }
+            if let Some(found) = self.at_once(a, b, workspace) {
+                return found;
+            }
         }
         if !self.intersects(a, b, workspace) {
             return None;
