@@ -105,7 +105,9 @@ impl CollisionDiagnosticsPlugin {
     /// figures of the tree, some of which take a walk over it.
     ///
     /// For Bevy's `DiagnosticsOverlay`, whose items are made from paths; so are those of others, and
-    /// nothing that draws is needed to build this crate.
+    /// nothing that draws is needed to build this crate. The overlay needs Bevy's feature
+    /// `bevy_dev_tools`, its user interface, as `DefaultPlugins` have it, and a camera; this plugin
+    /// and Bevy's `DiagnosticsOverlayPlugin` are both to be added.
     ///
     /// ```
     /// use bevy::prelude::*;
@@ -124,7 +126,8 @@ impl CollisionDiagnosticsPlugin {
     /// # }
     /// # use dev_tools::DiagnosticsOverlay;
     ///
-    /// // With `use bevy::dev_tools::diagnostics_overlay::DiagnosticsOverlay`, and its plugin.
+    /// // `DiagnosticsOverlay` and `DiagnosticsOverlayPlugin` are in `bevy::dev_tools::diagnostics_overlay`;
+    /// // in `main`: `app.add_plugins((CollisionDiagnosticsPlugin, DiagnosticsOverlayPlugin))`.
     /// fn show(mut commands: Commands) {
     ///     commands.spawn(DiagnosticsOverlay::new("Collisions", CollisionDiagnosticsPlugin::overlay()));
     /// }

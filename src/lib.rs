@@ -54,6 +54,7 @@
 //! |---|---|
 //! | [`Contacts`](contacts::Contacts) | all pairs in contact, by entity; in systems, through the parameter [`Collisions`](contacts::Collisions) |
 //! | [`CollisionStarted`](contacts::CollisionStarted), [`CollisionEnded`](contacts::CollisionEnded) | messages, and events for observers, about pairs that came into contact, or no longer are |
+//! | [`BodyCollisionStarted`](contacts::BodyCollisionStarted), [`BodyCollisionEnded`](contacts::BodyCollisionEnded) | the same about things made of [`parts`], once for all of their parts |
 //! | [`CandidatePairs`](collision_index::CandidatePairs) | pairs for the exact tests, which systems may thin out |
 //! | [`CollisionIndex`](collision_index::CollisionIndex) | the boxes, the broad phase, queries |
 //! | [`CollisionCounters`](counters::CollisionCounters) | what happened, in numbers; through Bevy's diagnostics by the [`CollisionDiagnosticsPlugin`](diagnostics::CollisionDiagnosticsPlugin) |

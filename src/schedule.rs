@@ -6,7 +6,25 @@ use bevy::{
 };
 
 /// The sets of systems, in the order in which they run. Systems of one's own go before or after any
-/// of them.
+/// of them, in the schedule that the plugins are in: [`FixedPostUpdate`], unless
+/// [`OctreePlugins::new`](crate::OctreePlugins::new) was given another. In any other schedule there
+/// are no such sets, and to be ordered by them means nothing, without a word of it; systems that
+/// just read messages may be in any.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_octree::prelude::*;
+///
+/// fn fall(mut falling: Query<&mut Velocity>, time: Res<Time>) {
+///     for mut velocity in &mut falling {
+///         velocity.y -= 9.8 * time.delta_secs();
+///     }
+/// }
+///
+/// App::new()
+///     .add_plugins((MinimalPlugins, OctreePlugins::default()))
+///     .add_systems(FixedPostUpdate, fall.before(CollisionSystems::Motion));
+/// ```
 ///
 /// | set | reads → writes |
 /// |---|---|

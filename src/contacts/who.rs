@@ -71,7 +71,10 @@ who_is_who! {
 
     /// # Who is who
     ///
-    /// Whether the two [hear](Self::hears) of each other is not asked.
+    /// Whether the two [hear](Self::hears) of each other is not asked. The two are the entities
+    /// that have the shapes: of a thing made of [parts](crate::parts), a query has to have the
+    /// part. Where the body is meant, look for it in `bodies`, or read
+    /// [`BodyCollisionStarted`](crate::contacts::BodyCollisionStarted).
     ///
     /// ```
     /// use bevy::prelude::*;

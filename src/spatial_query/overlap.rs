@@ -127,7 +127,7 @@ impl SpatialQuery<'_, '_> {
 
     /// Finds the entities whose shapes are in contact with a shape at a place, by
     /// [`NarrowPhase::intersects`](crate::narrow_phase::NarrowPhase::intersects). A shape without
-    /// bounds (some of Rapier's) is tested against all entities. Where they touch is told by
+    /// bounds, such as a half-space, is tested against all entities. Where they touch is told by
     /// [`for_each_shape_contact`](Self::for_each_shape_contact).
     #[doc(alias("overlap shape", "intersection test"))]
     pub fn for_each_shape_intersection<F: Flow>(

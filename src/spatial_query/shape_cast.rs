@@ -50,7 +50,7 @@ impl SpatialQuery<'_, '_> {
     /// time. The shape does not turn on its way.
     ///
     /// Exact: see [`NarrowPhase::sweep`](crate::narrow_phase::NarrowPhase::sweep). A shape without
-    /// bounds (some of Rapier's) meets nothing.
+    /// bounds, such as a half-space, meets nothing.
     #[must_use]
     #[doc(alias("shapecast", "shape cast", "sweep", "ccd"))]
     pub fn cast_shape(

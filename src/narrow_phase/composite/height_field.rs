@@ -35,6 +35,9 @@ use crate::narrow_phase::{error::ShapeError, length::length};
 /// assert_eq!(slope.height_at(1.5, 1.5), None);
 /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
 /// ```
+///
+/// Those of an entity are shared with all clones of its shape; how they are changed is on the page
+/// about [shapes](crate::guide::shapes#what-is-dug-and-built).
 #[doc(alias("terrain", "heightmap", "heightfield"))]
 #[derive(Clone, Debug)]
 pub struct HeightField {

@@ -45,6 +45,9 @@ const LARGEST_CELL: f32 = 1e28;
 /// assert!(beside.contains(Face::L) && !beside.contains(Face::U));
 /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
 /// ```
+///
+/// Those of an entity are shared with all clones of its shape; how they are dug is on the page
+/// about [shapes](crate::guide::shapes#what-is-dug-and-built).
 #[doc(alias("blocks", "minecraft", "voxel grid"))]
 #[derive(Clone, Debug)]
 pub struct Voxels {

@@ -85,15 +85,15 @@ impl OrientedBox {
 
 impl Shape {
     /// Returns an axis-aligned box around the shape in the world, in constant time. It is the
-    /// smallest one for cuboids and spheres, up to rounding; for meshes and Rapier shapes, it is
-    /// the smallest around their own box, turned and scaled with them.
+    /// smallest one for cuboids and spheres, up to rounding; for all others, it is the
+    /// smallest around their own box, turned and scaled with them.
     ///
     /// A broad phase should be fed the slightly larger [`NarrowPhase::world_aabb`], so that it
     /// misses no pair which is in contact by tolerance.
     ///
     /// # Errors
     /// [`BoundsError::NonFinite`] if the transform holds NaN or infinity or overflows;
-    /// [`BoundsError::Unbounded`] for an unbounded Rapier shape, such as a half-space.
+    /// [`BoundsError::Unbounded`] for a shape without an end, such as a half-space.
     ///
     /// [`NarrowPhase::world_aabb`]: crate::narrow_phase::NarrowPhase::world_aabb
     #[doc(alias = "aabb")]
