@@ -275,6 +275,9 @@ fn every_component_of_a_game_can_be_written() {
 
     let plain = spawned(&mut app, bsn! { ShapeDescription::Sphere Bounce::Reverse });
     assert_eq!(get::<Bounce>(&app, plain), Bounce::Reverse);
+    let slides = spawned(&mut app, bsn! { ShapeDescription::Sphere Bounce::Reflect });
+    let restitution = 0.0;
+    assert_eq!(get::<Bounce>(&app, slides), Bounce::Reflect { restitution });
     let own = spawned(
         &mut app,
         bsn! { CollisionShape({Shape::cuboid(1.0, 2.0, 3.0)}) },
