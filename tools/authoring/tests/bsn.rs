@@ -1,10 +1,10 @@
 //! Scenes that `bsn!` writes.
 
 use bevy::{
-    asset::AssetPlugin,
     prelude::*,
     scene::{Scene, ScenePlugin},
 };
+use bevy_asset::AssetPlugin;
 use bevy_octree::{
     motion::Outside,
     narrow_phase::Shape,
@@ -36,6 +36,11 @@ fn spawned(app: &mut App, scene: impl Scene) -> Entity {
 
 fn get<C: Component + Clone>(app: &App, entity: Entity) -> C {
     app.world().get::<C>(entity).expect("it has one").clone()
+}
+
+fn children(app: &App, entity: Entity) -> Vec<Entity> {
+    let children = app.world().get::<Children>(entity).unwrap();
+    children.iter().collect()
 }
 
 fn data(app: &App, entity: Entity) -> ShapeDescription {
@@ -71,10 +76,10 @@ fn what_a_scene_says_falls_on_what_another_says() {
 /// Each kind can be written without a field, and is then as its default says.
 #[test]
 fn every_kind_can_be_written() {
+    let mut app = app();
     macro_rules! kinds {
         ($($kind:ident: $default:ident, $makes_a_shape:expr;)*) => {
             $(
-                let mut app = app();
                 let entity = spawned(&mut app, bsn! { ShapeDescription::$kind });
                 let of = stringify!($kind);
                 assert_eq!(data(&app, entity), ShapeDescription::$default(), "{of}");
@@ -103,7 +108,6 @@ fn every_kind_can_be_written() {
         HeightField: default_heightfield, true;
         Voxels: default_voxels, true;
     }
-    let mut app = app();
     let cube = spawned(&mut app, bsn! { ShapeDescription });
     assert_eq!(data(&app, cube), ShapeDescription::default());
 }
@@ -132,7 +136,7 @@ fn fields_of_every_sort_can_be_written() {
         ShapeDescription::Tetrahedron { vertices }
     );
     let field = bsn! {
-        ShapeDescription::HeightField { heights: {vec![0.0, 1.0, 0.0, 1.0]} holes: {vec![[0, 0]]} }
+        ShapeDescription::HeightField { heights: {vec![0.0, 1.0, 0.0, 1.0]}, holes: {vec![[0, 0]]} }
     };
     let field = spawned(&mut app, field);
     assert!(matches!(
@@ -210,13 +214,13 @@ fn shapes_of_children_are_parts_of_their_body() {
         ]
     };
     let ship = spawned(&mut app, ship);
-    let children = get::<Children>(&app, ship);
+    let children = children(&app, ship);
     let parts = get::<BodyParts>(&app, ship);
     assert_eq!(parts.entities().len(), 2);
     assert!(
         children
             .iter()
-            .all(|child| parts.entities().contains(&child))
+            .all(|child| parts.entities().contains(child))
     );
     assert!(app.world().resource::<Contacts>().is_empty());
 }
@@ -245,14 +249,14 @@ fn every_component_of_a_game_can_be_written() {
         CollisionLayers::new(Layer::Ship, [Layer::Ground])
         Bounce::Reflect { restitution: 0.5 }
         Swept { at_solid: AtSolid::Stop }
-        Velocity(Vec3::X)
+        Velocity({Vec3::X})
         Sensor
         Detector
         MovedElsewhere
         CollidingEntities
         CollisionEventsEnabled
         ManifoldsEnabled
-        RayCaster { direction: Dir3::X, length: 4.0, filter: CasterFilter { sensors: false } }
+        RayCaster { direction: {Dir3::X}, length: 4.0, filter: CasterFilter { sensors: false } }
         ShapeCaster { shape: {CollisionShape::sphere(0.5)}, max_hits: 3 }
         template_value(way)
     };
@@ -300,7 +304,7 @@ fn others_of_a_scene_are_named() {
         ]
     };
     let arena = spawned(&mut app, arena);
-    let children = get::<Children>(&app, arena);
+    let children = children(&app, arena);
     assert_eq!(
         get::<InCollisionWorld>(&app, children[0]),
         InCollisionWorld(arena)
