@@ -22,6 +22,21 @@ pub enum DebugDraw {
     Color(Color),
 }
 
+/// # For `bsn!`
+impl DebugDraw {
+    /// Returns the `Hidden` that `bsn!` begins with.
+    #[must_use]
+    pub const fn default_hidden() -> Self {
+        Self::Hidden
+    }
+
+    /// Returns the `Color` that `bsn!` begins with: white.
+    #[must_use]
+    pub const fn default_color() -> Self {
+        Self::Color(Color::WHITE)
+    }
+}
+
 impl DebugDraw {
     /// The colour of what belongs to an entity, given that of others.
     pub(super) fn color(own: Option<&Self>, others: Option<Color>) -> Option<Color> {

@@ -125,6 +125,21 @@ fn share(restitution: f32) -> f32 {
     }
 }
 
+/// # For `bsn!`
+impl Bounce {
+    /// Returns the `Reverse` that `bsn!` begins with.
+    #[must_use]
+    pub const fn default_reverse() -> Self {
+        Self::Reverse
+    }
+
+    /// Returns the `Reflect` that `bsn!` begins with: with a restitution of 0.
+    #[must_use]
+    pub const fn default_reflect() -> Self {
+        Self::Reflect { restitution: 0.0 }
+    }
+}
+
 impl Bounce {
     /// The restitution of those that reflect.
     pub(super) fn restitution(self) -> Option<f32> {

@@ -693,3 +693,16 @@ fn shapes_without_an_end_are_a_patch() {
     let drawn = extent(&app, SHAPES).expect("it is drawn");
     assert!(drawn.min.y == 3.0 && drawn.max.x <= 10.0, "{drawn:?}");
 }
+
+/// What `bsn!` does with a colour of one entity: it starts from the default of the variant.
+#[test]
+fn a_colour_can_be_named_in_templates() {
+    let mut template = <DebugDraw as FromTemplate>::Template::default_color();
+    if let DebugDraw::Color(color) = &mut template {
+        *color = OWN;
+    }
+    let mut world = World::new();
+    let mut entity = world.spawn_empty();
+    let built: DebugDraw = entity.build_template(&template).unwrap();
+    assert_eq!(built, DebugDraw::Color(OWN));
+}
