@@ -10,6 +10,7 @@ use super::{
 use crate::{
     components::CollisionShape,
     narrow_phase::{Placed, ShapeCastOptions},
+    shear,
     spatial_query::{ShapeHit, SpatialQuery, SpatialQueryFilter},
 };
 
@@ -50,7 +51,8 @@ pub struct ShapeCaster {
     pub shape: CollisionShape,
     /// Where the shape starts, in the entity's own space.
     pub origin: Vec3,
-    /// How it is turned, in the entity's own space.
+    /// How it is turned, in the entity's own space. It need not be of unit length; what is no turn at
+    /// all casts nothing.
     pub rotation: Quat,
     /// Where it goes to, in the entity's own space.
     pub direction: Dir3,
@@ -138,12 +140,24 @@ impl ShapeCaster {
         let Self {
             origin, rotation, ..
         } = self;
-        let own = DAffine3::from_rotation_translation(rotation.as_dquat(), origin.as_dvec3());
-        let (scale, rotation, translation) = (*pose * own).to_scale_rotation_translation();
-        let start = Transform {
-            translation: translation.as_vec3(),
-            rotation: rotation.as_quat(),
-            scale: scale.as_vec3(),
+        // In 64 bits, lest its length be beyond the numbers.
+        let rotation = rotation.as_dquat();
+        if !(rotation.length_recip().is_finite() && rotation.length() > 0.0) {
+            return None;
+        }
+        let own = DAffine3::from_rotation_translation(rotation.normalize(), origin.as_dvec3());
+        let there = *pose * own;
+        let put = shear::put(&self.shape, &there, None);
+        let start = if put.is_sheared {
+            let (scale, rotation, translation) = there.to_scale_rotation_translation();
+            Transform {
+                translation: translation.as_vec3(),
+                rotation: rotation.as_quat(),
+                scale: scale.as_vec3(),
+            }
+        } else {
+            // What is flat is somewhere, too.
+            put.transform
         };
         start
             .is_finite()

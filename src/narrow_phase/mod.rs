@@ -88,14 +88,16 @@
 //!
 //! Capsules, frusta (cylinders and cones are such), half-spaces and [rounded](Rounded) shapes are
 //! known by how far they reach along a direction. One question decides all about a pair in which
-//! there is one: the distance of the two, in 64-bit floats, of what is behind their radius (of a
-//! capsule, a segment). [Compounds](Compound), [height fields](HeightField) and [voxels](Voxels) are
+//! there is one: the distance of the two, of what is behind their radius (of a capsule, a segment).
+//! It is known in closed form or by 32-bit floats, relative to one of the two, and where these cannot
+//! tell, by 64-bit ones. [Compounds](Compound), [height fields](HeightField) and [voxels](Voxels) are
 //! taken apart by trees of their own into such shapes and triangles. So all shapes meet all others,
 //! with the tolerance as here. Rays meet capsules and frusta in closed form.
 //!
 //! Height fields are surfaces, without an inside; a closed mesh has one for all shapes. The depth of
 //! two shapes that are round where they overlap is the end of an iteration, which is off by less than
-//! a hundredth; distances and times of impact are exact.
+//! a millionth of their sizes, and its normal by the root of that; distances and times of impact are
+//! exact.
 //!
 //! # Rapier
 //!
@@ -121,6 +123,7 @@ mod composite;
 mod compound;
 mod construct;
 mod contact;
+mod content;
 mod cores;
 mod decide;
 mod error;

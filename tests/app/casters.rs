@@ -620,3 +620,21 @@ fn entities_in_casters_and_hits_are_mapped() {
     RayCaster::map_entities(&mut mapped, &mut EntityHashMap::from_iter([(other, copy)]));
     assert_eq!(mapped.filter, CasterFilter::default().excluding([copy]));
 }
+
+/// What is scaled to nothing along an axis has a place and a turn all the same.
+#[test]
+fn flat_shapes_are_cast_and_turns_need_no_unit_length() {
+    let mut app = new_app();
+    let cubes = row(&mut app, Vec3::NEG_Z, 1);
+    let flat = Transform::from_scale(Vec3::new(1.0, 0.0, 1.0));
+    let flat = spawn(&mut app, (ShapeCaster::default(), flat));
+    let long = ShapeCaster::default().with_rotation(Quat::from_xyzw(0.0, 0.0, 0.0, 3.0));
+    let long = spawn(&mut app, long);
+    let none = ShapeCaster::default().with_rotation(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
+    let none = spawn(&mut app, none);
+    tick(&mut app, 1);
+    for caster in [flat, long] {
+        assert_near(&touched(&app, caster), &[(cubes[0], 1.0)]);
+    }
+    assert_eq!(touched(&app, none), []);
+}

@@ -15,6 +15,7 @@ use crate::narrow_phase::{
         smaller::Smaller,
         workspace::Workspace,
     },
+    length::any_length,
     proximity,
     settings::NarrowPhase,
     shape::{Kind, Shape},
@@ -52,8 +53,9 @@ impl NarrowPhase {
     ///   is nearest to its centre; and if all that fails, the direction from centre to centre, and
     ///   +Y if these coincide. The depth is then the overlap of the two boxes that way.
     ///
-    /// The point is the middle of what they share, seen along the normal; beside a half-space, the
-    /// deepest one.
+    /// The point is the middle of what they share, seen along the normal; of a sphere and a shape with
+    /// flat faces, the point of that which is closest to the sphere's centre, or nearest to the way
+    /// out; beside a half-space, the deepest one.
     ///
     /// Of a mesh, only the polygons near the other shape are looked at: O(log n) for each of these;
     /// for two meshes, for each two of them that are near each other. A convex mesh of up to 128
@@ -155,17 +157,17 @@ impl NarrowPhase {
             return Some(None);
         }
         let polytope = &mut workspace.contact.of::<Buffers>().polytope;
-        let met = match bodies.and_then(|bodies| bodies.contact(polytope)) {
-            Some(met) => met.map(Some),
-            None => match pair.case() {
-                Case::SphereFirst => sphere::sphere_mesh(&pair, workspace),
-                Case::SphereSecond => sphere::sphere_mesh(&pair.swapped(), workspace)
-                    .map(|found| found.map(LocalContact::reversed)),
-                _ => {
+        let met = match bodies {
+            Some(bodies) => match bodies.contact(polytope) {
+                Some(met) => met.map(Some),
+                None => {
                     workspace.counters = counters;
                     return None;
                 }
             },
+            None if pair.case() == Case::SphereFirst => sphere::sphere_mesh(&pair, workspace),
+            None => sphere::sphere_mesh(&pair.swapped(), workspace)
+                .map(|found| found.map(LocalContact::reversed)),
         };
         let counters = &mut workspace.counters;
         counters.count(Stage::Complete, Some(met.is_some()));
@@ -258,7 +260,8 @@ fn from_between(pair: &PlacedPair, workspace: &mut Workspace) -> LocalContact {
     else {
         return from_centers(pair);
     };
-    match (to - from).try_normalize() {
+    let offset = to - from;
+    match (offset / any_length(offset)).try_normalize() {
         Some(normal) => LocalContact {
             normal,
             point: from.midpoint(to),

@@ -332,11 +332,20 @@ fn cofactors(scale: Vec3A) -> Vec3A {
     mirror * Vec3A::new(y * z, z * x, x * y)
 }
 
+/// Its sizes are those at the largest scale of the three, so that neither a huge scale of something
+/// tiny nor a tiny one of something huge is beyond the numbers.
 fn frustum([top, bottom, half_height]: [f32; 3], scale: Vec3A) -> Core<'static> {
+    let largest = scale.abs().max_element();
+    let scale = if largest > 0.0 {
+        scale / largest
+    } else {
+        scale
+    };
+    let [top, bottom, half_height] = [top, bottom, half_height].map(|size| size.abs() * largest);
     Core::Frustum {
-        bottom: bottom.abs(),
-        top: top.abs(),
-        half_height: half_height.abs(),
+        bottom,
+        top,
+        half_height,
         scale,
     }
 }

@@ -17,7 +17,9 @@ use crate::narrow_phase::{
 };
 
 /// The least distance of two cores that tells a direction, as a share of the sizes.
-const LEAST: f32 = 1e-5;
+const LEAST: f32 = 1e-4;
+/// The same of a box and what is much smaller: where that is, is known to the last digit.
+const LEAST_ASIDE: f32 = 1e-5;
 
 /// How many times larger a box is of which the place of the other is computed in 64-bit floats.
 const MUCH_LARGER: f32 = 8.0;
@@ -301,7 +303,7 @@ impl QuickPair {
         if nearest.gap() > self.tolerance(tolerance) {
             return Some(None);
         }
-        if nearest.distance() > LEAST * self.size {
+        if nearest.distance() > self.least() {
             return Some(Some(nearest.contact()));
         }
         let Kind::WithBox {
@@ -328,5 +330,20 @@ impl QuickPair {
             point,
             depth: (depth + radius).max(0.0),
         }))
+    }
+
+    /// The least distance of the two cores that tells a direction.
+    #[inline]
+    fn least(&self) -> f32 {
+        let share = match &self.kind {
+            Kind::Rounds { .. } => LEAST,
+            Kind::WithBox { half, .. }
+                if MUCH_LARGER * (self.size - half.max_element()) < half.max_element() =>
+            {
+                LEAST_ASIDE
+            }
+            Kind::WithBox { .. } => LEAST,
+        };
+        share * self.size
     }
 }

@@ -23,9 +23,12 @@ const FEW_CORNERS: usize = 256;
 const LEAST: f32 = 1e-2;
 /// The greatest distance that is told as exactly as the sizes ask for.
 const MOST: f32 = 2.0;
-/// How much less the overlap along a later direction has to be to be preferred, as a share of the
-/// sizes.
-const BIAS: f32 = 1e-3;
+/// How much less the overlap along the normals of the second of two has to be to be preferred, and
+/// along any that is of neither: as a share of the smaller of the two, or else what is thin, or lies
+/// near the border of what is much larger, would be pushed to a wrong side.
+const BIAS: f32 = 2e-3;
+/// What rounding may make of a distance on two ways to it, as a share of the sizes.
+const UNSURE: f32 = 1e-6;
 /// What is left uncertain of a depth, as a share of the sizes: about what rounding leaves.
 const UNCERTAIN: f64 = 1e-7;
 /// The cosine of the angle up to which a normal may be that of a face.
@@ -229,17 +232,27 @@ impl<'a> Bodies<'a> {
             let is_met = over.height <= self.tolerance + self.radii();
             return Some(is_met.then(|| LocalContact {
                 normal: over.towards_b,
-                point: over.point(self.a.radius.max(self.b.radius)),
+                point: over.point(if over.is_mesh_first {
+                    self.b.radius
+                } else {
+                    self.a.radius
+                }),
                 depth: (self.radii() - over.height).max(0.0),
             }));
         }
         let mut simplex = Simplex::empty();
-        let limits = [self.tolerance + self.radii(), -1.0];
+        let limit = self.tolerance + self.radii() + UNSURE * self.size;
+        let limits = [limit, -1.0];
         match self.search(limits, &mut simplex) {
             Found::Beyond => Some(None),
             Found::Apart => {
                 let nearest = self.nearest(&simplex);
-                if nearest.gap() > self.tolerance {
+                let beyond = nearest.gap() - self.tolerance;
+                // Whether they are in contact is for `intersects` alone to say.
+                if beyond.abs() <= UNSURE * self.size {
+                    return None;
+                }
+                if beyond > 0.0 {
                     return Some(None);
                 }
                 if self.have_few_faces() {
@@ -291,15 +304,26 @@ impl<'a> Bodies<'a> {
         do_overlap: bool,
         polytope: &mut Polytope,
     ) -> Option<LocalContact> {
-        let bias = BIAS * (self.reaches[0] + self.reaches[1]);
-        let mut best = (Vec3A::ZERO, f32::NEG_INFINITY);
-        for (body, other, turn) in [(&self.a, &self.b, 1.0), (&self.b, &self.a, -1.0)] {
+        let smaller = self.reaches[0].min(self.reaches[1]);
+        let bias = (BIAS * smaller).max(UNSURE * self.size);
+        let of_one = |body: &Body, other: &Body, turn: f32| {
+            let mut best = (Vec3A::ZERO, f32::NEG_INFINITY);
             body.each_face(|normal, plane| {
                 let gap = -other.reach(-normal) - plane;
-                if gap > best.1 + bias {
+                if gap > best.1 {
                     best = (normal * turn, gap);
                 }
             });
+            best
+        };
+        let mut best = of_one(&self.a, &self.b, 1.0);
+        let other = of_one(&self.b, &self.a, -1.0);
+        if best.0 == Vec3A::ZERO || other.1 > best.1 + bias {
+            best = other;
+        }
+        // Two edges, or corners, that hardly do not touch: no face tells of them.
+        if !do_overlap && best.1 < -bias {
+            return Some(self.nearest(simplex).contact());
         }
         if do_overlap && best.1 < -bias {
             let found = self.least_overlap(simplex, polytope);
@@ -344,7 +368,7 @@ impl<'a> Bodies<'a> {
         LocalContact {
             normal,
             point: self.common_point(middle, simplex),
-            depth: depth + self.radii(),
+            depth: (depth + self.radii()).max(0.0),
         }
     }
 

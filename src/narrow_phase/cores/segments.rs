@@ -127,8 +127,8 @@ pub fn segment_box(segment: &Segment, half: Vec3A) -> [Vec3A; 2] {
     [point, point.clamp(-half, half)]
 }
 
-/// The shortest way out of an upright box around the origin, for a segment that is partly inside: a
-/// unit vector, and how far: less than nothing, if it is a little outside. The difference of the two is bounded by planes along the sides of the
+/// The shortest way out of an upright box around the origin, for a segment that is partly inside, or
+/// hardly outside: a unit vector, and how far, which is less than nothing outside. The difference of the two is bounded by planes along the sides of the
 /// box, and by those that the segment spans with its edges.
 pub fn way_out(segment: &Segment, half: Vec3A) -> (Vec3A, f32) {
     let Segment { center, half: way } = *segment;

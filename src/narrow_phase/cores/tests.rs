@@ -5,7 +5,8 @@ use bevy::transform::components::Transform;
 
 use super::{Bodies, QuickPair, segments::*};
 use crate::narrow_phase::{
-    NarrowPhase, Placed, Shape, Workspace, frame::placed::PlacedPair, gjk::Polytope, support,
+    Contact, NarrowPhase, Placed, Shape, Workspace, frame::placed::PlacedPair, gjk::Polytope,
+    support,
 };
 
 struct Random(fastrand::Rng);
@@ -209,5 +210,181 @@ fn points_of_convex_meshes_are_the_closest() {
                 "{found}, not {exact}: {corners:?} {at:?} {point}"
             );
         }
+    }
+}
+
+fn contact(a: (&Shape, Transform), b: (&Shape, Transform)) -> Option<Contact> {
+    let (a, b) = (Placed::new(a.0, &a.1), Placed::new(b.0, &b.1));
+    NarrowPhase::default().contact(a, b, &mut Workspace::default())
+}
+
+fn box_hull(half: Vec3) -> Shape {
+    let corners = (0..8).map(|bits| {
+        let sign = |bit: u32| if bits >> bit & 1 == 0 { -1.0 } else { 1.0 };
+        half * Vec3::new(sign(0), sign(1), sign(2))
+    });
+    Shape::convex_hull(corners).unwrap()
+}
+
+#[test]
+fn a_pebble_leaves_a_plate_where_it_lies_on_it() {
+    let pebble = box_hull(Vec3::splat(0.005));
+    let half = Vec3::new(500.0, 0.5, 500.0);
+    for plate in [Shape::from_half_size(half), box_hull(half)] {
+        // Near the border.
+        for x in [0.0, 499.6, 499.9, -499.7] {
+            for side in [1.0, -1.0] {
+                let at = Transform::from_xyz(x, 0.504 * side, 0.3);
+                let found = contact((&plate, Transform::IDENTITY), (&pebble, at)).unwrap();
+                assert!(
+                    found.normal.dot(Vec3::Y * side) > 0.999,
+                    "{x} {side}: {found:?}"
+                );
+                assert!((found.depth - 1e-3).abs() < 2e-4, "{found:?}");
+            }
+        }
+    }
+    // What is hardly there.
+    let half = Vec3::new(1.0, 1e-4, 1.0);
+    for plate in [Shape::from_half_size(half), box_hull(half)] {
+        for side in [1.0, -1.0] {
+            let at = Transform::from_xyz(0.3, 0.00509 * side, 0.1);
+            let found = contact((&plate, Transform::IDENTITY), (&pebble, at)).unwrap();
+            assert!(
+                found.normal.dot(Vec3::Y * side) > 0.999,
+                "{side}: {found:?}"
+            );
+            assert!(found.depth < 2e-5, "{found:?}");
+        }
+    }
+}
+
+#[test]
+fn edges_that_hardly_miss_each_other_are_not_deep() {
+    use std::f32::consts::{FRAC_PI_4, SQRT_2};
+    let (hull, cuboid) = (box_hull(Vec3::ONE), Shape::from_half_size(Vec3::ONE));
+    for above in [-1e-5, 0.0, 2e-6, 1e-5, 4e-5, 9e-5] {
+        let low = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_4));
+        let high = Transform::from_xyz(0.2, 2.0 * SQRT_2 + above, 0.1)
+            .with_rotation(Quat::from_rotation_x(FRAC_PI_4));
+        for other in [&hull, &cuboid] {
+            let found = contact((&hull, low), (other, high)).unwrap();
+            assert!(found.depth < 3e-5, "{above}: {found:?}");
+            assert!(found.normal.y > 0.99, "{above}: {found:?}");
+        }
+    }
+}
+
+/// Where the numbers are so near to the limit that each way of computing them says something else.
+#[test]
+fn whatever_is_at_the_tolerance_has_a_contact_if_it_intersects() {
+    let mut random = Random(fastrand::Rng::with_seed(3));
+    let (tests, mut workspace) = (NarrowPhase::default(), Workspace::default());
+    let shapes = convex_shapes(&mut random);
+    for (a, b) in shapes
+        .iter()
+        .flat_map(|a| shapes.iter().map(move |b| (a, b)))
+    {
+        for scale in [1.0, 1000.0] {
+            let at_a = random.at(0.0).with_scale(Vec3::splat(scale));
+            let at_b = random.at(0.0).with_scale(Vec3::splat(random.0.f32() + 0.1));
+            let way = random.vector().normalize_or(Vec3::X);
+            let there = |far: f32| at_b.with_translation(way * far);
+            let a = Placed::new(a, &at_a);
+            let (mut near, mut far) = (0.0, 10.0 * scale);
+            for _ in 0..60 {
+                let middle = 0.5 * (near + far);
+                let at_b = there(middle);
+                if tests.intersects(a, Placed::new(b, &at_b), &mut workspace) {
+                    near = middle;
+                } else {
+                    far = middle;
+                }
+            }
+            let ulp = f32::from_bits(near.to_bits() + 1) - near;
+            for step in -40..40 {
+                let at_b = there(near + step as f32 * ulp);
+                let b = Placed::new(b, &at_b);
+                let meets = tests.intersects(a, b, &mut workspace);
+                let found = tests.contact(a, b, &mut workspace);
+                assert_eq!(found.is_some(), meets, "{a:?} {b:?}");
+                assert!(found.is_none_or(|found| found.depth >= 0.0), "{found:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_lies_on_a_large_box_is_as_deep_as_it_is() {
+    let plate = Shape::cuboid(1000.0, 1.0, 1000.0);
+    for (small, turn) in [
+        (Shape::sphere(0.01), 0.0),
+        (Shape::capsule(0.01, 0.02), 0.0),
+        (Shape::capsule(0.01, 0.02), std::f32::consts::FRAC_PI_2),
+    ] {
+        let reach = if turn == 0.0 && matches!(small, Shape::Capsule { .. }) {
+            0.02
+        } else {
+            0.01
+        };
+        for depth in [0.0, 1e-3, 5e-3] {
+            let at = Transform::from_xyz(70.3, 0.5 + reach - depth, -12.9)
+                .with_rotation(Quat::from_rotation_z(turn));
+            let found = contact((&plate, Transform::IDENTITY), (&small, at)).unwrap();
+            assert!((found.depth - depth).abs() < 2e-6, "{depth}: {found:?}");
+            assert!(found.normal.y > 0.999, "{depth}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn how_large_something_is_may_be_said_by_its_scale() {
+    let usual = Shape::conical_frustum(0.3, 0.5, 1.0);
+    let cuboid = Shape::cuboid(1.0, 1.0, 1.0);
+    let at = Transform::from_xyz(0.9, 0.1, 0.2).with_rotation(Quat::from_rotation_z(1.0));
+    let tests = NarrowPhase::default();
+    let nearest = |shape: &Shape, scale: f32, offset: f32| {
+        let at = Transform {
+            translation: at.translation * offset,
+            ..at.with_scale(Vec3::splat(scale))
+        };
+        let (a, b) = (
+            Placed::new(&cuboid, &Transform::IDENTITY),
+            Placed::new(shape, &at),
+        );
+        let near = tests.closest_points(a, b, &mut Workspace::default());
+        near.unwrap().distance
+    };
+    for power in [15, 22, 30] {
+        let huge = 10f32.powi(power);
+        let large = Shape::conical_frustum(0.3 * huge, 0.5 * huge, huge);
+        let small = Shape::conical_frustum(0.3 / huge, 0.5 / huge, 1.0 / huge);
+        for offset in [1.3, 2.0] {
+            let expected = nearest(&usual, 1.0, offset);
+            for found in [
+                nearest(&large, 1.0 / huge, offset),
+                nearest(&small, huge, offset),
+            ] {
+                assert!(
+                    (found - expected).abs() < 1e-5,
+                    "{power}: {found}, not {expected}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_small_ball_in_what_is_rounded_widely_meets_it_in_itself() {
+    let rounded = Shape::rounded(&box_hull(Vec3::ONE), 0.5).unwrap();
+    let ball = Shape::sphere(0.1);
+    for height in [1.55, 1.2, 0.9, 0.4] {
+        let at = Transform::from_xyz(0.1, height, 0.2);
+        let found = contact((&rounded, Transform::IDENTITY), (&ball, at)).unwrap();
+        assert!(
+            found.point.distance(at.translation) < 0.1 + 1e-5,
+            "{found:?}"
+        );
+        assert!((found.depth - (1.6 - height)).abs() < 1e-5, "{found:?}");
     }
 }

@@ -36,7 +36,7 @@ impl<'a> Placed<'a> {
 
 /// The two and whether they had to be swapped, in the order in which pairs are computed: it does
 /// not depend on the order given, and so neither do verdicts. Only if all of position, turn, scale
-/// and size are equal does the order given remain.
+/// and shape are equal does the order given remain.
 #[inline]
 pub fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> (Placed<'a>, Placed<'a>, bool) {
     let key = |placed: Placed| {
@@ -55,7 +55,11 @@ pub fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> (Placed<'a>, Placed<'a>, bo
     // Most pairs differ in the first number.
     let (x_a, x_b) = (a.transform.translation.x, b.transform.translation.x);
     let ordering = x_a.partial_cmp(&x_b).filter(|ordering| ordering.is_ne());
-    match ordering.or_else(|| key(a).partial_cmp(&key(b))) {
+    let by_key = || match key(a).partial_cmp(&key(b)) {
+        Some(Ordering::Equal) => Some(a.shape.content_order(b.shape)),
+        ordering => ordering,
+    };
+    match ordering.or_else(by_key) {
         Some(Ordering::Greater) => (b, a, true),
         _ => (a, b, false),
     }

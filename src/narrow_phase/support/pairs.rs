@@ -69,8 +69,9 @@ pub fn nearest(a: &PosedShape, b: &PosedShape) -> Option<Gap> {
             _ if !is_known => return None,
             Some(found) if found.distance <= margin => return best,
             Some(found) => margin = found.distance,
-            None if margin > everything => return None,
-            None => margin *= 4.0,
+            // Of what is empty and no larger than a point, both are zero.
+            None if margin < everything => margin *= 4.0,
+            None => return None,
         }
     }
 }

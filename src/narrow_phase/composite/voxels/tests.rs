@@ -2,10 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use bevy::{math::Vec3, transform::components::Transform};
 use proptest::prelude::*;
 
 use super::*;
-use crate::narrow_phase::composite::box_tree::BoxTree;
+use crate::narrow_phase::{NarrowPhase, Placed, Shape, Workspace, composite::box_tree::BoxTree};
 
 type Key = [i32; 3];
 
@@ -204,5 +205,17 @@ proptest! {
         found.retain(|cell| overlaps(IVec3::from(*cell).as_vec3a(), (IVec3::from(*cell) + 1).as_vec3a()));
         let all = voxels.iter().filter(|cell| overlaps(cell.as_vec3a(), (*cell + 1).as_vec3a()));
         prop_assert_eq!(found, all.map(|cell| cell.to_array()).collect::<BTreeSet<_>>());
+    }
+}
+
+#[test]
+fn nothing_is_closest_where_there_is_nothing() {
+    let (empty, at) = (Shape::from(Voxels::new(1.0).unwrap()), Transform::IDENTITY);
+    let (tests, mut workspace) = (NarrowPhase::default(), Workspace::default());
+    let empty = Placed::new(&empty, &at);
+    assert_eq!(tests.closest_point(empty, Vec3::ZERO, &mut workspace), None);
+    let point = Shape::sphere(0.0);
+    for other in [Placed::new(&point, &at), empty] {
+        assert_eq!(tests.closest_points(empty, other, &mut workspace), None);
     }
 }
