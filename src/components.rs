@@ -106,6 +106,32 @@ impl CollisionShape {
         Shape::try_sphere(radius).map(Self)
     }
 
+    /// Makes a capsule around the entity's origin, along its y axis: by its radius, and the length
+    /// between the centres of its round ends, as Bevy's `Capsule3d::new` does.
+    ///
+    /// See [`Shape::capsule`].
+    #[must_use]
+    pub fn capsule(radius: f32, length: f32) -> Self {
+        Self(Shape::capsule(radius, length))
+    }
+
+    /// Makes a cylinder around the entity's origin, along its y axis, as Bevy's `Cylinder::new`
+    /// does.
+    ///
+    /// See [`Shape::cylinder`].
+    #[must_use]
+    pub fn cylinder(radius: f32, height: f32) -> Self {
+        Self(Shape::cylinder(radius, height))
+    }
+
+    /// Makes the smallest convex solid around points.
+    ///
+    /// # Errors
+    /// As [`Shape::convex_hull`].
+    pub fn convex_hull(points: impl IntoIterator<Item = Vec3>) -> Result<Self, ShapeError> {
+        Shape::convex_hull(points).map(Self)
+    }
+
     /// Makes a convex solid of polygons, each a list of vertex indices.
     ///
     /// # Errors

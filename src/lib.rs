@@ -198,7 +198,7 @@ pub mod prelude {
             PairHookPlugin, Sensor, StaticShape,
         },
         motion::{MotionSettings, MovedElsewhere, PositionTrack, Step, Velocity},
-        narrow_phase::{Contact, Placed, PolygonMesh, Shape},
+        narrow_phase::{Compound, Contact, HeightField, Placed, PolygonMesh, Shape, Voxels},
         parts::{BodyParts, CollisionBody, PartOf},
         plugin::OctreePlugins,
         response::Bounce,

@@ -34,7 +34,7 @@ pub enum ShapeError {
     #[error("a direction must be finite and not zero, got {0}")]
     Direction(Vec3),
     /// A radius can be put around convex shapes alone that have an end.
-    #[error("a radius can be put around convex shapes alone")]
+    #[error("a radius can be put around convex shapes alone that have an end")]
     NotRoundable,
     /// The mesh has no polygons.
     #[error("a mesh needs at least one polygon")]

@@ -142,6 +142,27 @@ impl RapierShape {
     }
 }
 
+/// # Changes in place
+impl Shape {
+    /// Returns its voxels, to be changed, if it has some: all of them are copied first if a clone of
+    /// the shape has them, too.
+    pub fn voxels_mut(&mut self) -> Option<&mut Voxels> {
+        match self {
+            Self::Voxels(voxels) => Some(Arc::make_mut(voxels)),
+            _ => None,
+        }
+    }
+
+    /// Returns its height field, to be changed, if it is one: all of it is copied first if a clone of
+    /// the shape has it, too.
+    pub fn height_field_mut(&mut self) -> Option<&mut HeightField> {
+        match self {
+            Self::HeightField(field) => Some(Arc::make_mut(field)),
+            _ => None,
+        }
+    }
+}
+
 // All that the exact tests have to know of a kind of shape, but for its row in the table of
 // `frame::case`: a new kind is added here.
 impl Shape {
