@@ -313,7 +313,7 @@ fn how_large_something_is_may_be_said_by_its_scale() {
     let cuboid = Shape::cuboid(1.0, 1.0, 1.0);
     let at = Transform::from_xyz(0.9, 0.1, 0.2).with_rotation(Quat::from_rotation_z(1.0));
     let tests = NarrowPhase::default();
-    let mut nearest = |shape: &Shape, scale: f32, offset: f32| {
+    let nearest = |shape: &Shape, scale: f32, offset: f32| {
         let at = Transform {
             translation: at.translation * offset,
             ..at.with_scale(Vec3::splat(scale))
