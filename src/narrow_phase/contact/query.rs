@@ -10,6 +10,7 @@ use crate::narrow_phase::{
     frame::{
         case::Case,
         common_point::{common_point, mean_touch},
+        oriented_box::OrientedBox,
         placed::{Placed, PlacedPair, in_order},
         separation::Separation,
         smaller::Smaller,
@@ -278,7 +279,8 @@ fn from_between(pair: &PlacedPair, workspace: &mut Workspace) -> LocalContact {
 fn from_centers(pair: &PlacedPair) -> LocalContact {
     let (a, b) = (&pair.box_a, &pair.box_b);
     let normal = center_direction(pair);
-    let extents = a.extent(normal) + b.extent(normal);
+    let reach = |bounds: &OrientedBox| bounds.extent(normal).min(bounds.radius);
+    let extents = reach(a) + reach(b);
     let smaller = if b.radius < a.radius { b } else { a };
     LocalContact {
         normal,
