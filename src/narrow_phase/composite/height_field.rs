@@ -102,6 +102,13 @@ pub struct FieldTriangle {
     pub corners: [Vec3A; 3],
 }
 
+/// Do 32 bits not number the triangles?
+fn is_too_large(rows: usize, columns: usize) -> bool {
+    let cells = (rows - 1).checked_mul(columns - 1);
+    let triangles = cells.and_then(|cells| cells.checked_mul(2));
+    triangles.is_none_or(|triangles| u32::try_from(triangles).is_err())
+}
+
 impl HeightField {
     /// Makes a field of so many rows and columns of heights, row by row, by the size of a cell along
     /// x and z.
@@ -124,10 +131,7 @@ impl HeightField {
         if rows < 2 || columns < 2 {
             return Err(ShapeError::FewHeights { rows, columns });
         }
-        let triangles = (rows - 1)
-            .checked_mul(columns - 1)
-            .and_then(|cells| cells.checked_mul(2));
-        if triangles.is_none_or(|triangles| u32::try_from(triangles).is_err()) {
+        if is_too_large(rows, columns) {
             return Err(ShapeError::TooLarge);
         }
         if Some(heights.len()) != rows.checked_mul(columns) {
@@ -174,7 +178,8 @@ impl HeightField {
         if rows < 2 || columns < 2 {
             return Err(ShapeError::FewHeights { rows, columns });
         }
-        if rows.checked_mul(columns).is_none() {
+        // Before a height is asked for.
+        if is_too_large(rows, columns) {
             return Err(ShapeError::TooLarge);
         }
         let mut heights = Vec::new();
