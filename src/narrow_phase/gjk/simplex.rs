@@ -35,6 +35,9 @@ pub struct Simplex<V: Vector> {
     count: usize,
 }
 
+/// The weights of up to three vertices, and of one more.
+type With<V> = ([<V as Vector>::Scalar; 3], <V as Vector>::Scalar);
+
 /// What one more vertex brings.
 pub enum Step<V: Vector> {
     Nearer {
