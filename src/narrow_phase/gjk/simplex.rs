@@ -104,7 +104,7 @@ impl<V: Vector> Simplex<V> {
     /// The weights of the point closest to the origin with one more vertex: those of the others, and
     /// then that of the new one. `None` if the hull has the origin inside.
     #[inline(always)]
-    fn weights_with(&self, point: V) -> Result<([V::Scalar; 3], V::Scalar), [V::Scalar; 4]> {
+    fn weights_with(&self, point: V) -> Result<With<V>, [V::Scalar; 4]> {
         let zero = V::Scalar::ZERO;
         let [a, b, c, _] = self.vertices.each_ref().map(|vertex| vertex.point);
         Ok(match self.count {
