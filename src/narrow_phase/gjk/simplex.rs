@@ -102,7 +102,7 @@ impl<V: Vector> Simplex<V> {
     }
 
     /// The weights of the point closest to the origin with one more vertex: those of the others, and
-    /// then that of the new one. `None` if the hull has the origin inside.
+    /// then that of the new one. An error with all four, if the hull has the origin inside.
     #[inline(always)]
     fn weights_with(&self, point: V) -> Result<With<V>, [V::Scalar; 4]> {
         let zero = V::Scalar::ZERO;

@@ -72,7 +72,6 @@ fn mutate(app: &mut App, entity: Entity, path: &str, value: &Value) {
     let field = data.reflect_path_mut(path).expect(path);
     let value = read(&registry, field.reflect_type_path(), value).expect(path);
     field.try_apply(&*value).expect(path);
-    drop(data);
     app.update();
 }
 

@@ -177,7 +177,7 @@ fn foreign(rng: &mut Rng) -> Vec<Whole> {
     let mut cells: Vec<IVec3> = (0..8)
         .map(|_| IVec3::new(rng.i32(-2..2), rng.i32(-2..2), rng.i32(-2..2)))
         .collect();
-    cells.sort_by_key(|cell| cell.to_array());
+    cells.sort_by_key(IVec3::to_array);
     cells.dedup();
     let size = Vec3::new(0.5, 0.7, 0.6);
     let voxels = Collider::voxels(size, &cells);
