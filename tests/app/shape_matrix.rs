@@ -704,5 +704,6 @@ fn all_pairs_of_all_shapes_pass_all_tests() {
             }
         }
     }
-    check_all(&tally, 300);
+    // Fewer without Rapier's.
+    check_all(&tally, 200);
 }
