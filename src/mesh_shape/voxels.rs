@@ -121,6 +121,7 @@ impl Grid {
         let [a, b, c] = *triangle;
         let low = a.min(b).min(c).floor().as_ivec3();
         let high = a.max(b).max(c).floor().as_ivec3();
+        let mut is_anywhere = false;
         for z in low.z..=high.z {
             for y in low.y..=high.y {
                 for x in low.x..=high.x {
@@ -129,7 +130,16 @@ impl Grid {
                         && let Some(slot) = self.slot(cell)
                     {
                         self.cells[slot] = Cell::Surface;
+                        is_anywhere = true;
                     }
+                }
+            }
+        }
+        // So small on a border that rounding has it in none: where its corners are.
+        if !is_anywhere {
+            for corner in triangle {
+                if let Some(slot) = self.slot(corner.floor().as_ivec3()) {
+                    self.cells[slot] = Cell::Surface;
                 }
             }
         }
