@@ -10,8 +10,6 @@ use super::frame::edge_polygon;
 use super::frame::placed::{Placed, PlacedPair, ROUNDING, in_order};
 use super::frame::separation::Separation;
 use super::frame::smaller::Smaller;
-use super::frame::solid::Solid;
-use super::frame::two_solids;
 use super::frame::workspace::Workspace;
 use super::settings::{Exactness, NarrowPhase};
 use super::shape::{Kind, Shape};
@@ -200,14 +198,7 @@ fn complete(pair: &PlacedPair, workspace: &mut Workspace) -> bool {
         Case::Spheres => spheres(pair) == Some(true),
         Case::SphereFirst => edge_polygon::sphere_intersects(pair, workspace),
         Case::SphereSecond => edge_polygon::sphere_intersects(&pair.swapped(), workspace),
-        Case::Convex => {
-            // Looked for by its normal, a plane that parts the two costs less than that none does by
-            // all edges and polygons.
-            let are_parted = |[a, b]: [&Solid; 2]| two_solids::widest_gap(a, b).1 > slack(pair);
-            !two_solids::place_both(pair, workspace).is_some_and(are_parted)
-                && edge_polygon::intersects(pair, workspace)
-        }
-        Case::Cuboids | Case::Polygons => edge_polygon::intersects(pair, workspace),
+        Case::Cuboids | Case::Convex | Case::Polygons => edge_polygon::intersects(pair, workspace),
         // What is one of ours has been asked as such.
         Case::Parts | Case::Foreign => parts(pair, workspace),
     }

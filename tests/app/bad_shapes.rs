@@ -2,7 +2,6 @@
 //! entity, and harms nobody.
 
 use bevy::{
-    ecs::schedule::SingleThreadedExecutor,
     math::{Dir3, Isometry3d},
     prelude::*,
 };
@@ -14,7 +13,10 @@ use bevy_octree::{
 };
 use fastrand::Rng;
 
-use crate::common::{self, warnings::told};
+use crate::common::{
+    self,
+    warnings::{on_this_thread, told},
+};
 use common::get;
 
 /// Numbers of exporters and sliders.
@@ -181,9 +183,7 @@ impl Source {
 fn app() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)));
-    app.edit_schedule(Update, |schedule| {
-        schedule.set_executor(SingleThreadedExecutor::new());
-    });
+    on_this_thread(&mut app, Update);
     app
 }
 

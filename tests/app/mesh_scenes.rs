@@ -4,14 +4,13 @@ use std::time::Duration;
 
 use bevy::{
     asset::AssetPlugin,
-    ecs::schedule::SingleThreadedExecutor,
     mesh::{Indices, Mesh3d},
     prelude::*,
     time::TimeUpdateStrategy,
 };
 use bevy_octree::{mesh_shape::MeshShapeCounts, narrow_phase::Shape, prelude::*};
 
-use crate::common::warnings::told;
+use crate::common::warnings::{on_this_thread, told};
 
 #[derive(Resource, Default)]
 struct Told(Vec<(Entity, [usize; 3])>);
@@ -36,9 +35,7 @@ fn app() -> App {
         told.0.push((ready.entity, [shapes, errors, left_out]));
     });
     // Who listens to the log hears this thread alone.
-    app.edit_schedule(Update, |schedule| {
-        schedule.set_executor(SingleThreadedExecutor::new());
-    });
+    on_this_thread(&mut app, Update);
     app
 }
 

@@ -4,7 +4,6 @@ use std::time::Duration;
 
 use bevy::{
     asset::{AssetPlugin, io::AssetSourceId},
-    ecs::schedule::SingleThreadedExecutor,
     mesh::Indices,
     prelude::*,
 };
@@ -13,7 +12,10 @@ use bevy_octree::{
     prelude::*,
 };
 
-use crate::common::{self, warnings::told};
+use crate::common::{
+    self,
+    warnings::{on_this_thread, told},
+};
 use common::get;
 
 /// Who listens to the log hears this thread alone.
@@ -24,9 +26,7 @@ fn app_without_meshes() -> App {
         AssetPlugin::default(),
         OctreePlugins::new(Update),
     ));
-    app.edit_schedule(Update, |schedule| {
-        schedule.set_executor(SingleThreadedExecutor::new());
-    });
+    on_this_thread(&mut app, Update);
     app
 }
 

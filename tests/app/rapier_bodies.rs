@@ -6,7 +6,7 @@ use crate::{common, rapier::spawn};
 use std::sync::Arc;
 
 use bevy::{
-    ecs::{entity_disabling::Disabled, schedule::SingleThreadedExecutor, system::RunSystemOnce},
+    ecs::{entity_disabling::Disabled, system::RunSystemOnce},
     prelude::*,
 };
 use bevy_octree::{narrow_phase::Shape, prelude::*};
@@ -21,7 +21,10 @@ use bevy_rapier3d::{
     prelude as rapier,
     prelude::{Collider, RapierPhysicsPlugin, RigidBody},
 };
-use common::{warnings::told, *};
+use common::{
+    warnings::{on_this_thread, told},
+    *,
+};
 
 /// An app in which Rapier and this crate make one step per update.
 fn rapier_app() -> App {
@@ -206,9 +209,7 @@ fn a_pair_that_nothing_is_known_of_is_told_once_with_both_entities() {
     let told = told(|| {
         let mut app = app(BroadPhaseMethod::default());
         // Who listens hears this thread alone.
-        app.edit_schedule(FixedPostUpdate, |schedule| {
-            schedule.set_executor(SingleThreadedExecutor::new());
-        });
+        on_this_thread(&mut app, FixedPostUpdate);
         let unheard = || CollisionShape::from(SharedShape(Arc::new(Unheard(Ball::new(0.5)))));
         let [near, far] = [0.0, 100.0].map(|x| {
             app.world_mut()

@@ -6,10 +6,7 @@ mod json;
 use std::any::TypeId;
 
 use bevy::{
-    ecs::{
-        entity_disabling::Disabled, reflect::ReflectComponent, schedule::SingleThreadedExecutor,
-        template::FromTemplate,
-    },
+    ecs::{entity_disabling::Disabled, reflect::ReflectComponent, template::FromTemplate},
     prelude::*,
     reflect::{
         FromReflect, GetPath, ReflectRef, TypeInfo, TypeRegistry,
@@ -23,7 +20,10 @@ use bevy_octree::{
     shape_data::{CoreDescription, PartDescription, ShapeDescription},
 };
 
-use crate::common::{self, warnings::told};
+use crate::common::{
+    self,
+    warnings::{on_this_thread, told},
+};
 use common::get;
 
 const BALL: ShapeDescription = ShapeDescription::Sphere { radius: 0.5 };
@@ -33,9 +33,7 @@ const BAD: ShapeDescription = ShapeDescription::Sphere { radius: -1.0 };
 fn app() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)));
-    app.edit_schedule(Update, |schedule| {
-        schedule.set_executor(SingleThreadedExecutor::new());
-    });
+    on_this_thread(&mut app, Update);
     app
 }
 

@@ -5,7 +5,6 @@ use crate::common;
 use std::f32::consts::FRAC_PI_4;
 
 use bevy::{
-    ecs::schedule::SingleThreadedExecutor,
     ecs::system::RunSystemOnce,
     math::{DAffine3, DVec3, Isometry3d},
     prelude::*,
@@ -16,7 +15,7 @@ use bevy_octree::{
     prelude::*,
 };
 use common::{
-    warnings::{told, warnings},
+    warnings::{on_this_thread, told, warnings},
     *,
 };
 use fastrand::Rng;
@@ -431,13 +430,6 @@ fn a_rapier_collider_is_not_sheared() {
 }
 
 /// What of a shape does not follow a scale is told once, when it gets the shape or the scale.
-/// What is logged is heard on this thread alone.
-fn on_this_thread(app: &mut App) {
-    app.edit_schedule(FixedPostUpdate, |schedule| {
-        schedule.set_executor(SingleThreadedExecutor::new());
-    });
-}
-
 #[test]
 fn what_does_not_follow_a_scale_is_told_once() {
     let hull = Shape::convex_hull([Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z]).unwrap();
@@ -476,7 +468,7 @@ fn what_does_not_follow_a_scale_is_told_once() {
     for (shape, expected) in cases {
         for is_child in [false, true] {
             let mut app = app(BroadPhaseMethod::default());
-            on_this_thread(&mut app);
+            on_this_thread(&mut app, FixedPostUpdate);
             let shape = CollisionShape(shape.clone());
             let entity = app.world_mut().spawn((shape.clone(), uneven)).id();
             if is_child {
@@ -507,7 +499,7 @@ fn what_does_not_follow_a_scale_is_told_once() {
     }
     // What a capsule can do is no matter.
     let mut app = app(BroadPhaseMethod::default());
-    on_this_thread(&mut app);
+    on_this_thread(&mut app, FixedPostUpdate);
     let tall = Transform::from_scale(Vec3::new(2.0, 5.0, -2.0));
     app.world_mut()
         .spawn((CollisionShape(Shape::capsule(0.5, 1.0)), tall));

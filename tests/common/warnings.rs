@@ -6,6 +6,10 @@ use std::{
     sync::{Arc, LazyLock, Mutex},
 };
 
+use bevy::{
+    ecs::schedule::{ScheduleLabel, SingleThreadedExecutor},
+    prelude::*,
+};
 use tracing::{
     Dispatch, Event, Level, Metadata, Subscriber,
     field::{Field, Visit},
@@ -50,6 +54,13 @@ impl Visit for Message {
     fn record_debug(&mut self, _: &Field, value: &dyn Debug) {
         self.0 += &format!("{value:?}");
     }
+}
+
+/// Has a schedule run on this thread: who listens to the log hears that alone.
+pub fn on_this_thread(app: &mut App, schedule: impl ScheduleLabel) {
+    app.edit_schedule(schedule, |schedule| {
+        schedule.set_executor(SingleThreadedExecutor::new());
+    });
 }
 
 /// The warnings of the crate's that this thread logs meanwhile.

@@ -4,7 +4,7 @@ use bevy::math::Vec3A;
 
 use super::facet::{Best, Facet, highest};
 use crate::narrow_phase::{
-    frame::surface::border,
+    frame::{placing::cofactors, surface::border},
     length::unit,
     mesh::{polygon_mesh::PolygonMesh, topology::NO_NEIGHBOR},
 };
@@ -168,22 +168,4 @@ impl Hull {
         self.solid_faces()
             .for_each(|face| cut(face.normal, face.plane));
     }
-}
-
-/// By these, normals scale: inversely to lengths, but without dividing by zero, and mirrors do not
-/// turn them inside out.
-pub fn cofactors(scale: Vec3A) -> Vec3A {
-    let largest = scale.abs().max_element();
-    let relative = if largest > 0.0 {
-        scale / largest
-    } else {
-        scale
-    };
-    let mirror = 1f32.copysign(scale.x * scale.y * scale.z);
-    mirror
-        * Vec3A::new(
-            relative.y * relative.z,
-            relative.z * relative.x,
-            relative.x * relative.y,
-        )
 }

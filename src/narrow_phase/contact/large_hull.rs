@@ -15,12 +15,12 @@ use bevy::math::{Vec3A, bounding::Aabb3d};
 
 use super::{
     facet::{Best, Facet, bounds, highest},
-    hull::cofactors,
     patch::Patch,
     support::highest_vertex,
 };
 use crate::broad_phase::{Overlap, StillOctree, Sweep};
 use crate::narrow_phase::{
+    frame::placing::cofactors,
     length::unit,
     mesh::{polygon_mesh::PolygonMesh, topology::NO_NEIGHBOR},
 };

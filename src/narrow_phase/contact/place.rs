@@ -3,8 +3,11 @@
 use bevy::math::{DMat3, DVec3, Mat3A, Vec3, Vec3A, bounding::Aabb3d};
 use bevy::transform::components::Transform;
 
-use super::hull::cofactors;
-use crate::narrow_phase::{frame::placed::Placed, length::unit, mesh::polygon_mesh::PolygonMesh};
+use crate::narrow_phase::{
+    frame::{placed::Placed, placing::cofactors},
+    length::unit,
+    mesh::polygon_mesh::PolygonMesh,
+};
 
 /// How a mesh gets into the frame of a solid: around the centre of the solid's box, along its axes.
 ///

@@ -14,6 +14,12 @@ use crate::narrow_phase::{
 /// Numbers whose squares are numbers, and not nothing.
 pub const FAIR: RangeInclusive<f32> = 1e-8..=1e8;
 
+/// Are the sizes of two and the way between them such numbers?
+#[inline(always)]
+pub fn are_fair(size: f32, offset: Vec3A) -> bool {
+    FAIR.contains(&size) && offset.is_finite() && offset.abs().max_element() <= *FAIR.end()
+}
+
 /// Two balls, relative to the position of the first.
 #[derive(Clone, Copy, Debug)]
 pub struct Balls {
@@ -37,10 +43,7 @@ impl Balls {
     pub fn of(a: Placed, b: Placed) -> Option<Self> {
         let radii = [radius(a)?, radius(b)?];
         let offset = Vec3A::from(b.transform.translation - a.transform.translation);
-        let is_fair = FAIR.contains(&(radii[0] + radii[1]))
-            && offset.is_finite()
-            && offset.abs().max_element() <= *FAIR.end();
-        is_fair.then_some(Self {
+        are_fair(radii[0] + radii[1], offset).then_some(Self {
             nearest: Nearest {
                 points: [Vec3A::ZERO, offset],
                 offset,

@@ -3,7 +3,7 @@
 use bevy::math::{Mat3A, Vec3, Vec3A};
 
 use crate::narrow_phase::{
-    frame::{oriented_box::OrientedBox, placed::Placed},
+    frame::{oriented_box::OrientedBox, placed::Placed, placing::cofactors},
     mesh::convex_mesh::ConvexMesh,
     rounded::RoundedCore,
     shape::Shape,
@@ -316,20 +316,6 @@ impl<'a> Body<'a> {
             Core::Point | Core::Segment(_) => {}
         }
     }
-}
-
-/// By these, normals scale: inversely to lengths, but without dividing by zero, and mirrors do not
-/// turn them inside out.
-fn cofactors(scale: Vec3A) -> Vec3A {
-    let mirror = 1f32.copysign(scale.x * scale.y * scale.z);
-    let largest = scale.abs().max_element();
-    let [x, y, z] = if largest > 0.0 {
-        scale / largest
-    } else {
-        scale
-    }
-    .to_array();
-    mirror * Vec3A::new(y * z, z * x, x * y)
 }
 
 /// Its sizes are those at the largest scale of the three, so that neither a huge scale of something

@@ -2,11 +2,12 @@
 //!
 //! These are what games have most, and what is told about two of them takes less than to put any two
 //! shapes into a frame. Numbers that are so large, so small or so wrong that products of them are no
-//! numbers any more are left to the tests for all shapes, and so are two cuboids.
+//! numbers any more are left to the tests for all shapes, and so are two cuboids. Two balls have a [type of
+//! their own](super::balls).
 
 use bevy::math::{Mat3A, Quat, Vec3A};
 
-use super::balls::FAIR;
+use super::balls::{FAIR, are_fair};
 use super::nearest::{Closest, Nearest};
 use super::segments::{Segment, segment_box, segments, way_out};
 use crate::narrow_phase::{
@@ -82,7 +83,7 @@ fn round(placed: Placed) -> Option<(Vec3A, f32)> {
 }
 
 impl QuickPair {
-    /// Two of which each is a ball, a capsule or a cuboid, and not both are cuboids.
+    /// Two of which each is a ball, a capsule or a cuboid, but for two balls and two cuboids.
     #[inline(always)]
     pub fn of(a: Placed, b: Placed) -> Option<Self> {
         let offset = Vec3A::from(b.transform.translation - a.transform.translation);
@@ -93,10 +94,8 @@ impl QuickPair {
             (Shape::Sphere { .. } | Shape::Capsule { .. }, Shape::Cuboid { .. }) => {
                 Self::with_box(b, a, -offset, false)
             }
-            (
-                Shape::Sphere { .. } | Shape::Capsule { .. },
-                Shape::Sphere { .. } | Shape::Capsule { .. },
-            ) => {
+            (Shape::Capsule { .. }, Shape::Sphere { .. } | Shape::Capsule { .. })
+            | (Shape::Sphere { .. }, Shape::Capsule { .. }) => {
                 let ((half_a, radius_a), (half_b, radius_b)) = (round(a)?, round(b)?);
                 let center = Vec3A::ZERO;
                 let lengths = half_a.abs().max_element() + half_b.abs().max_element();
@@ -119,10 +118,8 @@ impl QuickPair {
             }
             _ => None,
         }?;
-        let is_fair = FAIR.contains(&pair.size)
+        let is_fair = are_fair(pair.size, offset)
             && pair.is_finite()
-            && offset.is_finite()
-            && offset.abs().max_element() <= *FAIR.end()
             && a.transform.scale.is_finite()
             && b.transform.scale.is_finite();
         is_fair.then_some(pair)
@@ -214,28 +211,20 @@ impl QuickPair {
         {
             return;
         }
-        let stage = self.stage();
         let is_parted = !verdict && apart.length() - radii > slack;
-        if stage == Stage::Spheres || is_parted {
-            counters.count(Stage::Spheres, Some(verdict));
+        if counters
+            .count(Stage::Spheres, is_parted.then_some(false))
+            .is_some()
+        {
             return;
         }
-        counters.count(Stage::Spheres, None);
-        if stage != Stage::Boxes {
-            counters.count(Stage::Boxes, None);
-        }
-        counters.count(stage, Some(verdict));
-    }
-
-    /// The stage that decides two such shapes: for balls, their spheres are all there is.
-    #[inline]
-    fn stage(&self) -> Stage {
-        match &self.kind {
-            Kind::Rounds {
-                segments: [a, b], ..
-            } if a.is_point() && b.is_point() => Stage::Spheres,
-            Kind::WithBox { segment, .. } if segment.is_point() => Stage::Boxes,
-            _ => Stage::Complete,
+        // A ball and a box are decided as boxes are.
+        let is_ball = matches!(&self.kind, Kind::WithBox { segment, .. } if segment.is_point());
+        if counters
+            .count(Stage::Boxes, is_ball.then_some(verdict))
+            .is_none()
+        {
+            counters.count(Stage::Complete, Some(verdict));
         }
     }
 
@@ -320,14 +309,9 @@ impl QuickPair {
         let (way, depth) = way_out(&segment, half);
         // The round one goes out that way, and so is where its normal comes from.
         let outwards = axes * way;
-        let [point, _] = if is_box_first {
-            [nearest.points[1], nearest.points[0]]
-        } else {
-            nearest.points
-        };
         Some(Some(LocalContact {
             normal: if is_box_first { outwards } else { -outwards },
-            point,
+            point: nearest.points[usize::from(is_box_first)],
             depth: (depth + radius).max(0.0),
         }))
     }

@@ -11,7 +11,7 @@ use crate::narrow_phase::{
         case::Case,
         placed::{Placed, PlacedPair},
     },
-    gjk::{Found, Overlap, Polytope, Simplex, Vertex, expand, search},
+    gjk::{Found, Overlap, Polytope, Simplex, Vertex, common_point, expand, search},
     shape::Shape,
 };
 
@@ -33,8 +33,6 @@ const UNSURE: f32 = 1e-6;
 const UNCERTAIN: f64 = 1e-7;
 /// The cosine of the angle up to which a normal may be that of a face.
 const ALONG_FACE: f32 = 0.999;
-/// So often does the search for a point of both go from one shape to the other.
-const MOST_WAYS: usize = 8;
 /// Two points that are no further apart count as one, as a share of the sizes at hand.
 const SAME: f32 = 1e-5;
 
@@ -393,14 +391,10 @@ impl<'a> Bodies<'a> {
     /// A point of two cores that touch, near another, by going back and forth between the two; that
     /// which the search ended with, if that takes too long.
     fn common_point(&self, near: Vec3A, simplex: &Simplex<Vec3A>) -> Vec3A {
-        let mut point = near;
-        let found = (0..MOST_WAYS).find_map(|_| {
-            let on_a = closest(&self.a, point);
-            point = closest(&self.b, on_a);
-            let is_common = on_a.distance(point) <= self.tolerance.max(SAME * self.size);
-            is_common.then(|| on_a.midpoint(point))
-        });
-        found.unwrap_or_else(|| {
+        let same = self.tolerance.max(SAME * self.size);
+        let on_a = |point| closest(&self.a, point);
+        let on_b = |point| closest(&self.b, point);
+        common_point(near, on_a, on_b, same).unwrap_or_else(|| {
             let [on_a, on_b] = simplex.points();
             on_a.midpoint(on_b)
         })

@@ -89,19 +89,7 @@ impl Placing {
         if self.uniform_scale().is_some() {
             return self.axes * (Vec3A::from(normal) * self.scale.signum());
         }
-        let largest = self.scale.abs().max_element();
-        let relative = if largest > 0.0 {
-            self.scale / largest
-        } else {
-            self.scale
-        };
-        let cofactors = Vec3A::new(
-            relative.y * relative.z,
-            relative.z * relative.x,
-            relative.x * relative.y,
-        );
-        let mirror = 1f32.copysign(self.scale.x * self.scale.y * self.scale.z);
-        self.axes * unit_or_zero(Vec3A::from(normal) * cofactors * mirror)
+        self.axes * unit_or_zero(Vec3A::from(normal) * cofactors(self.scale))
     }
 
     /// The way from one mesh to another, both in the frame of a pair.
@@ -215,6 +203,25 @@ impl Way {
             ..self
         }
     }
+}
+
+/// By these, normals scale: inversely to lengths, but without dividing by zero, and mirrors do not
+/// turn them inside out.
+#[inline]
+pub fn cofactors(scale: Vec3A) -> Vec3A {
+    let largest = scale.abs().max_element();
+    let relative = if largest > 0.0 {
+        scale / largest
+    } else {
+        scale
+    };
+    let mirror = 1f32.copysign(scale.x * scale.y * scale.z);
+    mirror
+        * Vec3A::new(
+            relative.y * relative.z,
+            relative.z * relative.x,
+            relative.x * relative.y,
+        )
 }
 
 /// The direction of a vector whose length may underflow; zero for zero.

@@ -8,11 +8,13 @@
 //! is certain to its bounds: a plane with all of the difference beyond says that the two are apart,
 //! and by how much. The search for the distance is the same in both precisions.
 
+mod common_point;
 mod distance;
 mod expansion;
 mod simplex;
 mod vector;
 
+pub use common_point::common_point;
 pub use distance::{Found, search};
 pub use expansion::{Overlap, Polytope, expand};
 pub use simplex::{Simplex, Vertex};

@@ -45,6 +45,7 @@ pub trait Vector:
 
     fn dot(self, other: Self) -> Self::Scalar;
     fn cross(self, other: Self) -> Self;
+    fn midpoint(self, other: Self) -> Self;
 
     #[inline(always)]
     fn length_squared(self) -> Self::Scalar {
@@ -94,6 +95,11 @@ macro_rules! precision {
             #[inline(always)]
             fn cross(self, other: Self) -> Self {
                 self.cross(other)
+            }
+
+            #[inline(always)]
+            fn midpoint(self, other: Self) -> Self {
+                self.midpoint(other)
             }
         }
     };

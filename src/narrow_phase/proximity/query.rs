@@ -264,20 +264,22 @@ fn closest_to_center(pair: &PlacedPair, workspace: &mut Workspace) -> Option<Vec
             let offset = pair.box_b.center - center;
             Some(center + offset * (1.0 - (pair.box_b.radius / offset.length()).min(1.0)))
         }
-        // Which side of a thin solid a point is on, its nearest polygons alone do not tell.
-        Kind::Convex if Bodies::of_case(pair).is_some() => {
-            let mote = Shape::Sphere { radius: 0.0 };
-            let at_center = Placed::new(&mote, pair.a.transform);
-            let found = Bodies::of_case(pair)
-                .filter(|_| pair.box_a.radius == 0.0)
-                .and_then(|bodies| bodies.closest_points())
-                .or_else(|| support::closest_points(at_center, pair.b).map(Closest::from))?;
-            let apart = found.distance > 0.0;
-            Some(center + if apart { found.offset } else { Vec3A::ZERO })
-        }
-        Kind::Convex | Kind::Mesh => match edge_polygon::sphere_closest(pair, workspace)? {
-            (_, true) => Some(center),
-            (closest, false) => Some(closest.point),
+        Kind::Convex | Kind::Mesh => match Bodies::of_case(pair) {
+            // Which side of a thin solid a point is on, its nearest polygons alone do not tell.
+            Some(bodies) => {
+                let mote = Shape::Sphere { radius: 0.0 };
+                let at_center = Placed::new(&mote, pair.a.transform);
+                let found = (pair.box_a.radius == 0.0)
+                    .then(|| bodies.closest_points())
+                    .flatten()
+                    .or_else(|| support::closest_points(at_center, pair.b).map(Closest::from))?;
+                let apart = found.distance > 0.0;
+                Some(center + if apart { found.offset } else { Vec3A::ZERO })
+            }
+            None => match edge_polygon::sphere_closest(pair, workspace)? {
+                (_, true) => Some(center),
+                (closest, false) => Some(closest.point),
+            },
         },
         Kind::Curved | Kind::Parts | Kind::Foreign => None,
     }
@@ -314,11 +316,11 @@ mod tests {
                 at_b.translation = at_a.translation;
             }
             let (a, b) = (Placed::new(&a, &at_a), Placed::new(&b, &at_b));
-            if let Some(quick) = QuickPair::of(a, b) {
+            if let Some(balls) = Balls::of(a, b) {
                 let pair = PlacedPair::new(a, b, 1e-6).unwrap();
                 assert!(!pair.is_wide());
                 let found = local_points(&pair, &mut workspace).unwrap().offset;
-                let off = quick.closest_points().offset.distance(found);
+                let off = balls.nearest.of_surfaces().offset.distance(found);
                 assert!(
                     off <= 1e-6 * (pair.size + found.length()),
                     "{off}: {a:?} {b:?}"

@@ -6,12 +6,10 @@ use bevy::math::DVec3;
 use super::convex::Convex;
 use super::gap::Gap;
 use super::segment_triangle;
-use crate::narrow_phase::gjk::{Found, Polytope, Simplex, Vertex, expand, search};
+use crate::narrow_phase::gjk::{Found, Polytope, Simplex, Vertex, common_point, expand, search};
 
 /// What is left uncertain of a depth, as a share of the sizes at hand: little enough for normals.
 const UNCERTAIN: f64 = 1e-12;
-/// So often does the search for a point of both go from one shape to the other.
-const MOST_WAYS: usize = 8;
 /// Two points that are no further apart count as one, as a share of the sizes at hand.
 const SAME: f64 = 1e-7;
 
@@ -68,28 +66,20 @@ pub fn by_steps(a: &Convex, b: &Convex, limit: f64, with_depth: bool) -> Option<
     let polytope = &mut Polytope::default();
     let deepest = expand(&simplex, difference, UNCERTAIN, towards_b, polytope);
     let middle = deepest.points[0].midpoint(deepest.points[1]);
+    let (on_a, on_b) = (|point| closest(a, point), |point| closest(b, point));
     Some(Gap {
         distance: -deepest.depth.max(f64::MIN_POSITIVE),
         normal: deepest.normal,
         points: deepest.points,
-        between: common_point(a, b, middle, size).unwrap_or(between),
+        between: common_point(middle, on_a, on_b, SAME * size).unwrap_or(between),
     })
 }
 
-/// A point of two cores that overlap, near another, by going back and forth between the two; `None`
-/// if that takes too long.
-fn common_point(a: &Convex, b: &Convex, near: DVec3, size: f64) -> Option<DVec3> {
-    let closest = |core: &Convex, point: DVec3| {
-        let gap = by_steps(&Convex::point(point), core, f64::INFINITY, false);
-        gap.filter(|gap| gap.distance > 0.0)
-            .map_or(point, |gap| gap.points[1])
-    };
-    let mut point = near;
-    (0..MOST_WAYS).find_map(|_| {
-        let on_a = closest(a, point);
-        point = closest(b, on_a);
-        (on_a.distance(point) <= SAME * size).then(|| on_a.midpoint(point))
-    })
+/// The point of a core that is closest to another; that one itself, if it is inside.
+fn closest(core: &Convex, point: DVec3) -> DVec3 {
+    let gap = by_steps(&Convex::point(point), core, f64::INFINITY, false);
+    gap.filter(|gap| gap.distance > 0.0)
+        .map_or(point, |gap| gap.points[1])
 }
 
 #[cfg(test)]

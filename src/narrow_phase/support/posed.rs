@@ -2,6 +2,7 @@
 
 use bevy::math::{DMat3, DVec3, Isometry3d, Vec3, Vec3A};
 
+use super::convex::feature::stretched_normal;
 use super::convex::{Convex, Isometry};
 use super::foreign::{Foreign, ForeignPart};
 use super::parts::Part;
@@ -312,9 +313,5 @@ fn part_at(pose: Isometry3d, scale: DVec3, at: &Isometry) -> (Isometry, DVec3) {
 /// The normal of a plane through the origin that a scale stretches. A scale that leaves no plane of
 /// it leaves the normal as it is.
 fn scaled_normal(normal: DVec3, scale: DVec3) -> DVec3 {
-    let DVec3 { x, y, z } = scale;
-    let cofactors = DVec3::new(y * z, x * z, x * y) * (x * y * z).signum();
-    (normal * cofactors)
-        .try_normalize()
-        .unwrap_or_else(|| normal.normalize_or(DVec3::Y))
+    stretched_normal(normal, scale).unwrap_or_else(|| normal.normalize_or(DVec3::Y))
 }

@@ -327,7 +327,7 @@ fn mesh_face(mesh: &PolygonMesh, scale: DVec3, direction: DVec3) -> Option<(DVec
 }
 
 /// The normal of a plane, outwards, that a scale stretches; `None` if that leaves no plane of it.
-fn stretched_normal(normal: DVec3, scale: DVec3) -> Option<DVec3> {
+pub fn stretched_normal(normal: DVec3, scale: DVec3) -> Option<DVec3> {
     let DVec3 { x, y, z } = scale;
     let cofactors = DVec3::new(y * z, x * z, x * y) * 1f64.copysign(x * y * z);
     (normal * cofactors).try_normalize()
