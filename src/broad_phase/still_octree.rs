@@ -124,6 +124,11 @@ impl StillOctree {
         self.levels.height()
     }
 
+    /// The number of blocks on a level.
+    pub(crate) fn blocks_on(&self, level: u32) -> u32 {
+        self.owners.len().div_ceil(WIDTH.pow(level + 1)) as u32
+    }
+
     /// Calls `found` with the boxes in a block: each with its slot on the lowest level, which is 0,
     /// and above with the index of the block one level below that it is around.
     #[inline]

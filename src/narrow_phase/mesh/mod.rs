@@ -15,5 +15,6 @@ mod polygons;
 mod quickhull;
 mod solids;
 pub(super) mod topology;
+mod tree_boxes;
 #[cfg(any(feature = "mesh", test))]
 mod weld;

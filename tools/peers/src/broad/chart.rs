@@ -13,9 +13,11 @@ use crate::{
     plot::{self, Canvas, Drawn, bold, text},
 };
 
-const SIZE: (u32, u32) = (1100, 520);
+const SIZE: (u32, u32) = (1600, 760);
 /// The height of the title and the legend.
-const HEAD: i32 = 62;
+const HEAD: i32 = 92;
+/// How many of the shades, from the first on, are so light that black is read on them.
+const LIGHT: usize = 2;
 /// Of the bars, from few objects to many.
 const SHADES: [RGBColor; 5] = [
     RGBColor(158, 202, 225),
@@ -41,20 +43,20 @@ pub fn draw(stem: &Path, report: &Report) -> Result<[PathBuf; 2], Box<dyn Error>
 
 fn legend(canvas: &Canvas, sizes: &[usize]) -> Drawn {
     canvas.draw(&Text::new(
-        "Time of the fastest peer, by that of this crate",
-        (20, 12),
-        bold(20),
+        "How many times as fast as the fastest other broad phase, whose name is in the bar",
+        (20, 14),
+        bold(28),
     ))?;
     for (i, size) in sizes.iter().enumerate() {
-        let x = 20 + 150 * i as i32;
+        let x = 20 + 230 * i as i32;
         canvas.draw(&Rectangle::new(
-            [(x, 42), (x + 14, 56)],
+            [(x, 58), (x + 20, 78)],
             SHADES[i % SHADES.len()].filled(),
         ))?;
         canvas.draw(&Text::new(
             format!("{size} objects"),
-            (x + 20, 42),
-            text(15),
+            (x + 28, 57),
+            text(22),
         ))?;
     }
     Ok(())
@@ -71,22 +73,22 @@ fn bars(canvas: &Canvas, cells: &[Cell], scenes: &[&str], sizes: &[usize]) -> Dr
     let whole = |height| [(0.0, height), (scenes.len() as f64, height)];
     let mut chart = ChartBuilder::on(canvas)
         .margin_right(20)
-        .margin_left(80)
-        .margin_bottom(34)
+        .margin_left(110)
+        .margin_bottom(44)
         .build_cartesian_2d(0.0..scenes.len() as f64, low..high)?;
     for step in low.ceil() as i32..=high.floor() as i32 {
         let height = f64::from(step);
-        let label = text(14).pos(Pos::new(HPos::Right, VPos::Center));
-        let label = Text::new(height.exp2().to_string(), (-10, 0), label);
+        let label = text(20).pos(Pos::new(HPos::Right, VPos::Center));
+        let label = Text::new(format!("{} ×", height.exp2()), (-12, 0), label);
         chart.draw_series([PathElement::new(whole(height), BLACK.mix(0.15))])?;
         chart.draw_series([EmptyElement::at((0.0, height)) + label])?;
     }
-    let upright = text(14)
+    let upright = text(20)
         .transform(FontTransform::Rotate270)
         .pos(Pos::new(HPos::Center, VPos::Center));
     canvas.draw(&Text::new(
-        "peer / ours",
-        (22, (SIZE.1 as i32 - HEAD) / 2),
+        "time of the peer / time of this crate",
+        (24, (SIZE.1 as i32 - HEAD) / 2),
         upright,
     ))?;
     let width = 0.84 / sizes.len().max(1) as f64;
@@ -103,24 +105,25 @@ fn bars(canvas: &Canvas, cells: &[Cell], scenes: &[&str], sizes: &[usize]) -> Dr
             let (middle, right) = (left + width * 0.46, left + width * 0.92);
             let shade = SHADES[size % SHADES.len()].filled();
             chart.draw_series([Rectangle::new([(left, 0.0), (right, height)], shade)])?;
-            let above = text(11).pos(Pos::new(HPos::Center, VPos::Bottom));
+            let above = text(16).pos(Pos::new(HPos::Center, VPos::Bottom));
             let figure = Text::new(format!("{ratio:.1}"), (0, -2), above);
             chart.draw_series([EmptyElement::at((middle, height.max(0.0))) + figure])?;
             // The name of the peer, where there is room for it.
             if height > 0.25 * (high - low) {
-                let upright = text(11).transform(FontTransform::Rotate270).color(&WHITE);
-                let name = Text::new(peer.engine.to_owned(), (-6, -6), upright);
+                let ink = if size < LIGHT { &BLACK } else { &WHITE };
+                let upright = text(17).transform(FontTransform::Rotate270).color(ink);
+                let name = Text::new(peer.engine.to_owned(), (-9, -8), upright);
                 chart.draw_series([EmptyElement::at((middle, 0.0)) + name])?;
             }
         }
         let (x, _) = chart
             .plotting_area()
             .map_coordinate(&(scene as f64 + 0.5, 0.0));
-        let below = text(15).pos(Pos::new(HPos::Center, VPos::Center));
+        let below = text(21).pos(Pos::new(HPos::Center, VPos::Center));
         // Coordinates of the plot are those of the whole picture.
         canvas.draw(&Text::new(
             (*name).to_owned(),
-            (x, SIZE.1 as i32 - HEAD - 22),
+            (x, SIZE.1 as i32 - HEAD - 24),
             below,
         ))?;
     }
