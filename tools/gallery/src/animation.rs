@@ -13,7 +13,7 @@ use std::{
 
 use color_quant::NeuQuant;
 use gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
-use image::RgbImage;
+use image::{Rgb, RgbImage};
 use thiserror::Error;
 
 /// What can go wrong with an animation.
@@ -104,29 +104,54 @@ fn changes(before: &[u8], now: &[u8], width: usize) -> Frame<'static> {
 
 /// The colours of all pictures.
 struct Palette {
-    quantizer: NeuQuant,
+    /// Red, green and blue in turn.
+    colors: Vec<u8>,
+    /// What finds the nearest, if there are not all.
+    quantizer: Option<NeuQuant>,
     /// What was looked up.
     known: HashMap<[u8; 3], u8>,
 }
 
 impl Palette {
     fn of(pictures: &[RgbImage]) -> Self {
-        let all: usize = pictures.iter().map(|picture| picture.pixels().len()).sum();
+        let pixels = || pictures.iter().flat_map(RgbImage::pixels);
+        let mut known = HashMap::new();
+        let mut colors = Vec::new();
+        for pixel in pixels() {
+            let count = known.len();
+            known.entry(pixel.0).or_insert_with(|| {
+                colors.extend(pixel.0);
+                count as u8
+            });
+            if known.len() > COLORS {
+                return Self::learnt(pixels());
+            }
+        }
+        Self {
+            colors,
+            quantizer: None,
+            known,
+        }
+    }
+
+    fn learnt<'a>(pixels: impl Iterator<Item = &'a Rgb<u8>> + Clone) -> Self {
         // Not a multiple of the width, as far as that can be helped: it would be columns.
-        let stride = (all / SAMPLES).max(1) | 1;
-        let pixels = pictures.iter().flat_map(RgbImage::pixels).step_by(stride);
+        let stride = (pixels.clone().count() / SAMPLES).max(1) | 1;
         let samples: Vec<u8> = pixels
+            .step_by(stride)
             .flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255])
             .collect();
+        let quantizer = NeuQuant::new(3, COLORS, &samples);
         Self {
-            quantizer: NeuQuant::new(3, COLORS, &samples),
+            colors: quantizer.color_map_rgb(),
+            quantizer: Some(quantizer),
             known: HashMap::new(),
         }
     }
 
-    /// All colours, red, green and blue in turn; last one that stands for the transparent.
+    /// All colours, and last one that stands for the transparent.
     fn colors(&self) -> Vec<u8> {
-        let mut colors = self.quantizer.color_map_rgb();
+        let mut colors = self.colors.clone();
         colors.resize(3 * (COLORS + 1), 0);
         colors
     }
@@ -134,15 +159,14 @@ impl Palette {
     fn index_of(&mut self, color: [u8; 3]) -> u8 {
         *self.known.entry(color).or_insert_with(|| {
             let [red, green, blue] = color;
-            self.quantizer.index_of(&[red, green, blue, 255]) as u8
+            let nearest = |quantizer: &NeuQuant| quantizer.index_of(&[red, green, blue, 255]);
+            self.quantizer.as_ref().map_or(0, nearest) as u8
         })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use image::Rgb;
-
     use super::*;
 
     #[test]

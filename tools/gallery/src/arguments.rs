@@ -6,13 +6,14 @@ use bevy::math::UVec2;
 use clap::Parser;
 
 use crate::{
+    controls::KEYS,
     play::Play,
     settings::{Leaves, Search},
 };
 
 /// Shows what `bevy_octree` does: in a window, or, with `--frames`, in pictures.
 #[derive(Parser, Clone, Debug)]
-#[command(version, after_help = "Keys in the window: H lists them.")]
+#[command(version, after_help = format!("In the window:\n{KEYS}"))]
 pub struct Arguments {
     /// The scene to begin with; `--list` names all.
     #[arg(long)]

@@ -62,7 +62,7 @@ pub fn spawn(mut commands: Commands) {
         ..default()
     });
     commands.spawn((
-        Camera3d::default(),
+        (Camera3d::default(), IsDefaultUiCamera),
         Tonemapping::AcesFitted,
         Projection::from(PerspectiveProjection {
             fov: 40_f32.to_radians(),

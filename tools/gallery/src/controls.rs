@@ -15,17 +15,23 @@ use crate::{
 
 /// The keys, and what each does.
 pub const KEYS: &str = "\
-Space  pause, go on        .  one tick
-R  begin anew              [ ]  slower, faster
-PageUp PageDown  scenes    B  broad phase
-L  leaves                  N M  fewer, more per leaf
-O P  fewer, more objects   C  fly (WASD QE, right button)
-H  hide the panel          F12  a picture of the window
-Drag: turn, with the right button move, a body: pull it";
+Space: pause    .: one tick     R: reset
+[ ]: speed      PageUp PageDown: scenes
+B: broad phase  L: leaves  N M: their size
+O P: objects    H: this panel  F12: picture
+C: fly, by WASD QE, right button to look
+Drag: turn; right button: move; body: pull";
 
 /// Adds the keys.
 pub fn plugin(app: &mut App) {
-    app.add_systems(PreUpdate, press);
+    app.add_systems(PreUpdate, (press, go_around));
+}
+
+/// A scene that is over begins anew.
+fn go_around(play: Res<Play>, mut gallery: ResMut<Gallery>) {
+    if gallery.scene().ends_at.is_some_and(|end| play.tick >= end) {
+        gallery.restart();
+    }
 }
 
 fn press(

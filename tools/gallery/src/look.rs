@@ -144,10 +144,12 @@ pub fn forget_solids(began: On<Began>, mut solids: ResMut<Solids>) {
 pub fn paint(
     index: Res<CollisionIndex>,
     contacts: Res<Contacts>,
+    mut started: MessageReader<CollisionStarted>,
     palette: Res<Palette>,
     play: Res<Play>,
     settings: Res<Settings>,
     mut entities: Query<(
+        Entity,
         &BroadPhaseProxy,
         Ref<GlobalTransform>,
         Has<StaticShape>,
@@ -158,30 +160,31 @@ pub fn paint(
     )>,
 ) {
     let tick = play.tick + 1;
-    for contact in contacts.iter() {
-        // What lies on each other hits nothing any more.
-        let both = [contact.a, contact.b];
-        let moved = both.map(|entity| {
-            entities
-                .get(entity)
-                .is_ok_and(|(_, place, ..)| place.is_changed())
+    // What lies on each other, or rolls on what is static, hits nothing any more.
+    let lasting = contacts
+        .iter()
+        .map(|contact| [contact.a, contact.b])
+        .filter(|both| {
+            let kinds = both.map(|entity| {
+                let known = entities.get(entity).ok();
+                known.map(|(_, _, place, is_static, ..)| (place.is_changed(), is_static))
+            });
+            let has = |wanted: fn((bool, bool)) -> bool| kinds.into_iter().flatten().any(wanted);
+            has(|(is_moving, _)| is_moving) && !has(|(_, is_static)| is_static)
         });
-        if moved == [false; 2] {
-            continue;
-        }
-        for entity in both {
-            if let Ok((.., mut painted, _)) = entities.get_mut(entity) {
-                painted.hit = tick;
-            }
+    let lasting: Vec<_> = lasting.collect();
+    let begun = started.read().map(|message| [message.a, message.b]);
+    for entity in lasting.into_iter().chain(begun).flatten() {
+        if let Ok((.., mut painted, _)) = entities.get_mut(entity) {
+            painted.hit = tick;
         }
     }
     // Where leaves are drawn, one sees why.
     let octree = index.index().engine_as::<ObjectOctree>();
     let octree = octree.filter(|_| settings.leaves != Leaves::None);
     entities.par_iter_mut().for_each(
-        |(proxy, place, is_static, is_sensor, is_detector, painted, mut material)| {
+        |(entity, proxy, place, is_static, is_sensor, is_detector, painted, mut material)| {
             let is_hit = painted.hit > 0 && painted.hit + GLOW > tick;
-            let touches = painted.hit == tick;
             let straddles = || {
                 let leaves = octree
                     .zip(proxy.id())
@@ -189,7 +192,7 @@ pub fn paint(
                 leaves.is_some_and(|leaves| leaves.len() > 1)
             };
             let state = if is_sensor || is_detector {
-                if touches {
+                if contacts.of(entity).next().is_some() {
                     State::Triggered
                 } else {
                     State::Sensor

@@ -31,6 +31,8 @@ pub struct Scene {
     pub leaves: Leaves,
     /// How many ticks are run for a picture where none are named.
     pub best_tick: u64,
+    /// After how many ticks there is nothing more to see: it begins anew then, in the window.
+    pub ends_at: Option<u64>,
     spawn: Box<dyn Fn(&mut World, usize) + Send + Sync>,
     /// What the scene has to say beside its counts.
     pub caption: Option<fn(&mut World) -> String>,
@@ -75,6 +77,7 @@ impl Scene {
             max_objects: 8,
             leaves: Leaves::None,
             best_tick: 60,
+            ends_at: None,
             spawn: Box::new(spawn),
             caption: None,
         }
@@ -107,6 +110,12 @@ impl Scene {
     /// Sets the tick at which there is most to see.
     pub const fn best_tick(mut self, tick: u64) -> Self {
         self.best_tick = tick;
+        self
+    }
+
+    /// Sets after how many ticks there is nothing more to see.
+    pub const fn ends_at(mut self, tick: u64) -> Self {
+        self.ends_at = Some(tick);
         self
     }
 
@@ -208,9 +217,11 @@ pub struct Began {
 
 /// Takes the last scene away and begins the next, if one was asked for.
 pub fn load(world: &mut World) {
-    let Some(reload) = world.resource_mut::<Gallery>().reload.take() else {
+    // That nothing is asked for must not count as a change.
+    let Some(reload) = world.resource::<Gallery>().reload else {
         return;
     };
+    world.resource_mut::<Gallery>().reload = None;
     let is_other = reload == Reload::Other;
     let mut olds = world.query_filtered::<Entity, Or<(With<CollisionShape>, With<OfScene>)>>();
     for old in olds.iter(world).collect::<Vec<_>>() {

@@ -21,7 +21,7 @@ use crate::{
 };
 
 /// The width of the panel.
-const WIDTH: f32 = 292.0;
+pub const WIDTH: f32 = 292.0;
 /// What is written large, and small.
 const LARGE: f32 = 17.0;
 const SMALL: f32 = 11.5;

@@ -24,7 +24,8 @@ pub fn plugin(app: &mut App) {
         scene
             .view(Vec3::new(3.5, 3.2, 9.5), Vec3::ZERO)
             .octree(2, Leaves::Generation)
-            .best_tick(24),
+            .best_tick(24)
+            .ends_at(64),
     );
 }
 

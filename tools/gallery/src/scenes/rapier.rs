@@ -28,6 +28,7 @@ pub fn plugin(app: &mut App) {
             .view(Vec3::new(11.0, 9.0, 19.0), Vec3::new(0.0, 3.5, 0.0))
             .objects(60, 1000)
             .best_tick(110)
+            .ends_at(900)
             .caption(say),
     )
     .insert_resource(rapier::TimestepMode::Fixed {

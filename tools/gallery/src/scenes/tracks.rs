@@ -32,6 +32,7 @@ pub fn plugin(app: &mut App) {
         scene
             .view(Vec3::new(7.0, 6.0, 13.0), Vec3::new(0.0, 2.8, 0.0))
             .best_tick(100)
+            .ends_at(TICKS + 60)
             .caption(say),
     )
     .add_systems(
