@@ -16,6 +16,7 @@ use super::{boxes::ProxyId, pairs::Pair, proxy::Proxies};
 /// What every implementation owes: the pairs are exact (each once, none missing, touching counts),
 /// their order depends on the history of calls alone, memory is linear in the objects, and no input
 /// makes it panic.
+#[doc(alias = "sweep and prune")]
 pub trait BroadPhase: Any + Send + Sync {
     /// Returns the name by which users know this way of searching.
     fn name(&self) -> &'static str;

@@ -33,6 +33,17 @@ use super::{
 /// assert_eq!(SpatialIndex::new(&method).engine().name(), "object");
 /// # Ok::<(), bevy_octree::broad_phase::UnknownMethod>(())
 /// ```
+#[doc(alias(
+    "spatial hash",
+    "quadtree",
+    "octree",
+    "sweep and prune",
+    "k-d tree",
+    "kdtree",
+    "bvh",
+    "uniform grid",
+    "spatial partitioning"
+))]
 #[derive(Clone, Debug, Default, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
 pub enum BroadPhaseMethod {
