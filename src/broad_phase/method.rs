@@ -13,7 +13,8 @@ use super::{
     object_octree::{ObjectOctree, ObjectOctreeSettings, SettingsError},
 };
 
-/// The way in which overlapping boxes are searched for.
+/// The way in which overlapping boxes are searched for. Which one to take: see the
+/// [guide](crate::guide::broad_phases).
 ///
 /// It has one name in text, which [`FromStr`] reads in either case, `Display` prints, and the broad
 /// phase itself [tells](BroadPhase::name):
