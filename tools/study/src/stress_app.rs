@@ -61,7 +61,7 @@ impl StressApp {
 
         let boxes = simulation.boxes().iter().enumerate();
         let entities = boxes.map(|(object, aabb)| {
-            let shape = CollisionShape::try_from_half_size(aabb.half_size().into())?;
+            let shape = CollisionShape::try_from_half_size(Vec3::from(aabb.half_size()))?;
             Ok((
                 Object(object),
                 shape,
