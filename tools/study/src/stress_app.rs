@@ -61,7 +61,7 @@ impl StressApp {
 
         let boxes = simulation.boxes().iter().enumerate();
         let entities = boxes.map(|(object, aabb)| {
-            let shape = CollisionShape::try_from_half_size(Vec3::from(aabb.half_size()))?;
+            let shape = CollisionShape::try_from_half_size(aabb.half_size().into())?;
             Ok((
                 Object(object),
                 shape,
@@ -74,7 +74,7 @@ impl StressApp {
             let halves = simulation
                 .boxes()
                 .iter()
-                .map(|aabb| aabb.half_size().into());
+                .map(|aabb| Vec3::from(aabb.half_size()));
             let objects: Vec<_> = entities.into_iter().zip(halves).collect();
             extra.give(app.world_mut(), &objects);
         }
