@@ -23,7 +23,14 @@ pub(crate) mod follow;
 ///
 /// It may be taken out of the world for a while, or be replaced by another: at the next tick, or
 /// [update](crate::spatial_query::update_spatial_index), it holds what it should.
-#[doc(alias("bvh", "spatial index"))]
+#[doc(alias(
+    "bvh",
+    "spatial index",
+    "spatial hash",
+    "quadtree",
+    "k-d tree",
+    "octree"
+))]
 #[derive(Resource, Debug, Reflect)]
 #[reflect(Debug, Default, from_reflect = false)]
 #[type_path = "bevy_octree"]

@@ -44,7 +44,7 @@ use crate::{
 /// world.spawn(CollisionShape::from(Cuboid::new(1.0, 2.0, 3.0)));
 /// assert!(world.get::<WorldAabb>(wall).is_some());
 /// ```
-#[doc(alias = "collider")]
+#[doc(alias("collider", "hitbox", "hurtbox", "collision object"))]
 #[derive(Component, Clone, Debug, Deref, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

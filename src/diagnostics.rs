@@ -37,6 +37,7 @@ use crate::{
 /// [`LEAVES`](Self::LEAVES), [`DEPTH`](Self::DEPTH), [`FILL`](Self::FILL) and
 /// [`BYTES`](Self::BYTES) takes a walk over all nodes of the N-objects octree, one per tick for all
 /// of them; for other broad phases they cost next to nothing.
+#[doc(alias("profiling", "fps overlay"))]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CollisionDiagnosticsPlugin;
 

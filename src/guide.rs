@@ -1,11 +1,20 @@
 //! Pages about one subject each, for whoever wants to get something done: they go through several
 //! modules of the crate, and each snippet is a program that is compiled and run.
 
+#[doc = include_str!("../docs/guide/broad_phases.md")]
+pub mod broad_phases {}
+
 #[doc = include_str!("../docs/guide/bullets.md")]
 pub mod bullets {}
 
 #[doc = include_str!("../docs/guide/coming_from.md")]
 pub mod coming_from {}
+
+#[doc = include_str!("../docs/guide/costs.md")]
+pub mod costs {}
+
+#[doc = include_str!("../docs/guide/engines.md")]
+pub mod engines {}
 
 // What it is about is there with that feature alone.
 #[cfg(feature = "mesh")]

@@ -1,6 +1,17 @@
 //! Collision detection for Bevy without a physics engine: an octree that follows moving objects,
 //! exact tests, contact messages, and a bounce if you want one.
 //!
+//! # A tour
+//!
+//! Seven steps, each a program that runs. Ticks are in [`FixedPostUpdate`](bevy::app::FixedPostUpdate),
+//! at the fixed timestep, unless [`OctreePlugins::new`] is given another schedule, as here, so that
+//! each update is a tick.
+//!
+//! ## One cube
+//!
+//! A shape makes an entity take part, and a velocity moves it. Without one it is at rest, and costs
+//! next to nothing.
+//!
 //! ```
 //! use bevy::prelude::*;
 //! use bevy_octree::prelude::*;
@@ -8,18 +19,189 @@
 //! let mut app = App::new();
 //! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
 //!     .insert_resource(MotionSettings { step: Step::Seconds(0.25) });
+//! let cube = app.world_mut().spawn((CollisionShape::cuboid(1.0, 1.0, 1.0), Velocity(Vec3::X))).id();
+//! app.update();
+//! assert_eq!(app.world().get::<Transform>(cube).unwrap().translation, Vec3::X * 0.25);
+//! ```
+//!
+//! Further: [`components`], [`motion`], [what moves it otherwise](motion::MovedElsewhere).
+//!
+//! ## Contacts
+//!
+//! Who comes to touch whom is told once, as a message; and again when it ends. With a
+//! [`Bounce`](response::Bounce), a contact changes the velocity, too.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_octree::prelude::*;
+//!
+//! #[derive(Resource, Default)]
+//! struct Touched(Vec<[Entity; 2]>);
+//!
+//! fn listen(mut started: MessageReader<CollisionStarted>, mut touched: ResMut<Touched>) {
+//!     touched.0.extend(started.read().map(|message| [message.a, message.b]));
+//! }
+//!
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
+//!     .insert_resource(MotionSettings { step: Step::Seconds(0.25) })
+//!     .init_resource::<Touched>()
+//!     .add_systems(Update, listen.after(CollisionSystems::Report));
 //! // A ball on its way to a wall.
 //! let ball = (CollisionShape::sphere(0.5), Velocity(Vec3::X * 2.0), Bounce::Reflect { restitution: 1.0 });
 //! let ball = app.world_mut().spawn((ball, Transform::from_xyz(-2.0, 0.0, 0.0))).id();
-//! app.world_mut().spawn((CollisionShape::cuboid(0.5, 4.0, 4.0), Transform::from_xyz(0.5, 0.0, 0.0)));
+//! let wall = (CollisionShape::cuboid(0.5, 4.0, 4.0), Transform::from_xyz(0.5, 0.0, 0.0));
+//! let wall = app.world_mut().spawn(wall).id();
 //! for _ in 0..4 {
 //!     app.update();
 //! }
+//! assert_eq!(app.world().resource::<Touched>().0, [[ball, wall]]);
 //! assert_eq!(app.world().get::<Velocity>(ball).unwrap().0, Vec3::X * -2.0);
 //! ```
 //!
-//! Ticks run in [`FixedPostUpdate`](bevy::app::FixedPostUpdate), at the fixed timestep, unless
-//! [`OctreePlugins::new`] is given another schedule; the first frames of an app may have none.
+//! Further: [`contacts`], with observers, normals and depths; [triggers and pickups](guide::triggers);
+//! [things made of parts](guide::parts).
+//!
+//! ## Filters
+//!
+//! Layers say who may meet whom. A pair that they rule out is gone before anything is tested.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_octree::prelude::*;
+//!
+//! collision_layers! {
+//!     enum Layer { Rock, Ship, Shot }
+//! }
+//!
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)));
+//! // All in one place: shots meet rocks, and neither each other nor their ship.
+//! let mut spawn = |layers| app.world_mut().spawn((CollisionShape::default(), layers)).id();
+//! let rock = spawn(CollisionLayers::new(Layer::Rock, LayerMask::ALL));
+//! let ship = spawn(CollisionLayers::new(Layer::Ship, Layer::Rock));
+//! let shots = [(); 2].map(|()| spawn(CollisionLayers::new(Layer::Shot, Layer::Rock)));
+//! app.update();
+//! let contacts = app.world().resource::<Contacts>();
+//! assert_eq!(contacts.len(), 3);
+//! assert!([ship, shots[0], shots[1]].iter().all(|other| contacts.contains(rock, *other)));
+//! ```
+//!
+//! Further: [`filters`], with sensors, lists to ignore, one-way detection and hooks; [`worlds`] apart
+//! from each other.
+//!
+//! ## Queries
+//!
+//! [`SpatialQuery`](spatial_query::SpatialQuery) is what systems ask: what a ray meets, what is in a
+//! blast, who is near.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_octree::prelude::*;
+//!
+//! fn look(spatial: SpatialQuery) -> (Option<f32>, usize) {
+//!     let all = SpatialQueryFilter::DEFAULT;
+//!     let hit = spatial.cast_ray(Ray3d::new(Vec3::ZERO, Dir3::X), 100.0, &all);
+//!     let mut near = Vec::new();
+//!     spatial.within(Vec3::ZERO, 6.0, &all, &mut near);
+//!     (hit.map(|hit| hit.distance), near.len())
+//! }
+//!
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)));
+//! for x in [5.0, 10.0] {
+//!     app.world_mut().spawn((CollisionShape::sphere(1.0), Transform::from_xyz(x, 0.0, 0.0)));
+//! }
+//! app.update();
+//! assert_eq!(app.world_mut().run_system_cached(look).unwrap(), (Some(4.0), 1));
+//! ```
+//!
+//! Further: [all questions](spatial_query::SpatialQuery#all-questions); [`casters`], which ask in each
+//! tick as components.
+//!
+//! ## Bullets
+//!
+//! What is fast is on this side of a wall in one tick and beyond it in the next. With
+//! [`Swept`](swept::Swept), it is looked at all along its way.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_octree::prelude::*;
+//!
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
+//!     .insert_resource(MotionSettings { step: Step::Seconds(0.01) });
+//! let plate = (CollisionShape::cuboid(0.01, 2.0, 2.0), Transform::from_xyz(4.0, 0.0, 0.0));
+//! let plate = app.world_mut().spawn(plate).id();
+//! // Nine units in a tick, and it stops where it hits.
+//! let bullet = (CollisionShape::sphere(0.02), Velocity(Vec3::X * 900.0), Swept::stopping());
+//! let bullet = app.world_mut().spawn(bullet).id();
+//! app.update();
+//! assert!(app.world().resource::<Contacts>().contains(bullet, plate));
+//! assert!(app.world().get::<Transform>(bullet).unwrap().translation.x < 4.0);
+//! ```
+//!
+//! Further: [bullets](guide::bullets), [`swept`].
+//!
+//! ## Shapes
+//!
+//! Boxes, balls, capsules, cylinders, cones, hulls, what is rounded, and what consists of such: each
+//! meets all others exactly, however it is turned and scaled. What
+//! [`CollisionShape`](components::CollisionShape) has no constructor for,
+//! [`Shape`](narrow_phase::Shape) has.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_octree::prelude::*;
+//!
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)));
+//! let mut spawn = |shape: CollisionShape, at: Transform| app.world_mut().spawn((shape, at)).id();
+//! let turned = Transform::from_rotation(Quat::from_rotation_z(0.5));
+//! let cone = spawn(CollisionShape(Shape::cone(0.5, 2.0)), turned);
+//! let near = spawn(CollisionShape::capsule(0.4, 1.0), Transform::from_xyz(0.8, 0.0, 0.0));
+//! // Its box overlaps that of the cone, and it does not touch it.
+//! let beside = spawn(Sphere::new(0.3).into(), Transform::from_xyz(0.3, 1.1, 0.0));
+//! app.update();
+//! let contacts = app.world().resource::<Contacts>();
+//! assert!(contacts.contains(cone, near) && !contacts.contains(cone, beside));
+//! ```
+//!
+//! Further: [shapes, and what each costs](guide::shapes); [shapes as data](guide::shapes_as_data), for
+//! files and editors.
+//!
+//! ## Levels
+//!
+//! A level is one mesh of any number of polygons, with a tree in it. Its triangles come from code, as
+//! here, or from assets: with the feature `mesh`, a `ShapesFromMeshes` beside a glTF scene gives all
+//! meshes of it their shapes.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_octree::prelude::*;
+//!
+//! fn below(spatial: SpatialQuery) -> Option<(f32, Option<u32>)> {
+//!     let down = Ray3d::new(Vec3::new(5.0, 2.0, 1.0), Dir3::NEG_Y);
+//!     let hit = spatial.cast_ray(down, 100.0, &SpatialQueryFilter::DEFAULT)?;
+//!     Some((hit.distance, hit.polygon))
+//! }
+//!
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)));
+//! // A floor of two triangles.
+//! let corners = [(-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0)].map(|(x, z)| Vec3::new(x, 0.0, z));
+//! let floor = PolygonMesh::new(corners, [[0, 1, 2], [0, 2, 3]])?;
+//! let floor = app.world_mut().spawn((CollisionShape::from(floor), StaticShape)).id();
+//! let ball = app.world_mut().spawn((CollisionShape::sphere(0.5), Transform::from_xyz(0.0, 0.4, 0.0))).id();
+//! app.update();
+//! assert!(app.world().resource::<Contacts>().contains(floor, ball));
+//! // Which triangle a ray meets is told, too.
+//! assert_eq!(app.world_mut().run_system_cached(below)?, Some((2.0, Some(1))));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Further: [`narrow_phase::PolygonMesh`], [`narrow_phase::HeightField`], [`narrow_phase::Voxels`];
+//! in the [`guide`], the page on levels from glTF.
 //!
 //! # What an entity needs
 //!
@@ -88,9 +270,20 @@
 //!
 //! # Guide
 //!
-//! The [`guide`] has a page for each of some subjects: shapes and what each costs, shapes as data,
-//! things made of parts, triggers, bullets, levels from glTF (feature `mesh`), and what is called how
-//! elsewhere.
+//! The [`guide`] has a page for each of some subjects.
+//!
+//! | page | what it is about |
+//! |---|---|
+//! | [`shapes`](guide::shapes) | which shape for what, and what each costs |
+//! | [`shapes_as_data`](guide::shapes_as_data) | shapes in files, editors and scenes |
+//! | [`parts`](guide::parts) | things made of parts |
+//! | [`triggers`](guide::triggers) | triggers and pickups |
+//! | [`bullets`](guide::bullets) | what is fast |
+//! | `levels_from_gltf` | levels from glTF (feature `mesh`) |
+//! | [`broad_phases`](guide::broad_phases) | which broad phase |
+//! | [`costs`](guide::costs) | what each capability and each feature costs |
+//! | [`engines`](guide::engines) | when to take a physics engine instead, or beside |
+//! | [`coming_from`](guide::coming_from) | what is called how elsewhere |
 //!
 //! # Parts
 //!

@@ -65,6 +65,7 @@ use crate::{
 /// the rays and read the hits.
 ///
 /// See the [module's documentation](self) for an example.
+#[doc(alias("mouse picking", "pointer", "click"))]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CollisionPickingPlugin;
 

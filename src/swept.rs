@@ -182,7 +182,15 @@ pub use crate::way::SweptWay;
 /// Without a `Bounce`, it passes through all that it meets, and is told of each, in the order of
 /// time. A bullet is to be [`Swept::stopping`]: see [what ends at its first
 /// hit](self#what-ends-at-its-first-hit).
-#[doc(alias("ccd", "continuous collision detection", "tunneling", "bullet"))]
+#[doc(alias(
+    "ccd",
+    "continuous collision detection",
+    "tunneling",
+    "bullet",
+    "tunnelling",
+    "swept",
+    "sweep test"
+))]
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]

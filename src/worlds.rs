@@ -81,6 +81,7 @@ impl FromWorld for InCollisionWorld {
 ///
 /// When it is despawned, so are they; when only this component is removed, they are in the default
 /// world.
+#[doc(alias("physics world", "match", "room", "dimension"))]
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]

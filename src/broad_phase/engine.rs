@@ -16,6 +16,7 @@ use super::{boxes::ProxyId, pairs::Pair, proxy::Proxies};
 /// What every implementation owes: the pairs are exact (each once, none missing, touching counts),
 /// their order depends on the history of calls alone, memory is linear in the objects, and no input
 /// makes it panic.
+#[doc(alias = "sweep and prune")]
 pub trait BroadPhase: Any + Send + Sync {
     /// Returns the name by which users know this way of searching.
     fn name(&self) -> &'static str;
@@ -79,7 +80,8 @@ pub trait Visitor {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leaf {
     /// Its part of space. Of the N-objects octree, the cell, without the reach to infinity of the
-    /// outermost ones; of the linear octree, the bounds of a block of skins.
+    /// outermost ones; of the linear octree, the bounds of a block of
+    /// [skins](super::linear_octree#what-makes-it-fast).
     pub bounds: Aabb3d,
     /// Its generation; 0 for a lone root. All leaves of the linear octree have the same.
     pub generation: u32,

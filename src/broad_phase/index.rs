@@ -16,8 +16,14 @@ use super::{
 /// An index over the boxes of objects: boxes in, overlapping pairs out, queries on the side.
 ///
 /// See the [module's documentation](super) for an example.
-#[doc(alias = "aabb tree")]
-#[doc(alias = "bvh")]
+#[doc(alias(
+    "aabb tree",
+    "bvh",
+    "k-d tree",
+    "spatial hash",
+    "quadtree",
+    "spatial partitioning"
+))]
 pub struct SpatialIndex {
     proxies: Proxies,
     engine: Box<dyn BroadPhase>,

@@ -13,7 +13,8 @@ use super::{
     object_octree::{ObjectOctree, ObjectOctreeSettings, SettingsError},
 };
 
-/// The way in which overlapping boxes are searched for.
+/// The way in which overlapping boxes are searched for. Which one to take: see the
+/// [guide](crate::guide::broad_phases).
 ///
 /// It has one name in text, which [`FromStr`] reads in either case, `Display` prints, and the broad
 /// phase itself [tells](BroadPhase::name):
@@ -33,6 +34,17 @@ use super::{
 /// assert_eq!(SpatialIndex::new(&method).engine().name(), "object");
 /// # Ok::<(), bevy_octree::broad_phase::UnknownMethod>(())
 /// ```
+#[doc(alias(
+    "spatial hash",
+    "quadtree",
+    "octree",
+    "sweep and prune",
+    "k-d tree",
+    "kdtree",
+    "bvh",
+    "uniform grid",
+    "spatial partitioning"
+))]
 #[derive(Clone, Debug, Default, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
 pub enum BroadPhaseMethod {

@@ -24,7 +24,7 @@
 //! # Ok::<(), bevy_octree::broad_phase::BoxError>(())
 //! ```
 //!
-//! # Three ways to look
+//! # Ways to look
 //!
 //! The report compares an octree with exhaustive search, and mentions pointerless octrees; here
 //! each is an implementation of [`BroadPhase`], chosen by a [`BroadPhaseMethod`] and exchanged at
@@ -36,7 +36,8 @@
 //!   shape, which tells where in space objects crowd, and for studies of the report.
 //! - [`Exhaustive`]: every box against every other; the reference.
 //!
-//! All of them give the same pairs: exactly those whose boxes overlap, touching included.
+//! All of them give the same pairs: exactly those whose boxes overlap, touching included. What each
+//! takes is in the [guide](crate::guide::broad_phases).
 //!
 //! Unbounded objects, such as a ground plane, have no box: the index keeps them apart from the
 //! broad phase ([`SpatialIndex::insert_unbounded`]).

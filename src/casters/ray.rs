@@ -41,11 +41,11 @@ use crate::{
 /// # bevy::ecs::system::assert_is_system(spawn);
 /// # bevy::ecs::system::assert_is_system(jump);
 /// ```
+#[doc(alias("raycast", "ray cast", "laser", "line of sight", "RayCast3D"))]
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 #[require(Transform, RayHits)]
-#[doc(alias("raycast", "ray cast", "laser", "line of sight"))]
 pub struct RayCaster {
     /// Whether the ray is cast at all. One that is not meets nothing.
     pub enabled: bool,

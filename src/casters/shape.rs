@@ -39,11 +39,11 @@ use crate::{
 /// let wall = app.world().get::<ShapeHits>(walker).unwrap().nearest().unwrap();
 /// assert!((wall.distance - 3.0).abs() < 1e-3);
 /// ```
+#[doc(alias("shapecast", "shape cast", "sweep", "ShapeCast3D", "sphere cast"))]
 #[derive(Component, Clone, Debug, Reflect)]
 #[reflect(Component, Clone, Debug, Default)]
 #[type_path = "bevy_octree"]
 #[require(Transform, ShapeHits)]
-#[doc(alias("shapecast", "shape cast", "sweep"))]
 pub struct ShapeCaster {
     /// Whether the shape is cast at all. One that is not touches nothing.
     pub enabled: bool,

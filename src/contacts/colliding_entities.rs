@@ -25,6 +25,7 @@ use crate::{components::BroadPhaseProxy, parts::CollisionBody};
 ///
 /// The order in which it iterates is not that of the contacts: for that see
 /// [`Collisions::colliding_with`](super::Collisions::colliding_with).
+#[doc(alias("overlapping bodies", "get_overlapping_bodies", "touching"))]
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq, Deref, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]

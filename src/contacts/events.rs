@@ -36,7 +36,13 @@ use crate::{
 ///     println!("{} is touched by {}, at {:?}", event.a, event.b, event.contact.unwrap().point);
 /// });
 /// ```
-#[doc(alias = "collision enter")]
+#[doc(alias(
+    "collision enter",
+    "OnCollisionEnter",
+    "OnTriggerEnter",
+    "body_entered",
+    "collision event"
+))]
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Event, Message, Clone, Debug, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -68,7 +74,7 @@ pub struct CollisionStarted {
 ///
 /// Every contact that started ends exactly once, and whoever was told of the start is told of the
 /// end.
-#[doc(alias = "collision exit")]
+#[doc(alias("collision exit", "OnCollisionExit", "OnTriggerExit", "body_exited"))]
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Event, Message, Clone, Debug, PartialEq)]
 #[type_path = "bevy_octree"]

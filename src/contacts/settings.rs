@@ -14,7 +14,7 @@ use bevy::prelude::*;
 /// Who else is told, is up to the [`CollisionEventSettings`]. Costs by the contact: where all of 20
 /// 000 moving cubes opt in and 782 contacts start and end in each tick, a tick takes 1.12 times the
 /// instructions.
-#[doc(alias = "ActiveEvents")]
+#[doc(alias("ActiveEvents", "collision event"))]
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
@@ -31,6 +31,7 @@ pub struct CollisionEventsEnabled;
 /// It may come and go at any time, and is looked at in the set
 /// [`NarrowPhase`](crate::CollisionSystems::NarrowPhase). Costs by the contact in which something
 /// moves, and nothing where no entity has it.
+#[doc(alias("contact manifold", "contact points"))]
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]

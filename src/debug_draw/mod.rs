@@ -53,6 +53,7 @@ use crate::schedule::CollisionSystems;
 /// in the log.
 ///
 /// See the [module's documentation](self) for an example.
+#[doc(alias("debug render", "gizmos", "wireframe"))]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CollisionDebugPlugin;
 

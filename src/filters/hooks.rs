@@ -14,7 +14,14 @@ use crate::{
 };
 
 /// A veto of one's own on pairs, with access to the world: see [`PairHookPlugin`].
-#[doc(alias("collision hook", "contact filter", "physics hook"))]
+#[doc(alias(
+    "collision hook",
+    "contact filter",
+    "physics hook",
+    "one-way platform",
+    "one-way",
+    "modify contacts"
+))]
 pub trait PairHook: ReadOnlySystemParam + 'static {
     /// Returns `true` if these two may meet. Asked about each pair of overlapping boxes of which
     /// one moved, in a fixed order; the verdict on a pair in which nothing moved stays as it was.

@@ -27,6 +27,7 @@ use crate::{
 /// app.update();
 /// assert!(app.world().resource::<Contacts>().is_empty());
 /// ```
+#[doc(alias("IgnoreCollision", "collision exception", "owner"))]
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq, Deref, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]

@@ -17,11 +17,18 @@ use crate::{
 /// layer that the other may meet; to have one of them hear of the other, and not the other way
 /// round, see [`Detector`](super::Detector). Without this component, an entity is on the first
 /// layer and may meet all.
+#[doc(alias(
+    "collision groups",
+    "layer mask",
+    "collision filter",
+    "collision mask",
+    "collision matrix",
+    "physics layers"
+))]
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 #[component(on_remove = has_no_layers)]
-#[doc(alias("collision groups", "layer mask", "collision filter"))]
 pub struct CollisionLayers {
     /// The layers that the entity is on.
     pub memberships: LayerMask,

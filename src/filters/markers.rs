@@ -11,11 +11,18 @@ use crate::components::change_filter;
 ///
 /// Two static entities make no pair, however they overlap, and however they are moved; unless the
 /// [`PairKinds`](crate::settings::BroadPhaseSettings::pair_kinds) say otherwise.
+#[doc(alias(
+    "static collider",
+    "static body",
+    "fixed",
+    "scenery",
+    "StaticBody3D",
+    "immovable"
+))]
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 #[component(on_insert = is_static, on_remove = is_not_static)]
-#[doc(alias("static collider", "static body", "fixed", "scenery"))]
 pub struct StaticShape;
 
 /// Marks an entity whose contacts are reported, and that nothing bounces off; nor does it bounce
@@ -24,10 +31,18 @@ pub struct StaticShape;
 /// Rays and other queries see it as they see all others, unless their filter is
 /// [`without_sensors`](crate::spatial_query::SpatialQueryFilter::without_sensors). How to make a
 /// trigger or a pickup of it: see the [guide](crate::guide::triggers).
+#[doc(alias(
+    "trigger",
+    "area",
+    "trigger volume",
+    "ghost object",
+    "hitbox",
+    "hurtbox",
+    "Area3D"
+))]
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
-#[doc(alias("trigger", "area"))]
 pub struct Sensor;
 
 /// Marks an entity that hears of all that is on a layer which it may meet, though that may not meet

@@ -79,7 +79,7 @@ use crate::{
 /// * A `CollisionShape` that is there before, or is inserted meanwhile, is a placeholder: when the
 ///   building ends, it is replaced. One that is inserted later stays until the asset or the
 ///   component changes.
-#[doc(alias("AsyncCollider", "ColliderConstructor"))]
+#[doc(alias("AsyncCollider", "ColliderConstructor", "mesh collider"))]
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]

@@ -74,7 +74,13 @@ use crate::{
 /// * A scene that is spawned again is new meshes. Those of the old one go with their entities.
 /// * What is taken from under the entity keeps its shape.
 /// * A clone of the entity with all below has shapes of its own.
-#[doc(alias("AsyncSceneCollider", "ColliderConstructorHierarchy"))]
+#[doc(alias(
+    "AsyncSceneCollider",
+    "ColliderConstructorHierarchy",
+    "scene collider",
+    "level",
+    "glTF"
+))]
 #[derive(Component, Clone, Debug)]
 #[require(ShapesProgress)]
 #[component(on_remove = forget_progress)]

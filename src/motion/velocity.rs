@@ -22,10 +22,10 @@ pub struct Velocity(pub Vec3);
 
 /// Marks an entity whose [`Velocity`] says how it moves, but which something else moves: a system
 /// of your own, a physics engine. Contacts change the velocity all the same.
+#[doc(alias("kinematic", "kinematic body"))]
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
-#[doc(alias = "kinematic")]
 pub struct MovedElsewhere;
 
 /// Beside a [`Velocity`].

@@ -50,6 +50,7 @@ impl LocalContact {
 }
 
 /// Where something on its way, a ray or a shape, meets a shape.
+#[doc(alias("time of impact", "toi", "hit"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
     /// How far along the way; 0 if it starts in touch.

@@ -25,6 +25,7 @@ pub enum Exactness {
 ///
 /// In an app, this is a resource: the tests that all contacts and queries go by. Changes take
 /// effect at the next tick, for all pairs.
+#[doc(alias("gjk", "separating axis", "sat", "intersection test", "exact test"))]
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(opaque)]
 #[reflect(Resource, Clone, Debug, Default, PartialEq)]

@@ -438,6 +438,7 @@ impl Shape {
 ///
 /// A part is in contact where it would be by itself. Parts may overlap each other. They have a tree,
 /// so that a compound may have very many. See [`Compound::new`].
+#[doc(alias = "compound collider")]
 // Here, as it and `Shape` name each other.
 #[derive(Clone, Debug)]
 pub struct Compound(pub(super) Parts<Shape>);

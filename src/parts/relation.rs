@@ -18,12 +18,12 @@ use crate::{
 /// [module's documentation](crate::parts).
 ///
 /// It is immutable: insert another to change it.
+#[doc(alias("rigid body", "compound", "ship", "vehicle", "compound collider"))]
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 #[component(immutable, on_add = count, on_insert = look_again, on_remove = discount)]
 #[require(Transform)]
-#[doc(alias("rigid body", "compound", "ship", "vehicle"))]
 pub struct CollisionBody {
     /// Do its parts meet each other? By default they do not. What two of them do to each other
     /// changes nothing about how the body moves.

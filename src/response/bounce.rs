@@ -85,7 +85,13 @@ use bevy::{math::DVec3, prelude::*};
 /// # (0..600).for_each(|_| app.update());
 /// # assert!(app.world().get::<Transform>(body).unwrap().translation.y > 0.49);
 /// ```
-#[doc(alias("restitution", "response"))]
+#[doc(alias(
+    "restitution",
+    "response",
+    "bounciness",
+    "elasticity",
+    "coefficient of restitution"
+))]
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
 #[reflect(Component, Debug, Default, PartialEq)]

@@ -33,6 +33,7 @@ use crate::{broad_phase::PairFilter, filters::LayerMask, worlds};
 ///     spatial.cast_ray(Ray3d::new(origin, Dir3::X), 100.0, &filter).is_some()
 /// }
 /// ```
+#[doc(alias("query filter", "layer mask"))]
 #[derive(Clone, Copy)]
 pub struct SpatialQueryFilter<'a> {
     /// All worlds, if none is given.

@@ -1,4 +1,8 @@
 //! Queries by entity: rays, moving shapes, overlaps, contacts, what is near.
+//!
+//! [`SpatialQuery`] is what systems ask, and has a table of [all questions](SpatialQuery#all-questions);
+//! a [`SpatialQueryFilter`] says who is seen, and [`update_spatial_index`] has queries see what was
+//! spawned or moved in this frame.
 
 mod best;
 mod contacts;

@@ -32,8 +32,14 @@ pub struct PointHit {
 impl SpatialQuery<'_, '_> {
     /// Returns the entity whose shape is nearest to a point, no farther than `max_distance`, which
     /// may be infinite.
+    #[doc(alias(
+        "closest",
+        "project point",
+        "nearest neighbor",
+        "closest point",
+        "nearest neighbour"
+    ))]
     #[must_use]
-    #[doc(alias("closest", "project point", "nearest neighbor"))]
     pub fn nearest(
         &self,
         point: Vec3,
@@ -54,7 +60,7 @@ impl SpatialQuery<'_, '_> {
     /// Finds the `k` entities whose shapes are nearest to a point, no farther than `max_distance`,
     /// nearest first. They replace what is in `hits`, which is yours to use again. Meant for a few:
     /// O(k) for each candidate.
-    #[doc(alias("knn", "k nearest neighbors"))]
+    #[doc(alias("knn", "k nearest neighbors", "k-nearest", "k nearest neighbours"))]
     pub fn k_nearest(
         &self,
         point: Vec3,
@@ -104,7 +110,7 @@ impl SpatialQuery<'_, '_> {
     /// Finds the entities whose shapes are no farther from a point than `max_distance`: nearest
     /// first, those as near by ascending [`Entity`]. They replace what is in `hits`, which is yours
     /// to use again.
-    #[doc(alias("radius", "range search", "within distance"))]
+    #[doc(alias("radius", "range search", "within distance", "OverlapSphere"))]
     pub fn within(
         &self,
         point: Vec3,

@@ -44,7 +44,7 @@ use crate::{
 impl SpatialQuery<'_, '_> {
     /// Finds the entities whose shapes overlap a box along the world's axes. One that is inverted
     /// overlaps nothing.
-    #[doc(alias("aabb", "overlap box"))]
+    #[doc(alias("aabb", "overlap box", "OverlapBox"))]
     pub fn for_each_box_intersection<F: Flow>(
         &self,
         aabb: &Aabb3d,
@@ -57,6 +57,7 @@ impl SpatialQuery<'_, '_> {
     }
 
     /// Fills a vector as [`for_each_box_intersection`](Self::for_each_box_intersection) calls back.
+    #[doc(alias("OverlapBox", "overlap box", "aabb"))]
     pub fn box_intersections(
         &self,
         aabb: &Aabb3d,
@@ -69,7 +70,7 @@ impl SpatialQuery<'_, '_> {
     }
 
     /// Finds the entities whose shapes overlap a ball. One with a negative radius overlaps nothing.
-    #[doc(alias("overlap sphere", "within distance", "radius"))]
+    #[doc(alias("overlap sphere", "within distance", "radius", "OverlapSphere"))]
     pub fn for_each_sphere_intersection<F: Flow>(
         &self,
         center: Vec3,
@@ -89,6 +90,7 @@ impl SpatialQuery<'_, '_> {
 
     /// Fills a vector as [`for_each_sphere_intersection`](Self::for_each_sphere_intersection) calls
     /// back.
+    #[doc(alias("OverlapSphere", "overlap sphere", "radius"))]
     pub fn sphere_intersections(
         &self,
         center: Vec3,
@@ -114,6 +116,7 @@ impl SpatialQuery<'_, '_> {
 
     /// Fills a vector as [`for_each_point_intersection`](Self::for_each_point_intersection) calls
     /// back.
+    #[doc(alias("OverlapPoint", "contains point"))]
     pub fn point_intersections(
         &self,
         point: Vec3,
@@ -166,6 +169,7 @@ impl SpatialQuery<'_, '_> {
 
     /// Fills a vector as [`for_each_shape_intersection`](Self::for_each_shape_intersection) calls
     /// back.
+    #[doc(alias("overlap shape", "intersection test", "intersect_shape"))]
     pub fn shape_intersections(
         &self,
         shape: &Shape,
@@ -192,6 +196,7 @@ impl SpatialQuery<'_, '_> {
 
     /// Fills a vector as [`for_each_frustum_intersection`](Self::for_each_frustum_intersection)
     /// calls back.
+    #[doc(alias("culling", "frustum culling"))]
     pub fn frustum_intersections(
         &self,
         frustum: &ViewFrustum,

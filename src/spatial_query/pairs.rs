@@ -65,7 +65,7 @@ impl SpatialQuery<'_, '_> {
     /// }
     /// # bevy::ecs::system::assert_is_system(scent);
     /// ```
-    #[doc(alias = "spatial join")]
+    #[doc(alias("spatial join", "distance join"))]
     pub fn for_each_pair_within<F: Flow>(
         &self,
         distance: f32,
@@ -88,6 +88,7 @@ impl SpatialQuery<'_, '_> {
     /// Fills a vector as [`for_each_pair_within`](Self::for_each_pair_within) calls back: nearest
     /// first, those as near by ascending entities. They replace what is in `pairs`, which is yours
     /// to use again.
+    #[doc(alias("spatial join", "distance join"))]
     pub fn pairs_within(
         &self,
         distance: f32,
@@ -171,6 +172,7 @@ impl SpatialQuery<'_, '_> {
     /// Fills a vector as [`for_each_pair_among`](Self::for_each_pair_among) calls back: nearest
     /// first, those as near by ascending entities. They replace what is in `pairs`, which is yours
     /// to use again.
+    #[doc(alias("neighbors", "spatial hash", "self-join", "boids"))]
     pub fn pairs_among(
         &self,
         distance: f32,
@@ -197,8 +199,8 @@ impl SpatialQuery<'_, '_> {
     ///     spatial.distance_between(hand, handle).is_some_and(|near| near.distance < 0.1)
     /// }
     /// ```
+    #[doc(alias("closest points", "gap", "proximity"))]
     #[must_use]
-    #[doc(alias("closest points", "gap"))]
     pub fn distance_between(&self, a: Entity, b: Entity) -> Option<PairHit> {
         self.proximity(self.entry_of(a)?, self.entry_of(b)?)
     }

@@ -36,6 +36,81 @@ use crate::{
 /// # bevy::ecs::system::assert_is_system(look_ahead);
 /// ```
 ///
+/// # All questions
+///
+/// A [`SpatialQueryFilter`] says who is seen, wherever one is taken. `for_each_…` calls back with each
+/// answer, and allocates nothing; its plural fills a vector of yours, in an order that is stated.
+///
+/// **Rays**
+///
+/// | method | the question | the answer |
+/// |---|---|---|
+/// | [`cast_ray`](Self::cast_ray), [`cast_ray_with`](Self::cast_ray_with) | what is the first that a ray meets? | [`RayHit`](super::RayHit): who, how far, where, the normal, which triangle |
+/// | [`ray_hits`](Self::ray_hits), [`ray_hits_with`](Self::ray_hits_with) | what are all that it meets? | `RayHit`s, nearest first |
+/// | [`for_each_ray_hit`](Self::for_each_ray_hit), [`for_each_ray_hit_with`](Self::for_each_ray_hit_with) | the same | each, in no order |
+/// | [`ray_meets_any`](Self::ray_meets_any), [`ray_meets_any_with`](Self::ray_meets_any_with) | is anything in the way? | `bool`, at the first that is met |
+/// | [`cast_ray_through`](Self::cast_ray_through) | where does it enter the first, and where leave it? | [`RayPassage`](super::RayPassage) |
+/// | [`ray_passages`](Self::ray_passages) | the same of all | `RayPassage`s, first entered first |
+/// | [`for_each_ray_passage`](Self::for_each_ray_passage) | the same | each, in no order |
+///
+/// `…_with` takes [`RayCastOptions`](super::RayCastOptions): hollow solids, front or back faces, not
+/// what the ray starts on.
+///
+/// **Shapes on their way**
+///
+/// | method | the question | the answer |
+/// |---|---|---|
+/// | [`cast_shape`](Self::cast_shape) | what does a shape meet first as it moves along? | [`ShapeHit`](super::ShapeHit): who, how far, where, the normals |
+/// | [`cast_shape_with`](Self::cast_shape_with) | the same, by [`ShapeCastOptions`](super::ShapeCastOptions): not what it starts in touch with, which triangle | `ShapeHit` |
+/// | [`cast_box`](Self::cast_box), [`cast_sphere`](Self::cast_sphere) | the same of a box along the axes, of a ball | `ShapeHit` |
+/// | [`shape_hits`](Self::shape_hits) | what are all that it meets? | `ShapeHit`s, nearest first |
+/// | [`for_each_shape_hit`](Self::for_each_shape_hit) | the same | each, in no order |
+///
+/// **Overlaps**
+///
+/// | method | the question | the answer |
+/// |---|---|---|
+/// | [`box_intersections`](Self::box_intersections), [`for_each_box_intersection`](Self::for_each_box_intersection) | what is in a box along the axes? | entities |
+/// | [`sphere_intersections`](Self::sphere_intersections), [`for_each_sphere_intersection`](Self::for_each_sphere_intersection) | what is in a ball? | entities |
+/// | [`point_intersections`](Self::point_intersections), [`for_each_point_intersection`](Self::for_each_point_intersection) | what is at a point? | entities |
+/// | [`shape_intersections`](Self::shape_intersections), [`for_each_shape_intersection`](Self::for_each_shape_intersection) | what does a shape overlap? | entities |
+/// | [`shape_contacts`](Self::shape_contacts), [`for_each_shape_contact`](Self::for_each_shape_contact) | where, which way and how deep? | [`ShapeContact`](super::ShapeContact)s, the deepest first |
+/// | [`frustum_intersections`](Self::frustum_intersections), [`for_each_frustum_intersection`](Self::for_each_frustum_intersection) | whose box is in a view frustum? | entities |
+/// | [`half_space_intersections`](Self::half_space_intersections), [`for_each_half_space_intersection`](Self::for_each_half_space_intersection) | whose box is on the inner side of some planes? | entities |
+///
+/// **Distances**
+///
+/// | method | the question | the answer |
+/// |---|---|---|
+/// | [`nearest`](Self::nearest) | who is nearest to a point? | [`PointHit`](super::PointHit): who, how far, which point of it |
+/// | [`k_nearest`](Self::k_nearest) | who are the k nearest? | `PointHit`s, nearest first |
+/// | [`within`](Self::within), [`for_each_within`](Self::for_each_within) | who is within a distance of a point? | `PointHit`s, nearest first; each, in no order |
+/// | [`distance_between`](Self::distance_between) | how far are two entities apart? | [`PairHit`](super::PairHit): how far, and where they are closest |
+///
+/// **Many at once**, on all threads with the feature `multi_threaded`
+///
+/// | method | the question | the answer |
+/// |---|---|---|
+/// | [`cast_rays`](Self::cast_rays), [`cast_rays_with`](Self::cast_rays_with) | what does each of many rays meet first? | an `Option<RayHit>` for each |
+/// | [`rays_meet_any`](Self::rays_meet_any) | is anything in the way of each? | a `bool` for each |
+/// | [`nearest_of_each`](Self::nearest_of_each) | who is nearest to each of many points? | an `Option<PointHit>` for each |
+/// | [`k_nearest_of_each`](Self::k_nearest_of_each) | who are the k nearest to each? | [`HitLists`](super::HitLists), a list for each |
+/// | [`within_of_each`](Self::within_of_each) | who is within a distance of each? | `HitLists` |
+///
+/// **Pairs**
+///
+/// | method | the question | the answer |
+/// |---|---|---|
+/// | [`pairs_among`](Self::pairs_among), [`for_each_pair_among`](Self::for_each_pair_among) | which of a group are near each other? | `PairHit`s, nearest first; each, in no order |
+/// | [`pairs_within`](Self::pairs_within), [`for_each_pair_within`](Self::for_each_pair_within) | who of one group is near whom of another? | the same |
+///
+/// **Entities**
+///
+/// | method | the question | the answer |
+/// |---|---|---|
+/// | [`body_of`](Self::body_of) | what is an entity a part of? | its [body](crate::parts), or itself |
+/// | [`index`](Self::index) | what is in the index, by handle and box? | [`CollisionIndex`] |
+///
 /// # Exactness
 ///
 /// All answers but those about frustums are about the shapes themselves, not their boxes: oriented
@@ -61,14 +136,17 @@ use crate::{
 /// that stay with the thread. Bad input (what is not finite, negative distances and radii, inverted
 /// boxes) finds nothing, and does not panic. What several entities are equally far from is decided
 /// by the order of their handles in the [`CollisionIndex`].
-#[derive(SystemParam)]
 #[doc(alias(
     "raycast",
     "shapecast",
     "scene query",
     "overlap",
-    "spatial query pipeline"
+    "spatial query pipeline",
+    "physics query",
+    "space state",
+    "PhysicsDirectSpaceState3D"
 ))]
+#[derive(SystemParam)]
 pub struct SpatialQuery<'w, 's> {
     pub(super) index: Res<'w, CollisionIndex>,
     tests: Res<'w, NarrowPhase>,

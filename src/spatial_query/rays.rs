@@ -182,7 +182,7 @@ impl SpatialQuery<'_, '_> {
 
     /// Finds all entities that a ray meets within `max_distance`: nearest first, those as near by
     /// ascending [`Entity`]. They replace what is in `hits`, which is yours to use again.
-    #[doc(alias = "raycast all")]
+    #[doc(alias("raycast all", "RaycastAll"))]
     pub fn ray_hits(
         &self,
         ray: Ray3d,
@@ -285,6 +285,7 @@ impl SpatialQuery<'_, '_> {
     /// of the [`ComputeTaskPool`](bevy::tasks::ComputeTaskPool), with the feature `multi_threaded`.
     /// The answers replace what is in `hits`, in the order of the rays; they do not depend on the
     /// number of threads. Each ray may have a length of its own: see [`BatchRay`].
+    #[doc(alias("batch", "raycast batch"))]
     pub fn cast_rays(
         &self,
         rays: &[impl BatchRay],
@@ -313,6 +314,7 @@ impl SpatialQuery<'_, '_> {
     /// Tells of many rays whether they meet anything, each as
     /// [`ray_meets_any`](Self::ray_meets_any), side by side as [`cast_rays`](Self::cast_rays). The
     /// answers replace what is in `are_met`, in the order of the rays.
+    #[doc(alias("batch", "line of sight"))]
     pub fn rays_meet_any(
         &self,
         rays: &[impl BatchRay],

@@ -51,8 +51,16 @@ impl SpatialQuery<'_, '_> {
     ///
     /// Exact: see [`NarrowPhase::sweep`](crate::narrow_phase::NarrowPhase::sweep). A shape without
     /// bounds, such as a half-space, meets nothing.
+    #[doc(alias(
+        "shapecast",
+        "shape cast",
+        "sweep",
+        "ccd",
+        "sweep test",
+        "time of impact",
+        "convex cast"
+    ))]
     #[must_use]
-    #[doc(alias("shapecast", "shape cast", "sweep", "ccd"))]
     pub fn cast_shape(
         &self,
         shape: &Shape,
@@ -194,6 +202,7 @@ impl SpatialQuery<'_, '_> {
 
     /// Casts a box along the world's axes as [`cast_shape`](Self::cast_shape) does. One that is
     /// inverted meets nothing.
+    #[doc(alias("BoxCast", "box cast", "aabb"))]
     #[must_use]
     pub fn cast_box(
         &self,
@@ -208,6 +217,7 @@ impl SpatialQuery<'_, '_> {
 
     /// Casts a ball as [`cast_shape`](Self::cast_shape) does. One with a negative radius meets
     /// nothing.
+    #[doc(alias("SphereCast", "sphere cast", "ball cast"))]
     #[must_use]
     pub fn cast_sphere(
         &self,

@@ -18,6 +18,7 @@ mod contacts;
 mod debug_draw;
 mod detectors;
 mod diagnostics;
+mod documentation;
 mod filters;
 mod first_hits;
 mod hierarchies;

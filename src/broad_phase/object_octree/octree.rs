@@ -23,6 +23,7 @@ use crate::{
 };
 
 /// The report's N-objects octree. See the [module's documentation](super).
+#[doc(alias("octree", "quadtree"))]
 #[derive(Debug)]
 pub struct ObjectOctree {
     pub(super) settings: ObjectOctreeSettings,

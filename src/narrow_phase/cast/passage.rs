@@ -25,8 +25,8 @@ impl NarrowPhase {
     ///
     /// A ray that starts inside a solid only leaves it; one that starts on it enters at once, and
     /// leaves at once if it goes away. What it leaves is the whole solid: walls within it, where
-    /// shells of a mesh overlap, are none, nor are those of the parts of a compound. From a mesh that
-    /// is not closed, and from surfaces of Rapier's, it does not leave.
+    /// closed parts of a mesh overlap, are none, nor are those of the parts of a compound. From a mesh
+    /// that is not closed, and from surfaces of Rapier's, it does not leave.
     ///
     /// Allocates nothing. Cuboids, spheres: O(1); convex meshes: linear in their polygons; meshes:
     /// O(log n) for each wall that the ray crosses.

@@ -50,7 +50,7 @@ pub struct ManifoldPoint {
 /// it both touches, only what lies along that normal has its points here: the box is still in the
 /// other wall once it got off this one, and the next tick tells so. Where all of it counts at once,
 /// have the walls as meshes of their own.
-#[doc(alias = "contact points")]
+#[doc(alias("contact points", "contact manifold"))]
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
 pub struct Manifold {

@@ -51,7 +51,7 @@ const FEW: usize = 32;
 /// assert!(tetrahedron.is_closed());
 /// # Ok::<(), bevy_octree::narrow_phase::ShapeError>(())
 /// ```
-#[doc(alias = "trimesh")]
+#[doc(alias("trimesh", "mesh collider", "triangle mesh"))]
 #[derive(Clone, Debug)]
 pub struct PolygonMesh {
     vertices: Vec<Vec3>,

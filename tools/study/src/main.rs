@@ -15,6 +15,7 @@
 
 #[path = "../../../tests/common/brute_force.rs"]
 mod brute_force;
+mod extra;
 mod growth;
 mod neighbors;
 #[path = "../../../examples/common/outcome.rs"]

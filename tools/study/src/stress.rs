@@ -11,6 +11,7 @@ use bevy_octree::{broad_phase::BroadPhaseMethod, scene::stress::StressScene};
 use clap::Args;
 
 use crate::{
+    extra::Extra,
     outcome::Outcome,
     progress::Progress,
     quantile::quantile,
@@ -50,6 +51,9 @@ pub struct Arguments {
     /// the library knows. The library's default if not given.
     #[arg(long)]
     method: Option<BroadPhaseMethod>,
+    /// What every object has beyond a box that moves.
+    #[arg(long)]
+    with: Option<Extra>,
     /// Instead of measuring --objects, look for the largest number of objects whose median frame
     /// takes at most 16.6 ms (up to 2 048 000 objects, in about two minutes at most), and measure
     /// that.
@@ -71,6 +75,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         objects,
         seed,
         method,
+        with: arguments.with,
     };
     let frames = arguments.frames.get();
     if arguments.find_limit {
@@ -95,6 +100,7 @@ fn measure(setup: &Setup, frames: u32, threads: NonZero<usize>) -> Outcome {
         objects,
         seed,
         method,
+        with: _,
     } = setup;
     let [update_ms, p99_ms] = [0.5, 0.99].map(|share| quantile(&app.update_ms, share));
     let total = app.counters().total;

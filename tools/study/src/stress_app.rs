@@ -9,6 +9,7 @@ use bevy_octree::{
 };
 
 use crate::{
+    extra::Extra,
     outcome::Outcome,
     stage_times::{STAGES, StageTimes},
 };
@@ -20,6 +21,7 @@ pub struct Setup {
     pub objects: usize,
     pub seed: u64,
     pub method: BroadPhaseMethod,
+    pub with: Option<Extra>,
 }
 
 /// An app with a stress scene in it, and the times of its frames.
@@ -51,6 +53,9 @@ impl StressApp {
                 (step, follow).chain().in_set(CollisionSystems::Motion),
             );
         StageTimes::install(&mut app, Update);
+        if let Some(extra) = setup.with {
+            extra.install(&mut app);
+        }
         app.finish();
         app.cleanup();
 
@@ -64,7 +69,15 @@ impl StressApp {
             ))
         });
         let entities = entities.collect::<Outcome<Vec<_>>>()?;
-        app.world_mut().spawn_batch(entities);
+        let entities: Vec<_> = app.world_mut().spawn_batch(entities).collect();
+        if let Some(extra) = setup.with {
+            let halves = simulation
+                .boxes()
+                .iter()
+                .map(|aabb| Vec3::from(aabb.half_size()));
+            let objects: Vec<_> = entities.into_iter().zip(halves).collect();
+            extra.give(app.world_mut(), &objects);
+        }
         app.insert_resource(Simulation(simulation));
         app.update();
         app.world_mut().resource_mut::<StageTimes>().reset();
