@@ -17,7 +17,7 @@ use crate::{
 };
 
 /// How long a hit is seen, in ticks.
-const GLOW: u64 = 6;
+const GLOW: u64 = 10;
 
 /// What is to be seen of an entity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

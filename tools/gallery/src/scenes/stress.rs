@@ -109,7 +109,7 @@ fn view(scene: StressScene, objects: usize) -> View {
     let mut room = room.unwrap_or_else(|| Aabb3d::new(Vec3::ZERO, Vec3::ONE));
     if scene == StressScene::Freefall {
         // Where they come to rest, not from where they fall.
-        room.max.y = room.min.y + (room.max.x - room.min.x) * 0.2;
+        room.max.y = room.min.y + (room.max.x - room.min.x) * 0.7;
     }
     let target = Vec3::from(room.center());
     let reach = room.half_size().length() + 1.0;

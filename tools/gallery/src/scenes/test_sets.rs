@@ -24,7 +24,7 @@ fn scene(rings: u32) -> Scene {
     let title = format!("two planes of {} cubes", set.object_count() / 2);
     // The larger the planes, the farther away the eye; from a little aside and above.
     let reach = 1.5 * (rings as f32 + 0.5) + 2.0;
-    let eye = Vec3::new(0.85, 0.62, 1.55) * reach * 1.9;
+    let eye = Vec3::new(0.85, 0.62, 1.55) * reach * 1.7;
     // All rings have met, or most.
     let best = 20 + 4 * u64::from(rings.min(10));
     Scene::new(set.name(), title, ABOUT, move |world, _| {
