@@ -53,7 +53,8 @@ fn try_write(path: &Path, pictures: &[RgbImage], seconds: f32) -> Result<(), Enc
     encoder.set_repeat(Repeat::Infinite)?;
     let mut before: Option<Vec<u8>> = None;
     // In hundredths of a second, so that the whole takes as long as it should.
-    let hundredths = |pictures: usize| (pictures as f32 * seconds * 100.0).round() as u16;
+    let hundredths =
+        |pictures: usize| (pictures as f64 * f64::from(seconds) * 100.0).round() as u64;
     for (number, picture) in pictures.iter().enumerate() {
         let indices: Vec<u8> = picture
             .pixels()
@@ -68,7 +69,9 @@ fn try_write(path: &Path, pictures: &[RgbImage], seconds: f32) -> Result<(), Enc
             },
             Some(before) => changes(before, &indices, width.into()),
         };
-        frame.delay = hundredths(number + 1) - hundredths(number);
+        // What is shorter than two hundredths, browsers show for ten.
+        let delay = hundredths(number + 1) - hundredths(number);
+        frame.delay = delay.clamp(2, u16::MAX.into()) as u16;
         frame.transparent = Some(TRANSPARENT);
         frame.dispose = DisposalMethod::Keep;
         encoder.write_frame(&frame)?;

@@ -144,7 +144,7 @@ fn build(app: &mut App, arguments: &Arguments, has_panel: bool) {
     .add_systems(
         PostUpdate,
         look::paint
-            .run_if(play::ticked.or_else(resource_changed::<Gallery>))
+            .run_if(play::ticked.or_eager(resource_changed::<Gallery>))
             .after(TransformSystems::Propagate),
     );
     if has_panel {

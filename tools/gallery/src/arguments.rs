@@ -19,7 +19,7 @@ pub struct Arguments {
     #[arg(long)]
     pub scene: Option<String>,
     /// Draws pictures of all scenes, without a window.
-    #[arg(long, conflicts_with_all = ["scene", "gif"])]
+    #[arg(long, conflicts_with_all = ["scene", "gif", "objects", "max_objects", "leaves"])]
     pub all: bool,
     /// Lists the scenes, and ends.
     #[arg(long)]
@@ -35,7 +35,8 @@ pub struct Arguments {
     /// The width and height of the pictures, or of the window.
     #[arg(long, default_value = "1280x720", value_name = "WIDTHxHEIGHT")]
     pub size: Size,
-    /// The folder for pictures: SCENE_TICK.png. [default: target/gallery, unless --gif is given]
+    /// The folder for pictures, which are named after scene and tick. [default: target/gallery, unless
+    /// --gif is given]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Makes an animation of the pictures.

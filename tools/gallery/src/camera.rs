@@ -124,8 +124,8 @@ pub fn look_at_scene(
     free.enabled = false;
     // Shadows are as sharp as the scene is small.
     let reach = eye.distance * 2.5;
-    for (light, settings) in &lights {
-        if settings.shadow_maps_enabled {
+    for (light, kind) in &lights {
+        if kind.shadow_maps_enabled {
             let cascades = CascadeShadowConfigBuilder {
                 num_cascades: 2,
                 first_cascade_far_bound: reach * 0.45,

@@ -17,7 +17,7 @@ use crate::{
 pub const KEYS: &str = "\
 Space: pause    .: one tick     R: reset
 [ ]: speed      PageUp PageDown: scenes
-B: broad phase  L: leaves  N M: their size
+B: broad phase  L: leaves  N M: their N
 O P: objects    H: this panel  F12: picture
 C: fly, by WASD QE, right button to look
 Drag: turn; right button: move; body: pull";
@@ -59,7 +59,10 @@ fn press(
             KeyCode::KeyL => settings.leaves = settings.leaves.next(),
             KeyCode::KeyN => settings.max_objects = (settings.max_objects / 2).max(1),
             KeyCode::KeyM => {
-                settings.max_objects = (settings.max_objects * 2).min(Settings::MOST_MAX_OBJECTS);
+                settings.max_objects = settings
+                    .max_objects
+                    .saturating_mul(2)
+                    .min(Settings::MOST_MAX_OBJECTS);
             }
             KeyCode::KeyO | KeyCode::KeyP => {
                 let is_more = *key == KeyCode::KeyP;

@@ -122,6 +122,10 @@ pub fn dress(
 ) {
     for (entity, shape, painted) in &shapes {
         let Some(mesh) = solids.mesh_of(&shape.0, &mut meshes) else {
+            warn_once!(
+                "there is a shape that the gallery cannot draw: {:?}",
+                shape.0
+            );
             continue;
         };
         let mut entity = commands.entity(entity);
@@ -133,12 +137,25 @@ pub fn dress(
     }
 }
 
-/// Another scene has other shapes.
-pub fn forget_solids(began: On<Began>, mut solids: ResMut<Solids>) {
-    if began.is_other {
-        solids.forget();
-    }
+/// A scene that begins has other shapes.
+pub fn forget_solids(_: On<Began>, mut solids: ResMut<Solids>) {
+    *solids = Solids::default();
 }
+
+type Entities<'w, 's> = Query<
+    'w,
+    's,
+    (
+        Entity,
+        &'static BroadPhaseProxy,
+        Ref<'static, GlobalTransform>,
+        Has<StaticShape>,
+        Has<Sensor>,
+        Has<Detector>,
+        &'static mut Painted,
+        &'static mut MeshMaterial3d<StandardMaterial>,
+    ),
+>;
 
 /// Paints each in the colour of its state, after the ticks of a frame.
 pub fn paint(
@@ -148,16 +165,7 @@ pub fn paint(
     palette: Res<Palette>,
     play: Res<Play>,
     settings: Res<Settings>,
-    mut entities: Query<(
-        Entity,
-        &BroadPhaseProxy,
-        Ref<GlobalTransform>,
-        Has<StaticShape>,
-        Has<Sensor>,
-        Has<Detector>,
-        &mut Painted,
-        &mut MeshMaterial3d<StandardMaterial>,
-    )>,
+    mut entities: Entities,
 ) {
     let tick = play.tick + 1;
     // What lies on each other, or rolls on what is static, hits nothing any more.

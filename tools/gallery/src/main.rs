@@ -33,6 +33,11 @@ use crate::{arguments::Arguments, scene::Gallery};
 /// The exit code where there is nothing to draw with, or the arguments are wrong.
 const CANNOT_BEGIN: u8 = 2;
 
+/// What is told where there is no window to be had.
+const NO_DISPLAY: &str = "\
+there is no X display (DISPLAY is not set): a window takes X, or XWayland.
+Pictures take none: --frames, --out, --gif and --all draw without a window";
+
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let mut gallery = bevy::app::App::new();
@@ -67,6 +72,11 @@ fn main() -> ExitCode {
                 ExitCode::FAILURE
             }
         };
+    }
+    // Bevy would panic.
+    if cfg!(target_os = "linux") && std::env::var_os("DISPLAY").is_none_or(|name| name.is_empty()) {
+        eprintln!("error: {NO_DISPLAY}");
+        return CANNOT_BEGIN.into();
     }
     match app::in_window(&arguments).run() {
         AppExit::Success => ExitCode::SUCCESS,

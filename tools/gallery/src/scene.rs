@@ -1,7 +1,7 @@
 //! What a scene is, and which one is shown.
 
 use bevy::prelude::*;
-use bevy_octree::{motion::CollisionClock, prelude::*};
+use bevy_octree::{collision_index::CollisionIndex, motion::CollisionClock, prelude::*};
 
 use crate::{
     play::Play,
@@ -10,8 +10,8 @@ use crate::{
 
 /// A scene of the gallery: what is spawned, and from where it is looked at.
 ///
-/// Whatever it spawns with a [`CollisionShape`] is drawn as that shape, and coloured by what
-/// happens to it; what has none is to have an [`OfScene`], so that it goes when the scene does.
+/// Whatever it spawns with a [`CollisionShape`] is drawn as that shape, as far as there is a mesh of
+/// it, and coloured by what happens to it; what has none is to have an [`OfScene`], so that it goes when the scene does.
 /// Systems of a scene run in [`Tick`](crate::play::Tick), and [only while it is
 /// shown](showing).
 pub struct Scene {
@@ -119,7 +119,7 @@ impl Scene {
         self
     }
 
-    /// Sets what the scene has to say in the panel, asked after each tick.
+    /// Sets what the scene has to say in the panel, asked in each frame.
     pub const fn caption(mut self, caption: fn(&mut World) -> String) -> Self {
         self.caption = Some(caption);
         self
@@ -228,6 +228,12 @@ pub fn load(world: &mut World) {
         // Some go with their parents.
         world.try_despawn(old).ok();
     }
+    // The root of the octree is laid around what it has at first, and would be that of the scene before.
+    let method = world.resource::<BroadPhaseSettings>().method.clone();
+    world
+        .resource_mut::<CollisionIndex>()
+        .set_engine(method.engine());
+    world.insert_resource(CollisionCounters::default());
     world.resource_scope(|world, gallery: Mut<Gallery>| {
         let scene = gallery.scene();
         if is_other {

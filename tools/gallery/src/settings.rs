@@ -119,7 +119,8 @@ impl Settings {
             let wish = wishes.objects.unwrap_or(objects.default);
             wish.clamp(Self::LEAST_OBJECTS, objects.most)
         });
-        self.max_objects = wishes.max_objects.unwrap_or(scene.max_objects);
+        let max_objects = wishes.max_objects.unwrap_or(scene.max_objects);
+        self.max_objects = max_objects.min(Self::MOST_MAX_OBJECTS);
         self.search = wishes.search.unwrap_or(self.search);
         self.leaves = wishes.leaves.unwrap_or(scene.leaves);
     }

@@ -68,11 +68,6 @@ impl Solids {
         self.by_numbers.insert(key, mesh.clone());
         Some(mesh)
     }
-
-    /// Forgets the meshes of shapes that no entity has any more.
-    pub fn forget(&mut self) {
-        *self = Self::default();
-    }
 }
 
 /// What Rapier's simplest colliders are like here. Others are not drawn.
@@ -144,7 +139,7 @@ fn mesh_of(shape: &Shape) -> Option<Mesh> {
         Shape::HeightField(field) => {
             let triangles = (0..).map_while(|number| field.triangle(number));
             let corners: Vec<_> = triangles.flatten().map(Vec3::from).collect();
-            Some(lit(soup(corners)))
+            Some(soup(corners).with_computed_flat_normals())
         }
         Shape::Voxels(voxels) => {
             let side = voxels.cell_size();
@@ -190,9 +185,4 @@ fn soup(corners: Vec<Vec3>) -> Mesh {
         RenderAssetUsages::default(),
     )
     .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, corners)
-}
-
-/// Triangles whose sides are shared get normals that go over into each other.
-fn lit(mesh: Mesh) -> Mesh {
-    mesh.with_computed_flat_normals()
 }

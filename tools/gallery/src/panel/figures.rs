@@ -29,20 +29,16 @@ pub enum Said {
     Caption,
 }
 
-/// Whether times are shown: in pictures that are to be the same on every run they are not.
-#[derive(Resource, Clone, Copy, Debug, Default)]
-struct HasWindow(bool);
-
 /// Adds what is said.
 pub fn plugin(app: &mut App) {
-    app.init_resource::<HasWindow>()
-        .add_observer(introduce)
-        .add_systems(Startup, look_for_window)
-        .add_systems(Last, (count.run_if(play::ticked), time, caption));
-}
-
-fn look_for_window(windows: Query<(), With<Window>>, mut has_window: ResMut<HasWindow>) {
-    has_window.0 = !windows.is_empty();
+    app.add_observer(introduce).add_systems(
+        Last,
+        (
+            count.run_if(play::ticked.or_eager(resource_changed::<Gallery>)),
+            time.run_if(any_with_component::<Window>),
+            caption,
+        ),
+    );
 }
 
 fn introduce(began: On<Began>, gallery: Res<Gallery>, mut texts: Query<(&Said, &mut Text)>) {
@@ -74,7 +70,7 @@ fn count(
                 "tick {}: {} objects, {} moved\n\
                  {} pairs of boxes compared, {} overlap\n\
                  {} in contact, {bounces} bounces\n\
-                 {} leaves, {} generations, {} kB",
+                 octree: {} leaves, depth {}, {} kB",
                 play.tick,
                 tick.objects,
                 tick.moved,
@@ -89,16 +85,13 @@ fn count(
     }
 }
 
+/// How long things take: not in pictures, which are to be the same on every run.
 fn time(
-    has_window: Res<HasWindow>,
     times: Res<StageTimes>,
     store: Res<DiagnosticsStore>,
     mut texts: Query<(&Said, &mut Text)>,
     mut smooth: Local<f64>,
 ) {
-    if !has_window.0 {
-        return;
-    }
     let frame = store
         .get(&FrameTimeDiagnosticsPlugin::FRAME_TIME)
         .and_then(|time| time.smoothed())

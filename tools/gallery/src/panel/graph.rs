@@ -62,15 +62,13 @@ const GROUND: [u8; 4] = [18, 21, 28, 255];
 /// The line at a whole power of two of milliseconds.
 const LINE: [u8; 4] = [70, 76, 90, 255];
 
-/// Adds the graph.
+/// Adds the graph: not in pictures, which are to be the same on every run.
 pub fn plugin(app: &mut App) {
-    app.init_resource::<Graph>()
-        .add_systems(Last, draw.run_if(play::ticked).run_if(has_window));
-}
-
-/// Times are not the same on every run, as pictures are to be.
-fn has_window(windows: Query<(), With<Window>>) -> bool {
-    !windows.is_empty()
+    app.init_resource::<Graph>().add_systems(
+        Last,
+        draw.run_if(play::ticked)
+            .run_if(any_with_component::<Window>),
+    );
 }
 
 fn draw(times: Res<StageTimes>, mut graph: ResMut<Graph>, mut images: ResMut<Assets<Image>>) {

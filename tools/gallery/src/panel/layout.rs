@@ -42,9 +42,9 @@ pub fn spawn(mut commands: Commands, graph: Res<Graph>) {
             top: px(0.0),
             width: px(WIDTH),
             height: percent(100.0),
-            padding: UiRect::all(px(12.0)),
+            padding: UiRect::all(px(10.0)),
             flex_direction: FlexDirection::Column,
-            row_gap: px(6.0),
+            row_gap: px(4.0),
             overflow: Overflow::clip(),
             ..default()
         },

@@ -4,7 +4,7 @@ use bevy::{
     picking::hover::Hovered,
     prelude::*,
     ui::{Checked, Pressed},
-    ui_widgets::{Activate, SliderThumb, SliderValue, ValueChange},
+    ui_widgets::{Activate, SliderDragState, SliderThumb, SliderValue, ValueChange},
 };
 
 use super::layout::RAISED;
@@ -180,8 +180,9 @@ fn turn_knob(
         Knob::Speed => play.speed = value.log2().round().exp2(),
         Knob::MaxObjects => settings.max_objects = value.round() as u32,
         Knob::Objects if scene.objects.is_some() => {
-            settings.objects = value.round() as usize;
-            if change.is_final {
+            let objects = value.round() as usize;
+            // A click on the track has no end that would be final.
+            if std::mem::replace(&mut settings.objects, objects) != objects || change.is_final {
                 gallery.restart();
             }
         }
@@ -207,14 +208,20 @@ fn follow_knobs(
     play: Res<Play>,
     settings: Res<Settings>,
     gallery: Res<Gallery>,
-    sliders: Query<(&Knob, &Children)>,
+    sliders: Query<(Entity, &Knob, &Children, &SliderValue, &SliderDragState)>,
+    mut commands: Commands,
     reaches: Query<&Children>,
     mut thumbs: Query<&mut Node, With<SliderThumb>>,
     mut labels: Query<(&KnobLabel, &mut Text)>,
 ) {
     let scene = gallery.scene();
-    for (knob, children) in &sliders {
-        let place = percent(100.0 * knob.place(&play, &settings, scene));
+    for (slider, knob, children, value, drag) in &sliders {
+        let share = knob.place(&play, &settings, scene);
+        // Where the next drag begins.
+        if !drag.dragging && *value != SliderValue(share) {
+            commands.entity(slider).insert(SliderValue(share));
+        }
+        let place = percent(100.0 * share);
         for thumb in children
             .iter()
             .flat_map(|reach| reaches.get(reach))
@@ -234,10 +241,15 @@ fn follow_knobs(
 
 type Raised = Or<(With<Press>, With<Choice>)>;
 
+type Looks = (
+    &'static Hovered,
+    Has<Pressed>,
+    Has<Checked>,
+    &'static mut BackgroundColor,
+);
+
 /// What is under the pointer, pressed or chosen looks so.
-fn show_pointer(
-    mut widgets: Query<(&Hovered, Has<Pressed>, Has<Checked>, &mut BackgroundColor), Raised>,
-) {
+fn show_pointer(mut widgets: Query<Looks, Raised>) {
     for (hovered, is_pressed, is_checked, mut color) in &mut widgets {
         let wanted = match (is_pressed, is_checked, hovered.get()) {
             (true, ..) => RAISED.lighter(0.25),

@@ -22,7 +22,7 @@ pub fn plugin(app: &mut App) {
     );
     app.add_scene(
         scene
-            .view(Vec3::new(3.5, 3.2, 9.5), Vec3::ZERO)
+            .view(Vec3::new(4.2, 3.8, 11.5), Vec3::new(0.4, 0.0, 0.0))
             .octree(2, Leaves::Generation)
             .best_tick(24)
             .ends_at(64),

@@ -2,7 +2,8 @@
 //!
 //! A new one is a file with a `plugin` that calls
 //! [`add_scene`](crate::scene::AddScene::add_scene), and a line for it here. Whatever it spawns with
-//! a `CollisionShape` is drawn, coloured and taken away by the gallery; systems that move things are
+//! a `CollisionShape` is drawn, coloured and taken away by the gallery (but not drawn where it is of
+//! a kind of which `solid` makes no mesh); systems that move things are
 //! added to [`Tick`](crate::play::Tick), with the condition
 //! [`showing`](crate::scene::showing). It must go the same way on every run: no clocks, and random
 //! numbers from a seed.

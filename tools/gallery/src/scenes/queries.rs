@@ -27,7 +27,14 @@ pub fn plugin(app: &mut App) {
          Green: from the point to the six that are nearest, by their exact shapes.",
         |world, objects| spawn(world, objects),
     );
-    app.add_scene(
+    app.insert_gizmo_config(
+        Answers,
+        GizmoConfig {
+            depth_bias: -0.95,
+            ..default()
+        },
+    )
+    .add_scene(
         scene
             .view(Vec3::new(6.0, 10.0, 21.0), Vec3::ZERO)
             .objects(220, 5000)
@@ -40,6 +47,10 @@ pub fn plugin(app: &mut App) {
     )
     .add_systems(Last, ask.run_if(showing(NAME)));
 }
+
+/// Lines that are seen through what is in front of them.
+#[derive(Default, Reflect, GizmoConfigGroup)]
+struct Answers;
 
 /// How it turns, in radians per second.
 #[derive(Component)]
@@ -112,7 +123,7 @@ fn ask(
     spatial: SpatialQuery,
     places: Query<(&CollisionShape, &GlobalTransform)>,
     mut found: Query<&mut Found>,
-    mut gizmos: Gizmos,
+    mut gizmos: Gizmos<Answers>,
 ) {
     let Ok(mut found) = found.single_mut() else {
         return;
