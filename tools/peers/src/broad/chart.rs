@@ -54,12 +54,20 @@ fn legend(canvas: &Canvas, sizes: &[usize]) -> Drawn {
             SHADES[i % SHADES.len()].filled(),
         ))?;
         canvas.draw(&Text::new(
-            format!("{size} objects"),
+            format!("{} objects", in_groups(*size)),
             (x + 28, 57),
             text(22),
         ))?;
     }
     Ok(())
+}
+
+/// A number with a space before each three digits.
+fn in_groups(number: usize) -> String {
+    match (number / 1000, number % 1000) {
+        (0, rest) => rest.to_string(),
+        (thousands, rest) => format!("{} {rest:03}", in_groups(thousands)),
+    }
 }
 
 /// Heights are logarithms to base 2, so that twice as fast and twice as slow are as far from the
@@ -109,7 +117,7 @@ fn bars(canvas: &Canvas, cells: &[Cell], scenes: &[&str], sizes: &[usize]) -> Dr
             let figure = Text::new(format!("{ratio:.1}"), (0, -2), above);
             chart.draw_series([EmptyElement::at((middle, height.max(0.0))) + figure])?;
             // The name of the peer, where there is room for it.
-            if height > 0.25 * (high - low) {
+            if height > 0.18 * (high - low) {
                 let ink = if size < LIGHT { &BLACK } else { &WHITE };
                 let upright = text(17).transform(FontTransform::Rotate270).color(ink);
                 let name = Text::new(peer.engine.to_owned(), (-9, -8), upright);
