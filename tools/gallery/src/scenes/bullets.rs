@@ -28,7 +28,7 @@ pub fn plugin(app: &mut App) {
     let scene = Scene::new(
         NAME,
         "bullets among sheets of paper",
-        "Balls that fly ten times their diameter in a tick, between walls that are a hundredth thick. \
+        "Balls that fly ten times their diameter in a tick, between walls that are a fiftieth thick. \
          One in four is not swept: it is gone at once. The others bounce, several times a tick if need \
          be, and stay.",
         |world, objects| spawn(world, objects),
