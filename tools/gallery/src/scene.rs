@@ -22,7 +22,7 @@ pub struct Scene {
     /// What there is to see, in a sentence or two.
     pub about: &'static str,
     /// From where it is looked at.
-    view: Box<dyn Fn(usize) -> View + Send + Sync>,
+    view: Box<Look>,
     /// How many objects there are, where that can be chosen.
     pub objects: Option<Objects>,
     /// How many objects a leaf of the octree lists before it splits, at the start.
@@ -33,10 +33,13 @@ pub struct Scene {
     pub best_tick: u64,
     /// After how many ticks there is nothing more to see: it begins anew then, in the window.
     pub ends_at: Option<u64>,
-    spawn: Box<dyn Fn(&mut World, usize) + Send + Sync>,
+    spawn: Box<Spawn>,
     /// What the scene has to say beside its counts.
     pub caption: Option<fn(&mut World) -> String>,
 }
+
+type Spawn = dyn Fn(&mut World, usize) + Send + Sync;
+type Look = dyn Fn(usize) -> View + Send + Sync;
 
 /// Where the camera is, and what it looks at.
 #[derive(Clone, Copy, Debug, PartialEq)]

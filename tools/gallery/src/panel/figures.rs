@@ -1,7 +1,7 @@
 //! What the panel says: the scene, counts, times.
 
 use bevy::{
-    diagnostic::{DiagnosticsStore, FrameTimeDiagnosticsPlugin},
+    diagnostic::{Diagnostic, DiagnosticsStore, FrameTimeDiagnosticsPlugin},
     prelude::*,
 };
 use bevy_octree::{
@@ -94,7 +94,7 @@ fn time(
 ) {
     let frame = store
         .get(&FrameTimeDiagnosticsPlugin::FRAME_TIME)
-        .and_then(|time| time.smoothed())
+        .and_then(Diagnostic::smoothed)
         .unwrap_or_default();
     let tick = times.sum().as_secs_f64() * 1e3;
     *smooth += (tick - *smooth) * 0.1;

@@ -124,7 +124,10 @@ pub fn plugin(app: &mut App) {
     app.add_observer(press)
         .add_observer(choose)
         .add_observer(turn_knob)
-        .add_systems(Update, (follow_choices, follow_knobs, show_pointer));
+        .add_systems(
+            Update,
+            (follow_choices, follow_knobs, label_knobs, show_pointer),
+        );
 }
 
 fn press(
@@ -212,7 +215,6 @@ fn follow_knobs(
     mut commands: Commands,
     reaches: Query<&Children>,
     mut thumbs: Query<&mut Node, With<SliderThumb>>,
-    mut labels: Query<(&KnobLabel, &mut Text)>,
 ) {
     let scene = gallery.scene();
     for (slider, knob, children, value, drag) in &sliders {
@@ -234,8 +236,16 @@ fn follow_knobs(
             }
         }
     }
+}
+
+fn label_knobs(
+    play: Res<Play>,
+    settings: Res<Settings>,
+    gallery: Res<Gallery>,
+    mut labels: Query<(&KnobLabel, &mut Text)>,
+) {
     for (KnobLabel(knob), mut text) in &mut labels {
-        text.set_if_neq(Text(knob.label(&play, &settings, scene)));
+        text.set_if_neq(Text(knob.label(&play, &settings, gallery.scene())));
     }
 }
 

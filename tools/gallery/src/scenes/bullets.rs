@@ -31,7 +31,7 @@ pub fn plugin(app: &mut App) {
         "Balls that fly ten times their diameter in a tick, between walls that are a fiftieth thick. \
          One in four is not swept: it is gone at once. The others bounce, several times a tick if need \
          be, and stay.",
-        |world, objects| spawn(world, objects),
+        spawn,
     );
     app.add_scene(
         scene

@@ -26,7 +26,7 @@ pub fn plugin(app: &mut App) {
         "hills of 28 800 triangles, one mesh",
         "The ground is one shape, searched by the tree that is built with it. With leaves drawn, it is \
          that tree: green boxes around its triangles.",
-        |world, objects| spawn(world, objects),
+        spawn,
     );
     app.add_scene(
         scene

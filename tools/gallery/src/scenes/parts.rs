@@ -20,7 +20,7 @@ pub fn plugin(app: &mut App) {
         "ships of five shapes each",
         "A ship is one thing with five shapes: it bounces as one, its parts never meet each other, and \
          which part was hit is told. Only that part is painted.",
-        |world, objects| spawn(world, objects),
+        spawn,
     );
     app.add_scene(
         scene

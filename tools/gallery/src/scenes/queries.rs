@@ -25,7 +25,7 @@ pub fn plugin(app: &mut App) {
         "a ray, a region and the nearest, under the mouse",
         "Orange: what the ray of the mouse meets, and where. Pink: what is in a ball around that point. \
          Green: from the point to the six that are nearest, by their exact shapes.",
-        |world, objects| spawn(world, objects),
+        spawn,
     );
     app.insert_gizmo_config(
         Answers,

@@ -21,7 +21,7 @@ pub fn plugin(app: &mut App) {
         "Rapier makes things fall, gates tell of them",
         "Rapier's bodies fall, roll and stack. This crate has their colliders as shapes, and gates \
          that Rapier knows nothing of: they light up while something passes.",
-        |world, objects| spawn(world, objects),
+        spawn,
     );
     app.add_scene(
         scene
