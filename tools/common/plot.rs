@@ -66,6 +66,18 @@ pub fn bold(height: u32) -> TextStyle<'static> {
         .color(&BLACK)
 }
 
+/// A number with its digits in groups of three.
+pub fn thousands(value: f64) -> String {
+    let digits = format!("{value:.0}");
+    let groups: Vec<_> = digits
+        .as_bytes()
+        .rchunks(3)
+        .rev()
+        .map(String::from_utf8_lossy)
+        .collect();
+    groups.join("\u{202f}")
+}
+
 /// The picture has no font of the system's in it: it looks the same everywhere.
 fn rasterize(svg: &str, (width, height): (u32, u32)) -> Result<Vec<u8>, Box<dyn Error>> {
     let mut fonts = fontdb::Database::new();

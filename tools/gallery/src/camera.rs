@@ -17,7 +17,7 @@ use crate::{
 };
 
 /// The colour behind everything.
-pub const SKY: Color = Color::srgb(0.075, 0.086, 0.11);
+const SKY: Color = Color::srgb(0.075, 0.086, 0.11);
 
 /// The camera of the gallery.
 #[derive(Component, Clone, Copy, Debug)]

@@ -54,20 +54,12 @@ fn legend(canvas: &Canvas, sizes: &[usize]) -> Drawn {
             SHADES[i % SHADES.len()].filled(),
         ))?;
         canvas.draw(&Text::new(
-            format!("{} objects", in_groups(*size)),
+            format!("{} objects", plot::thousands(*size as f64)),
             (x + 28, 57),
             text(22),
         ))?;
     }
     Ok(())
-}
-
-/// A number with a space before each three digits.
-fn in_groups(number: usize) -> String {
-    match (number / 1000, number % 1000) {
-        (0, rest) => rest.to_string(),
-        (thousands, rest) => format!("{} {rest:03}", in_groups(thousands)),
-    }
 }
 
 /// Heights are logarithms to base 2, so that twice as fast and twice as slow are as far from the

@@ -16,7 +16,10 @@ use super::{
     stats::{Estimate, median},
     table::Table,
 };
-use crate::{outcome::Outcome, plot::draw};
+use crate::{
+    outcome::Outcome,
+    plot::{draw, thousands},
+};
 
 const SIZE: (u32, u32) = (1800, 1125);
 
@@ -138,18 +141,6 @@ fn label(row: Row) -> String {
     } else {
         format!("octree, {row}")
     }
-}
-
-/// A number with its digits in groups of three.
-fn thousands(value: f64) -> String {
-    let digits = format!("{value:.0}");
-    let groups: Vec<_> = digits
-        .as_bytes()
-        .rchunks(3)
-        .rev()
-        .map(String::from_utf8_lossy)
-        .collect();
-    groups.join("\u{202f}")
 }
 
 /// A time in its handiest unit.
