@@ -4,7 +4,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use bevy::{
     ecs::{archetype::Archetype, change_detection::Tick, component::ComponentId},
-    math::{bounding::Aabb3d, primitives::HalfSpace},
+    math::{
+        bounding::{Aabb3d, BoundingVolume},
+        primitives::HalfSpace,
+    },
     prelude::*,
 };
 
@@ -326,6 +329,28 @@ impl CollisionIndex {
             body.pose = *pose;
             self.fits[id.index()] = Fit::of(body.placed());
         }
+    }
+
+    /// Puts what is behind a handle elsewhere within its box, which stays. False if it is not in there: nothing happens
+    /// then. It is to have moved in this tick, or to [be looked at again](Self::look_again): verdicts on it are not kept.
+    pub(crate) fn move_within(
+        &mut self,
+        id: ProxyId,
+        pose: &Transform,
+        tests: &NarrowPhase,
+    ) -> bool {
+        let around = self.box_of(id);
+        let Some(body) = self.bodies.get_mut(id.index()) else {
+            return true;
+        };
+        let is_within = tests
+            .world_aabb(Placed::new(&body.shape, pose))
+            .is_ok_and(|aabb| around.contains(&aabb));
+        if is_within {
+            body.pose = *pose;
+            self.fits[id.index()] = Fit::Loose;
+        }
+        is_within
     }
 
     /// Has queries find everything where it was [put](Self::put).

@@ -301,6 +301,7 @@ mod bounds;
 pub mod broad_phase;
 pub mod casters;
 mod change_ticks;
+pub mod character;
 pub mod collision_index;
 pub mod components;
 pub mod contacts;
@@ -316,6 +317,7 @@ mod maintenance;
 #[cfg(feature = "mesh")]
 pub mod mesh_shape;
 pub mod motion;
+pub mod move_and_slide;
 pub mod narrow_phase;
 pub mod octree;
 mod parallel;
@@ -349,6 +351,7 @@ pub mod plugins {
     pub use crate::{
         bounds::BoundsPlugin,
         casters::CasterPlugin,
+        character::CharacterPlugin,
         contacts::{NarrowPhasePlugin, ReportPlugin},
         filters::FilterPlugin,
         maintenance::BroadPhasePlugin,
@@ -378,6 +381,7 @@ pub mod prelude {
     pub use crate::{
         broad_phase::BroadPhaseMethod,
         casters::{CasterFilter, CasterIgnores, RayCaster, RayHits, ShapeCaster, ShapeHits},
+        character::{CharacterHits, CharacterSystems, Ground, KinematicCharacter, WalkSettings},
         collision_layers,
         components::CollisionShape,
         contacts::{
@@ -391,6 +395,7 @@ pub mod prelude {
             PairHookPlugin, Sensor, StaticShape,
         },
         motion::{MotionSettings, MovedElsewhere, PositionTrack, Step, Velocity},
+        move_and_slide::{AtHit, MoveAndSlide, MoveEnd, MoveHit, MoveSettings, Moved},
         narrow_phase::{Compound, Contact, HeightField, Placed, PolygonMesh, Shape, Voxels},
         parts::{BodyParts, CollisionBody, PartOf},
         plugin::OctreePlugins,

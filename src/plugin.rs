@@ -9,6 +9,7 @@ use bevy::{
 use crate::{
     bounds::BoundsPlugin,
     casters::CasterPlugin,
+    character::CharacterPlugin,
     collision_index, components,
     contacts::{self, NarrowPhasePlugin, ReportPlugin},
     counters,
@@ -48,6 +49,7 @@ use crate::{
 /// | [`SweptPlugin`] | before `Motion`, `Bounds`, after `Response` |
 /// | [`NarrowPhasePlugin`] | `NarrowPhase` |
 /// | [`BouncePlugin`] | `Response` |
+/// | [`CharacterPlugin`] | after `Maintenance` |
 /// | [`CasterPlugin`] | after `Response` |
 /// | [`ReportPlugin`] | `Report` |
 ///
@@ -127,6 +129,7 @@ impl PluginGroup for OctreePlugins {
             .add(NarrowPhasePlugin)
             .add(BouncePlugin)
             .add(CasterPlugin)
+            .add(CharacterPlugin)
             .add(ReportPlugin)
             .add(ScenePlugin);
         #[cfg(feature = "asset")]

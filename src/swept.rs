@@ -458,7 +458,7 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
 }
 
 /// Stretches boxes along the ways that led anywhere, and shrinks those of a tick ago.
-fn stretch_boxes(mut swept: Query<Stretched, IsSwept>, tests: Res<NarrowPhase>) {
+pub(crate) fn stretch_boxes(mut swept: Query<Stretched, IsSwept>, tests: Res<NarrowPhase>) {
     for (entity, (own, sheared), proxy, mut way, mut aabb) in &mut swept {
         let shape = shear::shape(own, sheared);
         let start = way

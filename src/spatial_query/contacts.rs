@@ -61,7 +61,7 @@ impl SpatialQuery<'_, '_> {
         mut found: impl FnMut(ShapeContact) -> F,
     ) {
         let placed = Placed::new(shape, at);
-        self.for_each_near_shape(placed, filter, |body| {
+        self.for_each_near_shape(placed, filter, |_, body| {
             let contact = scratch::with(|scratch| {
                 self.tests()
                     .contact(body.placed(), placed, &mut scratch.workspace)

@@ -43,6 +43,8 @@ pub struct SpatialQueryFilter<'a> {
     excluded: Option<&'a EntityHashSet>,
     skips_sensors: bool,
     excluded_body: Option<Entity>,
+    /// Whoever asks, as the broad phase knows it.
+    asker: Option<PairFilter>,
     predicate: Option<Predicate<'a>>,
 }
 
@@ -64,6 +66,7 @@ impl<'a> SpatialQueryFilter<'a> {
         excluded: None,
         skips_sensors: false,
         excluded_body: None,
+        asker: None,
         predicate: None,
     };
 
@@ -158,6 +161,18 @@ impl<'a> SpatialQueryFilter<'a> {
         }
     }
 
+    /// Lets only those pass that an object and they may meet, both ways: by world, layers and bodies.
+    pub(super) const fn met_by(self, asker: PairFilter) -> Self {
+        Self {
+            world: Some(asker.world),
+            asker: Some(PairFilter {
+                is_detector: false,
+                ..asker
+            }),
+            ..self
+        }
+    }
+
     /// Are sensors left out?
     pub(super) const fn skips_sensors(&self) -> bool {
         self.skips_sensors
@@ -177,6 +192,12 @@ impl<'a> SpatialQueryFilter<'a> {
             && self
                 .layers
                 .is_none_or(|layers| layers.0 & object.memberships != 0)
+            && self.asker.is_none_or(|asker| {
+                asker.admits(&PairFilter {
+                    is_detector: false,
+                    ..*object
+                })
+            })
             && self.except != Some(entity)
             && self
                 .excluded
@@ -194,6 +215,7 @@ impl fmt::Debug for SpatialQueryFilter<'_> {
             .field("excluded", &self.excluded)
             .field("skips_sensors", &self.skips_sensors)
             .field("excluded_body", &self.excluded_body)
+            .field("asker", &self.asker)
             .field("has_predicate", &self.predicate.is_some())
             .finish()
     }

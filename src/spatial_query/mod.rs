@@ -29,4 +29,5 @@ pub use crate::broad_phase::HitLists;
 
 #[doc(inline)]
 pub use crate::narrow_phase::{RayCastOptions, ShapeCastOptions};
+pub(crate) use scratch::with_workspace;
 pub use shape_cast::ShapeHit;

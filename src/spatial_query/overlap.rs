@@ -14,7 +14,7 @@ use super::{
     scratch,
 };
 use crate::{
-    broad_phase::{EVERYWHERE, Flow, Region},
+    broad_phase::{EVERYWHERE, Flow, ProxyId, Region},
     collision_index::Body,
     narrow_phase::{BoundsError, Placed, Shape},
 };
@@ -141,7 +141,7 @@ impl SpatialQuery<'_, '_> {
         mut found: impl FnMut(Entity) -> F,
     ) {
         let placed = Placed::new(shape, at);
-        self.for_each_near_shape(placed, filter, |body| {
+        self.for_each_near_shape(placed, filter, |_, body| {
             let met = scratch::with(|scratch| {
                 self.tests()
                     .intersects(placed, body.placed(), &mut scratch.workspace)
@@ -151,11 +151,11 @@ impl SpatialQuery<'_, '_> {
     }
 
     /// Everything whose box a placed shape may touch, until `found` returns `false`.
-    pub(super) fn for_each_near_shape(
+    pub(crate) fn for_each_near_shape(
         &self,
         shape: Placed,
         filter: &SpatialQueryFilter,
-        mut found: impl FnMut(&Body) -> bool,
+        mut found: impl FnMut(ProxyId, &Body) -> bool,
     ) {
         let aabb = match self.tests().world_aabb(shape) {
             Ok(aabb) => aabb,
@@ -163,7 +163,10 @@ impl SpatialQuery<'_, '_> {
             Err(BoundsError::NonFinite) => return,
         };
         self.index.index().for_each_overlapping(&aabb, |id| {
-            flow(self.candidate(id, filter).is_none_or(&mut found))
+            flow(
+                self.candidate(id, filter)
+                    .is_none_or(|body| found(id, body)),
+            )
         });
     }
 

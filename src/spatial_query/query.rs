@@ -109,6 +109,7 @@ use crate::{
 /// | method | the question | the answer |
 /// |---|---|---|
 /// | [`body_of`](Self::body_of) | what is an entity a part of? | its [body](crate::parts), or itself |
+/// | [`filter_of`](Self::filter_of) | what may it come into contact with? | a [`SpatialQueryFilter`] |
 /// | [`index`](Self::index) | what is in the index, by handle and box? | [`CollisionIndex`] |
 ///
 /// # Exactness
@@ -180,7 +181,23 @@ impl SpatialQuery<'_, '_> {
         self.parts.get(entity).map_or(entity, PartOf::body)
     }
 
-    pub(super) fn tests(&self) -> &NarrowPhase {
+    /// Returns the filter that lets pass what an entity may come into contact with, by its layers and theirs, its world and
+    /// its [body](crate::parts); [sensors](Sensor), which nothing is stopped by, not included. An entity that is not in
+    /// the index sees the default world, without itself.
+    ///
+    /// What is in a list of [`IgnoreCollisions`](crate::filters::IgnoreCollisions), or is ruled out by a
+    /// [hook](crate::filters::PairHook), is seen.
+    #[must_use]
+    pub fn filter_of(&self, entity: Entity) -> SpatialQueryFilter<'static> {
+        let all = SpatialQueryFilter::DEFAULT.except(entity).without_sensors();
+        let id = self.entries.get(entity).ok().and_then(BroadPhaseProxy::id);
+        match id.filter(|id| self.index.is_entry_of(*id, entity)) {
+            Some(id) => all.met_by(self.index.index().proxies().filter(id)),
+            None => all,
+        }
+    }
+
+    pub(crate) fn tests(&self) -> &NarrowPhase {
         &self.tests
     }
 
@@ -197,7 +214,7 @@ impl SpatialQuery<'_, '_> {
     }
 
     /// What is behind the handle of an entity.
-    pub(super) fn entry_of(&self, entity: Entity) -> Option<&Body> {
+    pub(crate) fn entry_of(&self, entity: Entity) -> Option<&Body> {
         let id = self.entries.get(entity).ok()?.id()?;
         self.index.body(id).filter(|body| body.entity == entity)
     }

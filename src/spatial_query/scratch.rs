@@ -27,3 +27,8 @@ pub(super) fn with<T>(f: impl FnOnce(&mut Scratch) -> T) -> T {
     SCRATCH.set(Some(scratch));
     result
 }
+
+/// Lends this thread's buffers of the exact tests.
+pub(crate) fn with_workspace<T>(f: impl FnOnce(&mut Workspace) -> T) -> T {
+    with(|scratch| f(&mut scratch.workspace))
+}

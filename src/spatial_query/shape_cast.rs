@@ -13,7 +13,7 @@ use super::{
     scratch,
 };
 use crate::{
-    broad_phase::Flow,
+    broad_phase::{Flow, ProxyId},
     collision_index::Body,
     narrow_phase::{Impact, Placed, Shape, ShapeCastOptions},
 };
@@ -98,11 +98,26 @@ impl SpatialQuery<'_, '_> {
         options: &ShapeCastOptions,
     ) -> Option<ShapeHit> {
         let cast = self.box_cast(moving, direction, max_distance)?;
+        self.first_met(&cast, max_distance, filter, |_, body, limit| {
+            let hit = self.shape_hit(body, moving, direction, limit, options)?;
+            Some((hit.distance, hit))
+        })
+    }
+
+    /// What a box meets first on its way, where `meet` says how far each goes that it may meet, given how far is of
+    /// interest.
+    pub(crate) fn first_met<T>(
+        &self,
+        cast: &AabbCast3d,
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+        mut meet: impl FnMut(ProxyId, &Body, f32) -> Option<(f32, T)>,
+    ) -> Option<T> {
         let mut best = Best::within(max_distance);
-        let nearest = self.index.index().cast_with(&cast, |id, _| {
+        let nearest = self.index.index().cast_with(cast, |id, _| {
             let body = self.candidate(id, filter)?;
-            let hit = self.shape_hit(body, moving, direction, best.limit(), options)?;
-            best.offer(id, hit.distance, hit)
+            let (distance, found) = meet(id, body, best.limit())?;
+            best.offer(id, distance, found)
         });
         best.answer(nearest.map(|hit| hit.proxy))
     }

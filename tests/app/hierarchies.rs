@@ -121,6 +121,13 @@ fn deep_hierarchies_cost_what_flat_ones_do() {
 
 #[test]
 fn chains_are_despawned_in_linear_time() {
+    // Bevy despawns a chain by recursion, which takes a stack as deep as the build is plain.
+    let test = std::thread::Builder::new().stack_size(64 << 20);
+    let test = test.spawn(despawn_chains).unwrap();
+    test.join().unwrap();
+}
+
+fn despawn_chains() {
     let despawn = |plugins: bool, with_shapes: bool| {
         let mut app = plain_app(plugins);
         let mut spawn = || {

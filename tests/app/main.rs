@@ -8,6 +8,7 @@ mod bounce;
 mod bullets;
 mod cast_options;
 mod casters;
+mod characters;
 #[path = "../common/mod.rs"]
 mod common;
 mod conservation;
@@ -33,6 +34,7 @@ mod mesh_floors;
 mod mesh_scenes;
 #[cfg(feature = "mesh")]
 mod mesh_shapes;
+mod move_and_slide;
 mod neighbors;
 mod part_histories;
 mod parts;
