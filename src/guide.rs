@@ -7,6 +7,9 @@ pub mod broad_phases {}
 #[doc = include_str!("../docs/guide/bullets.md")]
 pub mod bullets {}
 
+#[doc = include_str!("../docs/guide/characters.md")]
+pub mod characters {}
+
 #[doc = include_str!("../docs/guide/coming_from.md")]
 pub mod coming_from {}
 

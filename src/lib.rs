@@ -218,6 +218,7 @@
 //! | [`MovedElsewhere`](motion::MovedElsewhere) | has it moved by something else, such as a physics engine |
 //! | [`Bounce`](response::Bounce) | changes its velocity on contact |
 //! | [`Swept`](swept::Swept) | has it looked at all along its way, however fast it is |
+//! | [`KinematicCharacter`](character::KinematicCharacter) | has it walk by its velocity: along walls, on slopes, stairs and platforms; [`CharacterHits`](character::CharacterHits) lists what it met |
 //! | [`CollisionLayers`](filters::CollisionLayers) | says which others it may meet; [more of the kind](filters) |
 //! | [`StaticShape`](filters::StaticShape) | says that it never meets its kind: walls, floors, levels |
 //! | [`Sensor`](filters::Sensor) | has it reported, and nothing bounce off it |
@@ -279,6 +280,7 @@
 //! | [`parts`](guide::parts) | things made of parts |
 //! | [`triggers`](guide::triggers) | triggers and pickups |
 //! | [`bullets`](guide::bullets) | what is fast |
+//! | [`characters`](guide::characters) | who walks: a controller in first person, platforms, crouching |
 //! | `levels_from_gltf` | levels from glTF (feature `mesh`) |
 //! | [`broad_phases`](guide::broad_phases) | which broad phase |
 //! | [`costs`](guide::costs) | what each capability and each feature costs |

@@ -264,6 +264,84 @@ fn run_app() -> u64 {
     crowd.finish()
 }
 
+/// A crowd of characters that run together, between walls and on a platform that turns; a hash of where they get to.
+fn run_characters() -> u64 {
+    let mut app = app(BroadPhaseMethod::default());
+    let solid = |x: f32, y: f32, z: f32| CollisionShape::cuboid(x, y, z);
+    app.world_mut().spawn((
+        solid(60.0, 1.0, 60.0),
+        Transform::from_xyz(0.0, -0.5, 0.0),
+        StaticShape,
+    ));
+    for i in 0..40 {
+        let at = Transform::from_xyz(
+            (i % 8) as f32 * 4.0 - 14.0,
+            0.1,
+            (i / 8) as f32 * 5.0 - 10.0,
+        );
+        let at = at.with_rotation(Quat::from_rotation_y(i as f32));
+        app.world_mut()
+            .spawn((solid(1.5, 0.2 + (i % 3) as f32, 1.0), at, StaticShape));
+    }
+    let disk = (
+        CollisionShape::cylinder(4.0, 0.2),
+        Transform::default(),
+        Spinning,
+    );
+    app.world_mut().spawn(disk);
+    app.add_systems(FixedPreUpdate, spin);
+    let walkers: Vec<_> = (0..300)
+        .map(|i| {
+            let at = Transform::from_xyz(
+                (i % 20) as f32 * 1.1 - 11.0,
+                3.0,
+                (i / 20) as f32 * 1.1 - 8.0,
+            );
+            let shape = if i % 3 == 0 {
+                solid(0.5, 1.8, 0.5)
+            } else {
+                CollisionShape::capsule(0.3, 1.0)
+            };
+            app.world_mut()
+                .spawn((
+                    KinematicCharacter::default(),
+                    CharacterHits::default(),
+                    shape,
+                    at,
+                ))
+                .id()
+        })
+        .collect();
+    let mut hasher = DefaultHasher::new();
+    for number in 0..200 {
+        for walker in &walkers {
+            let at = app.world().get::<Transform>(*walker).unwrap().translation;
+            let mut walking = app
+                .world_mut()
+                .get_mut::<KinematicCharacter>(*walker)
+                .unwrap();
+            let aim = if number < 120 { -at } else { Vec3::X };
+            walking.velocity =
+                aim.with_y(0.0).normalize_or_zero() * 3.0 + Vec3::Y * (walking.velocity.y - 0.15);
+        }
+        tick(&mut app, 1);
+        for walker in &walkers {
+            let at = app.world().get::<Transform>(*walker).unwrap();
+            at.translation
+                .to_array()
+                .map(f32::to_bits)
+                .hash(&mut hasher);
+            at.rotation.to_array().map(f32::to_bits).hash(&mut hasher);
+            app.world()
+                .get::<CharacterHits>(*walker)
+                .unwrap()
+                .len()
+                .hash(&mut hasher);
+        }
+    }
+    hasher.finish()
+}
+
 /// Is run in a process of its own, by the test below; prints the hash of each scene.
 #[test]
 #[ignore = "a part of the other test"]
@@ -279,6 +357,7 @@ fn in_a_process_of_its_own() {
         println!("hash {scene} {}", run(scene));
     }
     println!("hash app {}", run_app());
+    println!("hash characters {}", run_characters());
 }
 
 #[test]
@@ -299,7 +378,7 @@ fn all_is_the_same_at_any_number_of_threads() {
             .lines()
             .filter_map(|line| Some(line.split_once("hash ")?.1.to_owned()))
             .collect();
-        assert_eq!(found.len(), 4, "{threads} threads: {text}");
+        assert_eq!(found.len(), 5, "{threads} threads: {text}");
         found
     };
     let alone = hashes(1);

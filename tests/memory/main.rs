@@ -7,6 +7,7 @@ mod allocator;
 mod common;
 mod counted;
 mod swept;
+mod walking;
 
 use std::time::Duration;
 
