@@ -1,5 +1,5 @@
 //! Measures this crate and its peers side by side: `cargo run --release -p peers --
-//! broad|app|queries|meshes`.
+//! broad|app|queries|meshes|shapes|characters`.
 //!
 //! - `broad`: the broad phase alone. Every engine gets the same boxes, frame by frame, and gives
 //!   all pairs that overlap; engines take turns, in one process and on one thread. See [`broad`]
@@ -8,6 +8,7 @@
 //! - `queries`: rays, regions and nearest objects. See [`queries`].
 //! - `meshes`: exact tests against meshes. See [`meshes`].
 //! - `shapes`: exact tests of two shapes. See [`shapes`].
+//! - `characters`: characters that walk. See [`characters`].
 //!
 //! # What is fair
 //!
@@ -23,6 +24,7 @@
 
 mod app;
 mod broad;
+mod characters;
 mod engines;
 mod measure;
 mod meshes;
@@ -60,6 +62,8 @@ enum Command {
     Meshes(meshes::Arguments),
     /// Exact tests of two shapes: contacts, distances, sweeps.
     Shapes(shapes::Arguments),
+    /// Characters that walk: what they cost, what they are in, where they get to.
+    Characters(characters::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -69,5 +73,6 @@ fn main() -> ExitCode {
         Command::Queries(arguments) => queries::run(&arguments),
         Command::Meshes(arguments) => meshes::run(&arguments),
         Command::Shapes(arguments) => shapes::run(&arguments),
+        Command::Characters(arguments) => characters::run(&arguments),
     })
 }

@@ -24,9 +24,9 @@
 mod allocator;
 mod engines;
 mod queries;
-mod reference;
+pub mod reference;
 mod report;
-mod scenes;
+pub mod scenes;
 
 use std::{fs, hint::black_box, path::PathBuf, time::Instant};
 

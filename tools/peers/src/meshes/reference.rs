@@ -240,7 +240,8 @@ fn segment_segment([a, b]: [DVec3; 2], [c, d]: [DVec3; 2]) -> f64 {
     least
 }
 
-fn segment_triangle([a, b]: [DVec3; 2], corners: [DVec3; 3]) -> f64 {
+/// How far a segment is from a triangle; 0 if it goes through.
+pub fn segment_triangle([a, b]: [DVec3; 2], corners: [DVec3; 3]) -> f64 {
     if crosses([a, b], corners) {
         return 0.0;
     }

@@ -11,6 +11,7 @@ const CORRIDOR: f32 = 10_000.0;
 const SIDES: usize = 10;
 
 /// Vertices and triangles.
+#[derive(Debug)]
 pub struct Mesh {
     pub vertices: Vec<Vec3>,
     pub triangles: Vec<[u32; 3]>,
@@ -91,7 +92,7 @@ impl Mesh {
     }
 
     /// Joins the quads of a grid of vertices, each cut in two.
-    fn of_grid(vertices: Vec<Vec3>, columns: u32, rows: u32, is_ring: bool) -> Self {
+    pub fn of_grid(vertices: Vec<Vec3>, columns: u32, rows: u32, is_ring: bool) -> Self {
         let mut triangles = Vec::new();
         let joined = if is_ring { columns } else { columns - 1 };
         for row in 0..rows - 1 {
