@@ -19,9 +19,9 @@ collision_layers! {
 const TICK: f32 = 1.0 / 60.0;
 /// Where the walker goes, along x and z.
 const WAY: [Vec2; 3] = [
-    Vec2::new(-10.0, 0.0),
+    Vec2::new(-4.0, 0.0),
     Vec2::new(0.0, 0.0),
-    Vec2::new(0.0, 18.0),
+    Vec2::new(0.0, 16.0),
 ];
 const PACE: f32 = 3.0;
 /// How high the walker's eyes are over its middle.
@@ -54,7 +54,7 @@ fn main() {
         );
     println!("tick   walker at x, z   camera's distance            in the way");
     let mut met = Vec::new();
-    for tick in 0..600 {
+    for tick in 0..480 {
         app.update();
         let in_the_way = report(app.world_mut(), tick);
         if !met.contains(&in_the_way) {

@@ -1,9 +1,10 @@
 //! A flock of 300 birds: each heeds its seven nearest neighbours, looks ahead, and keeps off what is
 //! beside it. The flock passes pillars, and a wall with gaps.
 //!
-//! Each of the three is one question for all birds at once. Fails if a bird is ever in an obstacle,
-//! if the flock falls apart, or if a bird is not past the wall in the end. `cargo run --example
-//! flock`
+//! Each of the three is one question for all birds at once. Who heeds all that are near, however
+//! many, finds the pairs by `SpatialQuery::for_each_pair_among`. Fails if a bird is ever in an
+//! obstacle, if the flock falls apart, or if a bird is not past the wall in the end. `cargo run
+//! --example flock`
 
 use std::f32::consts::PI;
 
@@ -24,6 +25,8 @@ const RADIUS: f32 = 0.15;
 const SPEED: [f32; 2] = [3.0, 6.0];
 /// The most that a bird can change its velocity in a second.
 const FORCE: f32 = 12.0;
+/// The same where something is right ahead.
+const AVOID: f32 = 36.0;
 /// How many others a bird heeds, how far away, and how near these may come.
 const NEIGHBOURS: usize = 7;
 const SIGHT: f32 = 8.0;
@@ -31,13 +34,15 @@ const ROOM: f32 = 1.0;
 /// How far a bird looks ahead, and how near an obstacle may come to its middle.
 const LOOK: f32 = 5.0;
 const CLEARANCE: f32 = 0.5;
-/// In how many directions a bird looks.
-const DIRECTIONS: usize = 24;
+/// With something ahead, in how many directions to each side of the way home it looks, and by which
+/// angle these differ.
+const TURNS: u32 = 12;
+const TURN: f32 = PI / 12.0;
 /// Beyond the wall.
 const ROOST: Vec3 = Vec3::new(85.0, 10.0, 0.0);
 const WALL: f32 = 40.0;
 /// No bird is ever farther from the middle of the flock.
-const SPREAD: f32 = 25.0;
+const SPREAD: f32 = 20.0;
 
 fn main() {
     let mut app = App::new();
@@ -54,7 +59,7 @@ fn main() {
             (watch, flock, avoid).chain().in_set(CollisionSystems::Last),
         );
     println!("tick   middle at x   spread   in line   past the wall");
-    for _ in 0..750 {
+    for _ in 0..510 {
         app.update();
     }
     let mut birds = app.world_mut().query_filtered::<&Transform, With<Bird>>();
@@ -84,7 +89,7 @@ fn spawn(mut commands: Commands) {
         commands.spawn((obstacle, pillar, Transform::from_xyz(x, 0.0, z)));
     }
     // Its parts, along z: the gaps are between them.
-    for [from, to] in [[-50.0, -8.0], [-4.0, 2.0], [7.0, 50.0]] {
+    for [from, to] in [[-50.0, -7.0], [-2.0, 3.0], [8.0, 50.0]] {
         let part = CollisionShape::cuboid(1.0, 60.0, to - from);
         let middle = Transform::from_xyz(WALL, 0.0, (from + to) / 2.0);
         commands.spawn((obstacle, part, middle));
@@ -129,7 +134,7 @@ fn flock(
             }
             let share = f32::max(count, 1.0).recip();
             let home = (ROOST - at.translation).normalize_or_zero();
-            apart * 10.0 + along * share * 1.5 + together * share * 1.0 + home * 2.0
+            apart * 10.0 + along * share * 1.5 + together * share * 2.0 + home * 3.0
         })
         .collect();
     for ((.., mut velocity), wish) in birds.iter_mut().zip(wishes) {
@@ -137,55 +142,50 @@ fn flock(
     }
 }
 
-/// Turns from what is ahead, into the direction nearest to its own that is free; and never nearer
-/// to what is beside it.
+/// From what is ahead, into the direction nearest to the way home that is free; and never nearer to
+/// what is beside.
 fn avoid(
     mut birds: Query<(&Transform, &mut Velocity), With<Bird>>,
     spatial: SpatialQuery,
-    mut ahead: Local<Vec<Option<RayHit>>>,
+    mut met: Local<Vec<Option<RayHit>>>,
     mut beside: Local<Vec<Option<PointHit>>>,
 ) {
-    let fan: Vec<Dir3> = (0..DIRECTIONS).map(direction).collect();
-    let (mut places, mut rays) = (Vec::new(), Vec::new());
-    for (at, velocity) in &birds {
-        let turn = Quat::from_rotation_arc(Vec3::X, velocity.normalize_or(Vec3::X));
-        places.push(at.translation);
-        rays.extend(
-            fan.iter()
-                .map(|way| Ray3d::new(at.translation, turn * *way)),
-        );
-    }
+    let ahead = birds.iter().map(|(at, velocity)| {
+        let way = Dir3::new(velocity.0).unwrap_or(Dir3::X);
+        Ray3d::new(at.translation, way)
+    });
+    let ahead: Vec<Ray3d> = ahead.collect();
+    let places: Vec<Vec3> = ahead.iter().map(|ray| ray.origin).collect();
     let obstacles = SpatialQueryFilter::DEFAULT.on(Layer::Obstacle);
-    spatial.cast_rays(&rays, LOOK, &obstacles, &mut ahead);
+    spatial.cast_rays(&ahead, LOOK, &obstacles, &mut met);
     spatial.nearest_of_each(&places, CLEARANCE, &obstacles, &mut beside);
 
-    let looks = rays.chunks(DIRECTIONS).zip(ahead.chunks(DIRECTIONS));
-    for (((at, mut velocity), (rays, hits)), beside) in birds.iter_mut().zip(looks).zip(&beside) {
-        if let Some(hit) = hits[0] {
-            let free = rays.iter().zip(hits).find(|(_, hit)| hit.is_none());
-            let way = free.map_or(hit.normal, |(ray, _)| *ray.direction);
+    for ((((_, mut velocity), ray), met), beside) in
+        birds.iter_mut().zip(ahead).zip(&met).zip(&beside)
+    {
+        if let Some(hit) = met {
+            // Few birds have anything ahead: these look around, left and right in turn.
+            let home = Dir3::new(ROOST - ray.origin).unwrap_or(ray.direction);
+            let mut ways = (0..=TURNS).flat_map(|turn| {
+                let turn = TURN * turn as f32;
+                [turn, -turn].map(|turn| Quat::from_rotation_y(turn) * home)
+            });
+            let is_free =
+                |way: &Dir3| !spatial.ray_meets_any(Ray3d::new(ray.origin, *way), LOOK, &obstacles);
+            let free = ways.find(is_free);
+            let change = free.map_or(hit.normal, Vec3::from) * SPEED[1] - velocity.0;
             let urgency = 1.0 - hit.distance / LOOK;
-            let turn = way * SPEED[1] - velocity.0;
-            velocity.0 += turn.normalize_or_zero() * FORCE * 3.0 * urgency * TICK;
+            velocity.0 += change.normalize_or_zero() * AVOID * urgency * TICK;
         }
         let speed = velocity.length().clamp(SPEED[0], SPEED[1]);
         velocity.0 = velocity.normalize_or(Vec3::X) * speed;
         if let Some(hit) = beside {
-            // Along it at most: less than it keeps off is flown in a tick.
-            let out = (at.translation - hit.point).normalize_or_zero();
+            // Along it at most. The clearance is more than a bird flies in a tick.
+            let out = (ray.origin - hit.point).normalize_or_zero();
             let inwards = velocity.dot(out).min(0.0);
             velocity.0 -= out * inwards;
         }
     }
-}
-
-/// Directions all around, the nearest to x first: on a spiral, by the golden angle.
-fn direction(number: usize) -> Dir3 {
-    let turn = number as f32 * PI * (3.0 - 5.0_f32.sqrt());
-    let x = 1.0 - 2.0 * number as f32 / DIRECTIONS as f32;
-    let (sin, cos) = turn.sin_cos();
-    let across = (1.0 - x * x).sqrt();
-    Dir3::from_xyz(x, across * sin, across * cos).unwrap_or(Dir3::X)
 }
 
 /// No bird is in an obstacle, and none is far from the others.
@@ -194,6 +194,7 @@ fn watch(
     contacts: Res<Contacts>,
     clock: Res<CollisionClock>,
 ) {
+    // Obstacles are static, and birds meet no birds: no other contacts are looked for.
     assert!(contacts.is_empty(), "no bird flies into an obstacle");
     let count = birds.iter().len() as f32;
     let places = || birds.iter().map(|(at, _)| at.translation);

@@ -1,9 +1,10 @@
 //! A vehicle on four wheels, each of them a ray: it drives over a bumpy field and a ramp, through
 //! gates.
 //!
-//! The crate tells how far the ground is under each wheel; springs, tyres and the motion of the body
-//! are this example's. Fails if the vehicle falls through the ground, turns over, misses a gate, or
-//! hangs in the air. `cargo run --example vehicle`
+//! The crate tells how far the ground is under each wheel, and which gate is passed; springs, tyres
+//! and the motion of the body are this example's. Fails if the vehicle falls through the ground,
+//! turns over or misses a gate, or if its springs are beyond their travel. `cargo run --example
+//! vehicle`
 
 use bevy::prelude::*;
 use bevy_octree::{motion::CollisionClock, prelude::*};
@@ -37,15 +38,16 @@ const CRUISE: f32 = 11.0;
 const MAX_STEER: f32 = 0.5;
 /// The field, along x and z, in cells of a metre.
 const CELLS: [usize; 2] = [160, 40];
-/// The course leads along x: gates, with the ramp between the second and the third.
-const GATES: [Vec2; 5] = [
+/// The course leads along x: gates, with the ramp between the third and the fourth.
+const GATES: [Vec2; 6] = [
     Vec2::new(-45.0, 5.0),
     Vec2::new(-25.0, -5.0),
+    Vec2::new(-10.0, 0.0),
     Vec2::new(16.0, 0.0),
     Vec2::new(38.0, 5.0),
-    Vec2::new(60.0, -3.0),
+    Vec2::new(56.0, -3.0),
 ];
-const RAMP: Vec3 = Vec3::new(8.0, 0.8, 6.0);
+const RAMP: Vec3 = Vec3::new(8.0, 1.0, 8.0);
 
 fn main() {
     let mut app = App::new();
@@ -59,8 +61,8 @@ fn main() {
         // Rays see what was where at the end of the last tick, as the vehicle still is.
         .add_systems(Update, drive.in_set(CollisionSystems::Motion))
         .add_systems(Update, watch.in_set(CollisionSystems::Last));
-    println!("tick        x       z   height   m/s   springs, pressed together");
-    for _ in 0..900 {
+    println!("tick        x       z   height   m/s   springs, pressed together: front, rear");
+    for _ in 0..1050 {
         app.update();
     }
     let record = app.world().resource::<Record>();
