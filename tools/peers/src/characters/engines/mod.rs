@@ -1,6 +1,7 @@
 //! What walks.
 
 mod avian;
+mod ours;
 mod rapier;
 
 use std::{fmt, str::FromStr};
@@ -12,7 +13,8 @@ use super::scenes::Solid;
 /// A way to walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Contestant {
-    // Here comes this crate, by its module `character`.
+    /// This crate's `walk`.
+    Ours,
     /// Rapier's `KinematicCharacterController`.
     Rapier,
     /// Avian's `MoveAndSlide`, and what its example of a character makes of it.
@@ -49,11 +51,12 @@ pub trait Engine {
 
 impl Contestant {
     /// All of them, in the order of the tables.
-    pub const ALL: [Self; 2] = [Self::Rapier, Self::Avian];
+    pub const ALL: [Self; 3] = [Self::Ours, Self::Rapier, Self::Avian];
 
     /// The name in tables and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Ours => "ours",
             Self::Rapier => "rapier",
             Self::Avian => "avian",
         }
@@ -61,12 +64,13 @@ impl Contestant {
 
     /// Is it this crate?
     pub const fn is_ours(self) -> bool {
-        false
+        matches!(self, Self::Ours)
     }
 
     /// Its world, ready to be asked.
     pub fn engine(self, solids: &[Solid]) -> Box<dyn Engine> {
         match self {
+            Self::Ours => Box::new(ours::Ours::new(solids)),
             Self::Rapier => Box::new(rapier::Rapier::new(solids)),
             Self::Avian => Box::new(avian::Avian::new(solids)),
         }
