@@ -169,7 +169,11 @@ impl Walker {
         let mut found = None;
         // Who is not told of what is below falls until it meets it.
         if !is_leaving && end != MoveEnd::Refused {
-            let sought = if is_walking { settings.sought() } else { 0.0 };
+            let sought = if is_walking && end != MoveEnd::Stopped {
+                settings.sought()
+            } else {
+                0.0
+            };
             found = step.find_ground(&mut around, &pose, sought, velocity, time);
             let is_safe = |found: &Footed| !found.is_edge;
             if settings.stop_at_ledges && is_walking && !found.as_ref().is_some_and(is_safe) {
