@@ -12,8 +12,8 @@ pub const HALF_HEIGHT: f32 = 0.9;
 pub const RADIUS: f32 = 0.35;
 /// Where it starts.
 pub const START: Vec3 = Vec3::new(0.0, HALF_HEIGHT + 0.02, 0.0);
-const SPEED: f32 = 4.0;
-const JUMP: f32 = 4.5;
+pub const SPEED: f32 = 4.0;
+pub const JUMP: f32 = 4.5;
 pub const GRAVITY: f32 = 9.8;
 
 /// Squares of the hills, of a length unit each, cut into two triangles.

@@ -22,8 +22,10 @@ const SKY: Color = Color::srgb(0.075, 0.086, 0.11);
 /// The camera of the gallery.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct Eye {
-    /// What it goes around.
+    /// What it goes around, at the start of the scene.
     target: Vec3,
+    /// How far that has gone since, where the scene has the camera follow something.
+    pub along: Vec3,
     yaw: f32,
     pitch: f32,
     distance: f32,
@@ -37,6 +39,7 @@ impl From<View> for Eye {
         let distance = offset.length().max(0.1);
         Self {
             target: view.target,
+            along: Vec3::ZERO,
             yaw: offset.x.atan2(offset.z),
             pitch: (offset.y / distance).asin(),
             distance,
@@ -48,8 +51,9 @@ impl From<View> for Eye {
 impl Eye {
     fn place(&self) -> Transform {
         let turn = Quat::from_euler(EulerRot::YXZ, self.yaw, -self.pitch, 0.0);
-        Transform::from_translation(self.target + turn * Vec3::Z * self.distance)
-            .looking_at(self.target, Vec3::Y)
+        let target = self.target + self.along;
+        Transform::from_translation(target + turn * Vec3::Z * self.distance)
+            .looking_at(target, Vec3::Y)
     }
 }
 
@@ -116,10 +120,11 @@ pub fn look_at_scene(
     lights: Query<(Entity, &DirectionalLight)>,
     mut commands: Commands,
 ) {
+    let (eye, free) = &mut *camera;
+    eye.along = Vec3::ZERO;
     if !began.is_other {
         return;
     }
-    let (eye, free) = &mut *camera;
     **eye = gallery.scene().view_at(settings.objects).into();
     free.enabled = false;
     // Shadows are as sharp as the scene is small.
@@ -181,11 +186,10 @@ pub fn toggle_free(eye: &mut Eye, place: &Transform, free: &mut FreeCameraState)
         [free.yaw, free.pitch] = [eye.yaw, -eye.pitch];
     } else {
         // It goes around what it looked at last.
-        let target = place.translation + place.forward() * eye.distance;
-        *eye = View {
-            eye: place.translation,
-            target,
-        }
-        .into();
+        let along = eye.along;
+        let from = place.translation - along;
+        let target = from + place.forward() * eye.distance;
+        *eye = View { eye: from, target }.into();
+        eye.along = along;
     }
 }

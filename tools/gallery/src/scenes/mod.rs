@@ -17,6 +17,7 @@ mod rapier;
 mod stress;
 mod test_sets;
 mod tracks;
+mod walk;
 
 use bevy::prelude::*;
 
@@ -27,6 +28,7 @@ pub fn plugin(app: &mut App) {
         figures::plugin,
         bullets::plugin,
         level::plugin,
+        walk::plugin,
         parts::plugin,
         queries::plugin,
         tracks::plugin,
