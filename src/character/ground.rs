@@ -34,14 +34,14 @@ pub struct Ground {
 
 /// How a platform has gone on since somebody stood on it.
 #[derive(Clone, Copy, Debug)]
-pub struct Carried {
+pub(super) struct Carried {
     pub way: Vec3,
     pub turn: Quat,
 }
 
 impl Ground {
     /// How far, and around `up`, this ground has carried who stands on it. `None` if it is gone, or has stayed.
-    pub fn carried(&self, spatial: &SpatialQuery, up: Vec3) -> Option<Carried> {
+    pub(super) fn carried(&self, spatial: &SpatialQuery, up: Vec3) -> Option<Carried> {
         let now = spatial.entry_of(self.entity)?.pose;
         if now == self.pose {
             return None;

@@ -208,9 +208,19 @@ type Settled<'a> = (
     Option<&'a ChildOf>,
 );
 
+/// What hangs on what, and who has gone somewhere.
+type Both<'w, 's> = ParamSet<
+    'w,
+    's,
+    (
+        Query<'static, 'static, Link<'static>, Allow<Disabled>>,
+        Query<'static, 'static, Settled<'static>>,
+    ),
+>;
+
 /// Puts all where they have come to: in their own spaces, and in the index.
 pub(super) fn settle(
-    mut both: ParamSet<(Query<Link, Allow<Disabled>>, Query<Settled>)>,
+    mut both: Both,
     mut index: ResMut<CollisionIndex>,
     tests: Res<NarrowPhase>,
     mut parents: Local<EntityHashMap<DAffine3>>,

@@ -85,7 +85,7 @@ impl File {
         let bytes = part
             .positions
             .iter()
-            .flat_map(|at| at.to_array())
+            .flat_map(Vec3::to_array)
             .flat_map(f32::to_le_bytes);
         let view = self.view(bytes.collect());
         let positions = push(
