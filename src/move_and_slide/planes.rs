@@ -155,7 +155,7 @@ mod tests {
     fn a_corner_of_one_degree_is_left_along_its_middle() {
         let angle = 0.5_f64.to_radians();
         let walls =
-            [angle, -angle].map(|a| plane(DVec3::new(a.sin(), a.cos() * a.signum(), 0.0), 0.01));
+            [1.0, -1.0].map(|side| plane(DVec3::new(angle.sin(), side * angle.cos(), 0.0), 0.01));
         let found = shortest(&walls).unwrap();
         assert!(
             (found.x - 0.01 / angle.sin()).abs() < 1e-6 && found.y.abs() < 1e-9,
