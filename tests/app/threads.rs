@@ -290,12 +290,12 @@ fn run_characters() -> u64 {
     );
     app.world_mut().spawn(disk);
     app.add_systems(FixedPreUpdate, spin);
-    let walkers: Vec<_> = (0..300)
+    let walkers: Vec<_> = (0..100)
         .map(|i| {
             let at = Transform::from_xyz(
-                (i % 20) as f32 * 1.1 - 11.0,
+                (i % 10) as f32 * 1.1 - 5.0,
                 3.0,
-                (i / 20) as f32 * 1.1 - 8.0,
+                (i / 10) as f32 * 1.1 - 5.0,
             );
             let shape = if i % 3 == 0 {
                 solid(0.5, 1.8, 0.5)
@@ -313,14 +313,14 @@ fn run_characters() -> u64 {
         })
         .collect();
     let mut hasher = DefaultHasher::new();
-    for number in 0..200 {
+    for number in 0..60 {
         for walker in &walkers {
             let at = app.world().get::<Transform>(*walker).unwrap().translation;
             let mut walking = app
                 .world_mut()
                 .get_mut::<KinematicCharacter>(*walker)
                 .unwrap();
-            let aim = if number < 120 { -at } else { Vec3::X };
+            let aim = if number < 40 { -at } else { Vec3::X };
             walking.velocity =
                 aim.with_y(0.0).normalize_or_zero() * 3.0 + Vec3::Y * (walking.velocity.y - 0.15);
         }
