@@ -28,11 +28,11 @@ pub fn plugin(app: &mut App) {
         figures::plugin,
         bullets::plugin,
         level::plugin,
-        walk::plugin,
         parts::plugin,
         queries::plugin,
         tracks::plugin,
         rapier::plugin,
         stress::plugin,
+        walk::plugin,
     ));
 }
