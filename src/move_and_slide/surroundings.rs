@@ -22,6 +22,9 @@ pub const ROUNDING: f32 = 4.0 * f32::EPSILON;
 /// The least cosine of the angle between a way and a surface that it comes to, for how far before it the way ends.
 const STEEPEST: f32 = 1e-3;
 
+/// The sine of the angle up to which a shape goes along another, and not against it.
+const ALONG: f32 = 1e-3;
+
 /// Others that move in the same tick, by handle, and that give way by half.
 pub trait Crowd {
     /// How far one of them is to go, if this is one.
@@ -162,16 +165,19 @@ impl<'a, 'w, 's, 'f> Surroundings<'a, 'w, 's, 'f> {
                     self.is_touched.set(self.is_touched.get() | is_touched);
                     met
                 };
+                // As seen by another that is on its way too. What that alone brings about, is its own to avoid.
                 let other = self.crowd.and_then(|crowd| crowd.way(id));
-                let Some(other) = other.filter(|other| *other != Vec3::ZERO) else {
-                    let hit = come(direction, limit)?;
-                    return Some((hit.distance, self.met(body, &hit, direction, length)));
-                };
-                // As seen by the other, which is on its way too.
-                let (towards, nearer) = Dir3::new_and_length(way - other).ok()?;
-                let hit = come(towards, limit * nearer / length)?;
-                let distance = hit.distance * length / nearer;
-                (distance <= limit).then(|| (distance, self.met(body, &hit, towards, nearer)))
+                if let Some(other) = other.filter(|other| *other != Vec3::ZERO)
+                    && let Ok((towards, nearer)) = Dir3::new_and_length(way - other)
+                    && let Some(hit) = come(towards, limit * nearer / length)
+                    && hit.normal.dot(*direction) < -ALONG
+                {
+                    let distance = hit.distance * length / nearer;
+                    return (distance <= limit)
+                        .then(|| (distance, self.met(body, &hit, towards, nearer)));
+                }
+                let hit = come(direction, limit)?;
+                Some((hit.distance, self.met(body, &hit, direction, length)))
             })?;
         (met.share < 1.0).then_some(met)
     }

@@ -624,6 +624,32 @@ fn crowds_push_and_stay_out_of_each_other() {
 }
 
 #[test]
+fn those_who_press_on_each_other_slide_past() {
+    for shape in shapes() {
+        let mut app = new_app();
+        floor(&mut app);
+        let ways = [Vec3::new(3.0, 0.0, 0.6), Vec3::new(-3.0, 0.0, -0.6)];
+        let walkers =
+            [-1.5, 1.5].map(|x| character(&mut app, shape.clone(), Vec3::new(x, 0.92, 0.0)));
+        let mut deepest = 0.0_f32;
+        for _ in 0..150 {
+            for (walker, way) in walkers.into_iter().zip(ways) {
+                let mut walking = app
+                    .world_mut()
+                    .get_mut::<KinematicCharacter>(walker)
+                    .unwrap();
+                walking.velocity = way + Vec3::Y * (walking.velocity.y - 9.8 * STEP);
+            }
+            app.update();
+            deepest = deepest.max(depth(&mut app, walkers[0]));
+        }
+        let [a, b] = walkers.map(|walker| place(&app, walker));
+        assert!(a.x > 2.0 && b.x < -2.0, "{shape:?}: {a}, {b}");
+        assert!(deepest < 0.02, "{shape:?}: {deepest}");
+    }
+}
+
+#[test]
 fn bad_settings_have_an_answer() {
     let bad = [f32::NAN, f32::INFINITY, -1.0, 0.0];
     for number in bad {
