@@ -26,6 +26,8 @@ use crate::common::{TICKS_PER_SECOND, app, tick};
 
 /// Tells the process of its own how many threads besides the main one it is to use.
 const HELPERS: &str = "BEVY_OCTREE_TEST_HELPERS";
+/// May tell for how many ticks the app runs, if not for 120.
+const TICKS: &str = "BEVY_OCTREE_TEST_TICKS";
 
 /// Runs a scene with enough objects for several jobs, and returns a hash of all pairs in their
 /// order.
@@ -259,8 +261,11 @@ fn stay_near(mut moving: Query<(&Transform, &mut Velocity), Without<ChildOf>>) {
 }
 
 fn run_app() -> u64 {
+    let ticks = std::env::var(TICKS)
+        .ok()
+        .and_then(|ticks| ticks.parse().ok());
     let mut crowd = Crowd::new();
-    (0..1000).for_each(|number| crowd.tick(number));
+    (0..ticks.unwrap_or(120)).for_each(|number| crowd.tick(number));
     crowd.finish()
 }
 
