@@ -44,7 +44,7 @@
 //! |---|---|
 //! | [`move_and_slide`] | all of it |
 //! | [`cast_move`] | how far may it go? |
-//! | [`depenetrate`](depenetrate) | out of what it is in |
+//! | [`depenetrate`] | out of what it is in |
 //! | [`project_velocity`] | what is left of a velocity on some surfaces |
 
 mod hit;

@@ -248,7 +248,7 @@ impl MoveAndSlide<'_, '_> {
         cast_move(&self.spatial, moving, way, settings, filter)
     }
 
-    /// As [`depenetrate`](depenetrate).
+    /// As [`depenetrate`].
     #[must_use]
     pub fn depenetrate(
         &self,
