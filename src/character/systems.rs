@@ -17,7 +17,7 @@ use crate::{
     broad_phase::ProxyId,
     collision_index::CollisionIndex,
     components::{BroadPhaseProxy, CollisionShape, WorldAabb},
-    filters::IgnoreCollisions,
+    filters::{IgnoreCollisions, ignore_each_other},
     hierarchy::{self, Link},
     motion::MotionSettings,
     move_and_slide::{AtHit, Crowd},
@@ -136,11 +136,7 @@ pub(super) fn walk(
             // Its parent has taken it along already.
             ground.pose = body.pose;
         }
-        let ignores = |other| {
-            let lists = |one, other| ignored.get(one).is_ok_and(|list| list.contains(&other));
-            lists(entity, other) || lists(other, entity)
-        };
-        let is_met = |other| !ignores(other);
+        let is_met = |other| !ignore_each_other([entity, other], |one| ignored.get(one).ok());
         let filter = spatial.filter_of(entity);
         let filter = if ignored.is_empty() {
             filter
@@ -201,7 +197,6 @@ fn hangs_on(entity: Entity, ancestor: Entity, parents: &Query<&ChildOf, Allow<Di
 }
 
 type Settled<'a> = (
-    Entity,
     &'a Gone,
     &'a mut Transform,
     &'a mut BroadPhaseProxy,
@@ -229,7 +224,7 @@ pub(super) fn settle(
     let hang: SmallVec<[Entity; 8]> = both
         .p1()
         .iter()
-        .filter(|(_, gone, ..)| gone.0.is_some())
+        .filter(|(gone, ..)| gone.0.is_some())
         .filter_map(|(.., parent)| parent.map(ChildOf::parent))
         .collect();
     for parent in hang {
@@ -238,7 +233,7 @@ pub(super) fn settle(
         }
     }
     let mut is_beyond = false;
-    for (_, gone, mut transform, mut proxy, parent) in &mut both.p1() {
+    for (gone, mut transform, mut proxy, parent) in &mut both.p1() {
         let (Some(pose), Some(id)) = (gone.0, proxy.id()) else {
             continue;
         };

@@ -9,7 +9,8 @@ use super::{
 };
 use crate::{
     move_and_slide::{
-        Answer, AtHit, Crowd, Met, MoveEnd, MoveHit, Slide, Surface, Surroundings, project_velocity,
+        Answer, AtHit, Crowd, Met, MoveEnd, MoveHit, Plain, Slide, Surface, Surroundings,
+        along_all, project_velocity,
     },
     narrow_phase::Shape,
     spatial_query::{SpatialQuery, SpatialQueryFilter},
@@ -165,10 +166,10 @@ impl Walker {
         };
         let moved = slide.along(&mut around, known, &mut step);
         let is_walking = step.is_on_ground && !is_leaving;
-        let (mut pose, mut velocity, mut end) = (moved.pose, moved.velocity, moved.end);
+        let (mut pose, mut velocity, end) = (moved.pose, moved.velocity, moved.end);
         let mut found = None;
         // Who is not told of what is below falls until it meets it.
-        if !is_leaving && end != MoveEnd::Refused {
+        if !is_leaving {
             let sought = if is_walking && end != MoveEnd::Stopped {
                 settings.sought()
             } else {
@@ -205,8 +206,6 @@ impl Walker {
         }
         if end == MoveEnd::Stuck {
             velocity = Vec3::ZERO;
-        } else if end == MoveEnd::Refused {
-            end = MoveEnd::Done;
         }
         Walked {
             pose,
@@ -244,27 +243,14 @@ fn carry(
         most_slides: settings.moves.max_slides,
     };
     let way = around.without(ground.entity, |around| {
-        slide.along(around, None, &mut Along).pose.translation - pose.translation
+        slide
+            .along(around, None, &mut Plain(|_: &MoveHit| AtHit::Slide))
+            .pose
+            .translation
+            - pose.translation
     });
     pose.translation += way;
     Some(way)
-}
-
-/// The answer of what is carried.
-struct Along;
-
-impl Answer for Along {
-    fn at(&mut self, _hit: &MoveHit) -> AtHit {
-        AtHit::Slide
-    }
-
-    fn velocity(&mut self, velocity: Vec3, surfaces: &[Surface]) -> Vec3 {
-        project_velocity(velocity, &normals(surfaces))
-    }
-}
-
-fn normals(surfaces: &[Surface]) -> SmallVec<[Vec3; 10]> {
-    surfaces.iter().map(|surface| surface.normal).collect()
 }
 
 /// As fast along the horizontal, and on a floor.
@@ -327,7 +313,7 @@ impl<F: FnMut(&MoveHit) -> AtHit> Answer for Step<'_, F> {
             rise = velocity.dot(up).min(0.0);
         }
         // What slides down a slope, or goes against a ceiling.
-        project_velocity(flat + up * rise, &normals(surfaces))
+        along_all(flat + up * rise, surfaces)
     }
 
     fn detour(
@@ -388,15 +374,7 @@ impl<F: FnMut(&MoveHit) -> AtHit> Step<'_, F> {
         let down = -up * (sought + 2.0 * around.skin);
         let met = loop {
             let met = around.cast(pose, down)?;
-            let hit = MoveHit {
-                entity: met.entity,
-                point: met.point,
-                normal: met.normal,
-                time,
-                depth: 0.0,
-                velocity,
-            };
-            if (self.on_hit)(&hit) != AtHit::Ignore {
+            if (self.on_hit)(&met.hit(time, velocity)) != AtHit::Ignore {
                 break met;
             }
             around.ignore(met.entity);

@@ -58,7 +58,7 @@ fn look_again(mut world: DeferredWorld, context: HookContext) {
 }
 
 /// Does one of the two have the other in its list?
-pub(super) fn ignore_each_other<'a>(
+pub(crate) fn ignore_each_other<'a>(
     [a, b]: [Entity; 2],
     list: impl Fn(Entity) -> Option<&'a IgnoreCollisions>,
 ) -> bool {

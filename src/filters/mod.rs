@@ -36,6 +36,7 @@ use bevy::prelude::*;
 
 pub use hooks::{PairHook, PairHookPlugin};
 pub use ignore::IgnoreCollisions;
+pub(crate) use ignore::ignore_each_other;
 pub use layers::CollisionLayers;
 pub(crate) use layers::{hear, refresh};
 pub use markers::{Detector, Sensor, StaticShape};

@@ -58,5 +58,5 @@ mod surroundings;
 pub use hit::{AtHit, Depenetrated, MoveEnd, MoveHit, Moved};
 pub use mover::{MoveAndSlide, MoveSettings, cast_move, depenetrate, move_and_slide};
 pub use slide::project_velocity;
-pub(crate) use slide::{Answer, Slide, Surface};
+pub(crate) use slide::{Answer, Plain, Slide, Surface, along_all};
 pub(crate) use surroundings::{Crowd, Met, Surroundings};

@@ -7,7 +7,7 @@ use bevy::{ecs::system::SystemParam, prelude::*};
 use super::{
     hit::{AtHit, Depenetrated, MoveEnd, MoveHit, Moved},
     push_out::push_out,
-    slide::{Answer, Slide, Surface, project_velocity},
+    slide::{Plain, Slide},
     surroundings::Surroundings,
 };
 use crate::{
@@ -44,21 +44,6 @@ impl Default for MoveSettings {
             skin: Self::DEFAULT_SKIN,
             max_slides: Self::DEFAULT_MAX_SLIDES,
         }
-    }
-}
-
-/// The answer of what just slides.
-struct Plain<F>(F);
-
-impl<F: FnMut(&MoveHit) -> AtHit> Answer for Plain<F> {
-    fn at(&mut self, hit: &MoveHit) -> AtHit {
-        (self.0)(hit)
-    }
-
-    fn velocity(&mut self, velocity: Vec3, surfaces: &[Surface]) -> Vec3 {
-        let normals: smallvec::SmallVec<[Vec3; 10]> =
-            surfaces.iter().map(|surface| surface.normal).collect();
-        project_velocity(velocity, &normals)
     }
 }
 
@@ -141,14 +126,7 @@ pub fn cast_move(
 ) -> Option<MoveHit> {
     let around = Surroundings::new(spatial, moving.shape, filter, settings.skin);
     let met = around.cast(moving.transform, way)?;
-    Some(MoveHit {
-        entity: met.entity,
-        point: met.point,
-        normal: met.normal,
-        time: met.share,
-        depth: 0.0,
-        velocity: way,
-    })
+    Some(met.hit(met.share, way))
 }
 
 /// Pushes a shape out of all that it is in, by the shortest way out of all of them at once that it finds, and not through

@@ -35,7 +35,9 @@ pub trait Answer {
     fn at(&mut self, hit: &MoveHit) -> AtHit;
 
     /// What becomes of its velocity on surfaces, of which it has met the last right now.
-    fn velocity(&mut self, velocity: Vec3, surfaces: &[Surface]) -> Vec3;
+    fn velocity(&mut self, velocity: Vec3, surfaces: &[Surface]) -> Vec3 {
+        along_all(velocity, surfaces)
+    }
 
     /// May it stand on what it met, when it came by this velocity?
     fn is_floor(&mut self, _around: &Surroundings, _velocity: Vec3, _met: &Met) -> bool {
@@ -53,6 +55,22 @@ pub trait Answer {
     ) -> Option<(Transform, f32)> {
         None
     }
+}
+
+/// The answer of what just slides.
+pub struct Plain<F>(pub F);
+
+impl<F: FnMut(&MoveHit) -> AtHit> Answer for Plain<F> {
+    fn at(&mut self, hit: &MoveHit) -> AtHit {
+        (self.0)(hit)
+    }
+}
+
+/// What is left of a velocity that goes against none of some surfaces.
+pub fn along_all(velocity: Vec3, surfaces: &[Surface]) -> Vec3 {
+    let normals: SmallVec<[Vec3; planes::MOST_PLANES]> =
+        surfaces.iter().map(|surface| surface.normal).collect();
+    project_velocity(velocity, &normals)
 }
 
 /// A move.
@@ -114,15 +132,8 @@ impl Slide {
                 translation: pose.translation + way * met.share,
                 ..pose
             };
-            let hit = MoveHit {
-                entity: met.entity,
-                point: met.point,
-                normal: met.normal,
-                time: self.time - left * (1.0 - met.share),
-                depth: 0.0,
-                velocity,
-            };
-            match answer.at(&hit) {
+            let time = self.time - left * (1.0 - met.share);
+            match answer.at(&met.hit(time, velocity)) {
                 AtHit::Ignore => {
                     around.ignore(met.entity);
                     continue;

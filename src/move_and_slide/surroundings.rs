@@ -8,6 +8,7 @@ use bevy::{
 };
 use smallvec::SmallVec;
 
+use super::hit::MoveHit;
 use crate::{
     broad_phase::ProxyId,
     collision_index::Body,
@@ -60,6 +61,20 @@ pub struct Met {
     pub gap: f32,
     /// Does it start in touch, or in it?
     pub is_at_start: bool,
+}
+
+impl Met {
+    /// What is told of it, if the shape comes to it after that time, by that velocity.
+    pub const fn hit(&self, time: f32, velocity: Vec3) -> MoveHit {
+        MoveHit {
+            entity: self.entity,
+            point: self.point,
+            normal: self.normal,
+            time,
+            depth: 0.0,
+            velocity,
+        }
+    }
 }
 
 /// What a shape is in contact with where it is.
