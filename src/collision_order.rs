@@ -55,7 +55,16 @@ use crate::{
     Serialize,
     Deserialize,
 )]
-#[reflect(Component, Clone, Debug, Default, PartialEq, Hash, Serialize, Deserialize)]
+#[reflect(
+    Component,
+    Clone,
+    Debug,
+    Default,
+    PartialEq,
+    Hash,
+    Serialize,
+    Deserialize
+)]
 #[type_path = "bevy_octree"]
 #[component(immutable, on_insert = enter_anew, on_remove = leave)]
 pub struct CollisionOrder(pub u64);

@@ -282,6 +282,7 @@
 //! | [`bullets`](guide::bullets) | what is fast |
 //! | [`characters`](guide::characters) | who walks: a controller in first person, platforms, crouching |
 //! | `levels_from_gltf` | levels from glTF (feature `mesh`) |
+//! | [`rollback`](guide::rollback) | what to save, and the same on every machine |
 //! | [`broad_phases`](guide::broad_phases) | which broad phase |
 //! | [`costs`](guide::costs) | what each capability and each feature costs |
 //! | [`engines`](guide::engines) | when to take a physics engine instead, or beside |
@@ -387,6 +388,7 @@ pub mod prelude {
         casters::{CasterFilter, CasterIgnores, RayCaster, RayHits, ShapeCaster, ShapeHits},
         character::{CharacterHits, CharacterSystems, Ground, KinematicCharacter, WalkSettings},
         collision_layers,
+        collision_order::CollisionOrder,
         components::CollisionShape,
         contacts::{
             BodyCollision, BodyCollisionEnded, BodyCollisionStarted, CollidingEntities, Collision,
@@ -394,7 +396,6 @@ pub mod prelude {
             Collisions, Contacts, EventScope, ManifoldsEnabled,
         },
         counters::CollisionCounters,
-        collision_order::CollisionOrder,
         filters::{
             CollisionLayer, CollisionLayers, Detector, IgnoreCollisions, LayerMask, PairHook,
             PairHookPlugin, Sensor, StaticShape,

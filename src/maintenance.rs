@@ -157,7 +157,9 @@ fn maintain(
             }
         }
         let newcomer = newcomers.get(entity).ok();
-        let order = newcomer.and_then(|(_, _, order)| order).map(|order| order.0);
+        let order = newcomer
+            .and_then(|(_, _, order)| order)
+            .map(|order| order.0);
         let filter = newcomer
             .filter(|(archetype, ..)| !upkeep.disables(archetype))
             .map(|(_, parts, _)| filters::filter(parts));

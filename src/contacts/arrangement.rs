@@ -52,7 +52,10 @@ impl Arrangement {
         &'a self,
         contacts: &'a Ledger,
     ) -> impl Iterator<Item = (u32, &'a ContactPair)> {
-        let own = self.numbers.iter().map(|number| (*number, contacts.at(*number)));
+        let own = self
+            .numbers
+            .iter()
+            .map(|number| (*number, contacts.at(*number)));
         let by_key = (!self.is_own()).then(|| contacts.numbered());
         own.chain(by_key.into_iter().flatten())
     }

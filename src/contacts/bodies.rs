@@ -140,7 +140,11 @@ impl BodyPair {
         Self {
             collision: collision.seen_from(side),
             is_told,
-            observed: if side == 0 { observed } else { [observed[1], observed[0]] },
+            observed: if side == 0 {
+                observed
+            } else {
+                [observed[1], observed[0]]
+            },
             order,
             first: 0,
         }

@@ -300,7 +300,9 @@ impl Contacts {
         entity: Entity,
         id: ProxyId,
     ) -> impl Iterator<Item = &ContactPair> {
-        let adjacency = self.by_object.get_or_init(|| Adjacency::new(&self.all, &self.arrangement));
+        let adjacency = self
+            .by_object
+            .get_or_init(|| Adjacency::new(&self.all, &self.arrangement));
         let all = adjacency.of(id).iter().map(|number| self.all.at(*number));
         // The handle may have been another's.
         all.filter(move |contact| contact.is_heard_by(entity))

@@ -210,13 +210,15 @@ fn test_some(
         }
         let [a, b] = [0, 1].map(|side| (fits[side][number], &boxes[side][number]));
         let touch = tests.certainly_intersect(a, b, &mut workspace.counters)
-            || index
-                .placed(ids)
-                .is_some_and(|[a, b]| {
-                    // What is rounded must not be up to handles either.
-                    let [a, b] = if index.is_in_order(ids) { [a, b] } else { [b, a] };
-                    tests.intersects(a, b, workspace)
-                });
+            || index.placed(ids).is_some_and(|[a, b]| {
+                // What is rounded must not be up to handles either.
+                let [a, b] = if index.is_in_order(ids) {
+                    [a, b]
+                } else {
+                    [b, a]
+                };
+                tests.intersects(a, b, workspace)
+            });
         touching[count] = number;
         count += usize::from(touch);
     }
@@ -280,12 +282,7 @@ fn merge_verdicts(
             of_body: &|body| orders.get(body).ok().map(|order| order.0),
             index: &index,
         };
-        contacts.merge_bodies(
-            &owners,
-            |part| sensors.contains(part),
-            &places,
-            &audience,
-        );
+        contacts.merge_bodies(&owners, |part| sensors.contains(part), &places, &audience);
     }
     counters.tick.contacts = contacts.len() as u64;
 }

@@ -193,9 +193,8 @@ fn trigger_events(
 ) {
     let contacts = world.resource::<Contacts>();
     let index = world.get_resource::<CollisionIndex>();
-    let place = |contact: &WatchedContact| {
-        index.map_or([0; 2], |index| place(&contact.contact, index))
-    };
+    let place =
+        |contact: &WatchedContact| index.map_or([0; 2], |index| place(&contact.contact, index));
     let (before, now) = (contacts.watched_before(), contacts.watched());
     let (bodies_before, bodies) = contacts.bodies_before_and_now();
     for (old, new) in compare(before, now, WatchedContact::key) {

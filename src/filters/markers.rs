@@ -20,7 +20,9 @@ use crate::components::change_filter;
     "StaticBody3D",
     "immovable"
 ))]
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize)]
+#[derive(
+    Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize,
+)]
 #[reflect(Component, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 #[component(on_insert = is_static, on_remove = is_not_static)]
@@ -41,7 +43,9 @@ pub struct StaticShape;
     "hurtbox",
     "Area3D"
 ))]
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize)]
+#[derive(
+    Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize,
+)]
 #[reflect(Component, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 pub struct Sensor;
@@ -88,7 +92,9 @@ pub struct Sensor;
 ///
 /// [`CollidingEntities`]: crate::contacts::CollidingEntities
 /// [`Collisions::of`]: crate::contacts::Collisions::of
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize)]
+#[derive(
+    Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize,
+)]
 #[reflect(Component, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 #[component(on_insert = is_detector, on_remove = is_no_detector)]

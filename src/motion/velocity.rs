@@ -14,7 +14,19 @@ use super::{step::MotionSettings, track::PositionTrack};
 ///
 /// The report gives each object a direction and a speed; this is their product. A velocity that is
 /// not finite moves nothing, with a warning in the log.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect, Deref, DerefMut, Serialize, Deserialize)]
+#[derive(
+    Component,
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Reflect,
+    Deref,
+    DerefMut,
+    Serialize,
+    Deserialize,
+)]
 #[reflect(Component, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 #[require(Transform)]
@@ -24,7 +36,9 @@ pub struct Velocity(pub Vec3);
 /// Marks an entity whose [`Velocity`] says how it moves, but which something else moves: a system
 /// of your own, a physics engine. Contacts change the velocity all the same.
 #[doc(alias("kinematic", "kinematic body"))]
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize)]
+#[derive(
+    Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize,
+)]
 #[reflect(Component, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 pub struct MovedElsewhere;

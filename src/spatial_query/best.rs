@@ -29,13 +29,17 @@ impl<'a, T> Best<'a, T> {
     pub(super) fn offer(&mut self, id: ProxyId, distance: f32, answer: T) -> Option<f32> {
         let comes_first =
             |(best, _): &(ProxyId, T)| self.proxies.order(id) < self.proxies.order(*best);
-        let is_as_near =
-            distance == self.limit && self.found.as_ref().is_none_or(comes_first);
+        let is_as_near = distance == self.limit && self.found.as_ref().is_none_or(comes_first);
         let is_better = distance < self.limit || is_as_near;
         if is_better {
             (self.limit, self.found) = (distance, Some((id, answer)));
         }
         is_better.then_some(distance)
+    }
+
+    /// The best answer, wherever it came from.
+    pub(super) fn found(self) -> Option<T> {
+        self.found.map(|(_, answer)| answer)
     }
 
     /// The answer about the object that the index has found to be nearest.

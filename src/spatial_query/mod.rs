@@ -11,6 +11,7 @@ mod flush;
 mod nearest;
 mod overlap;
 mod pairs;
+mod posed;
 mod query;
 mod rays;
 mod scratch;
@@ -21,6 +22,7 @@ pub use filter::SpatialQueryFilter;
 pub use flush::update_spatial_index;
 pub use nearest::PointHit;
 pub use pairs::PairHit;
+pub use posed::PosedQuery;
 pub use query::SpatialQuery;
 pub use rays::{BatchRay, RayHit, RayPassage};
 

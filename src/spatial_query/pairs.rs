@@ -152,8 +152,7 @@ impl SpatialQuery<'_, '_> {
             index.find_gaps(distance, |id| self.candidate(id, filter).is_some(), gaps);
             let near = |gap: &Gap| {
                 let [a, b] = self.in_order([gap.a, gap.b]);
-                self.near(a, b)
-                    .filter(|near| near.distance <= distance)
+                self.near(a, b).filter(|near| near.distance <= distance)
             };
             if !parallel::is_on() || gaps.len() <= PAIRS_PER_JOB {
                 let mut pairs = gaps.iter().filter_map(near);

@@ -104,6 +104,12 @@ use crate::{
 /// | [`pairs_among`](Self::pairs_among), [`for_each_pair_among`](Self::for_each_pair_among) | which of a group are near each other? | `PairHit`s, nearest first; each, in no order |
 /// | [`pairs_within`](Self::pairs_within), [`for_each_pair_within`](Self::for_each_pair_within) | who of one group is near whom of another? | the same |
 ///
+/// **Elsewhere**
+///
+/// | method | the question | the answer |
+/// |---|---|---|
+/// | [`at`](Self::at) | what if some entities were at other poses, as they were some ticks ago? | a [`PosedQuery`](super::PosedQuery), for rays, shapes and overlaps |
+///
 /// **Entities**
 ///
 /// | method | the question | the answer |
@@ -135,8 +141,8 @@ use crate::{
 ///
 /// Nothing is allocated per query, but for what a caller's vector grows by, and buffers for meshes
 /// that stay with the thread. Bad input (what is not finite, negative distances and radii, inverted
-/// boxes) finds nothing, and does not panic. What several entities are equally far from is decided
-/// by the order of their handles in the [`CollisionIndex`].
+/// boxes) finds nothing, and does not panic. Of several entities that are equally far away, the first counts: by the index of
+/// the [`Entity`], or by its [`CollisionOrder`](crate::collision_order::CollisionOrder).
 #[doc(alias(
     "raycast",
     "shapecast",
@@ -240,10 +246,15 @@ impl SpatialQuery<'_, '_> {
         })
     }
 
+    /// The handle of an entity.
+    pub(super) fn id_of(&self, entity: Entity) -> Option<ProxyId> {
+        let id = self.entries.get(entity).ok()?.id()?;
+        self.index.is_entry_of(id, entity).then_some(id)
+    }
+
     /// What is behind the handle of an entity.
     pub(crate) fn entry_of(&self, entity: Entity) -> Option<&Body> {
-        let id = self.entries.get(entity).ok()?.id()?;
-        self.index.body(id).filter(|body| body.entity == entity)
+        self.index.body(self.id_of(entity)?)
     }
 }
 

@@ -328,7 +328,7 @@ impl SpatialQuery<'_, '_> {
         });
     }
 
-    fn ray_hit(
+    pub(super) fn ray_hit(
         &self,
         body: &Body,
         ray: Ray3d,

@@ -173,12 +173,17 @@ impl SpatialQuery<'_, '_> {
 
     /// The way of a shape's box; `None` if it has none. The boxes of two shapes in contact are not
     /// apart: so neither are they on the way.
-    fn box_cast(&self, moving: Placed, direction: Dir3, max_distance: f32) -> Option<AabbCast3d> {
+    pub(super) fn box_cast(
+        &self,
+        moving: Placed,
+        direction: Dir3,
+        max_distance: f32,
+    ) -> Option<AabbCast3d> {
         let aabb = self.tests().world_aabb(moving).ok()?;
         Some(AabbCast3d::new(aabb, Vec3::ZERO, direction, max_distance))
     }
 
-    fn shape_hit(
+    pub(super) fn shape_hit(
         &self,
         body: &Body,
         moving: Placed,

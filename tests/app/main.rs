@@ -36,16 +36,19 @@ mod mesh_scenes;
 mod mesh_shapes;
 mod move_and_slide;
 mod neighbors;
+mod order;
 mod part_histories;
 mod parts;
 #[cfg(feature = "picking")]
 mod picking;
 mod plugin;
+mod posed;
 mod random_scenes;
 #[cfg(feature = "rapier")]
 mod rapier;
 #[cfg(feature = "rapier")]
 mod rapier_bodies;
+mod rollback;
 mod rooms;
 mod schedule;
 mod seams;

@@ -34,7 +34,10 @@ fn save(app: &mut App) -> Saved {
         .map(|(entity, order, at, velocity)| (entity, order.0, *at, velocity.copied()))
         .collect();
     Saved {
-        numbers: all.iter().map(|(entity, number, ..)| (*entity, *number)).collect(),
+        numbers: all
+            .iter()
+            .map(|(entity, number, ..)| (*entity, *number))
+            .collect(),
         all: all
             .into_iter()
             .filter(|(_, number, ..)| is_whole(*number))
@@ -47,7 +50,9 @@ fn save(app: &mut App) -> Saved {
 fn entities(app: &mut App) -> HashMap<u64, Entity> {
     let world = app.world_mut();
     let mut all = world.query::<(Entity, &CollisionOrder)>();
-    all.iter(world).map(|(entity, order)| (order.0, entity)).collect()
+    all.iter(world)
+        .map(|(entity, order)| (order.0, entity))
+        .collect()
 }
 
 /// Goes back: who has come since goes, who has gone is spawned again, under another name.
@@ -58,9 +63,15 @@ fn restore(app: &mut App, saved: &Saved) {
         }
     }
     let there = entities(app);
-    let mut missing: Vec<_> = saved.all.keys().filter(|number| !there.contains_key(*number)).collect();
+    let mut missing: Vec<_> = saved
+        .all
+        .keys()
+        .filter(|number| !there.contains_key(*number))
+        .collect();
     missing.sort_unstable();
-    missing.into_iter().for_each(|number| _ = order::spawn(app, *number));
+    missing
+        .into_iter()
+        .for_each(|number| _ = order::spawn(app, *number));
     let there = entities(app);
     for (number, (at, velocity)) in &saved.all {
         let mut entity = app.world_mut().entity_mut(there[number]);
@@ -68,8 +79,11 @@ fn restore(app: &mut App, saved: &Saved) {
         velocity.map(|velocity| _ = entity.insert(velocity));
     }
     let mut snapshot = saved.snapshot.clone();
-    let mut names: EntityHashMap<Entity> =
-        saved.numbers.iter().map(|(entity, number)| (*entity, there[number])).collect();
+    let mut names: EntityHashMap<Entity> = saved
+        .numbers
+        .iter()
+        .map(|(entity, number)| (*entity, there[number]))
+        .collect();
     snapshot.map_entities(&mut names);
     app.insert_resource(snapshot);
 }
@@ -159,13 +173,23 @@ fn what_is_gone_ends_and_what_began_since_never_was() {
     let mut app = plain_app(BroadPhaseMethod::default());
     app.add_plugins(RollbackPlugin);
     let [a, b, c] = [0.0, 0.5, 9.0].map(|x| {
-        app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0))).id()
+        app.world_mut()
+            .spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0)))
+            .id()
     });
     let tick = |app: &mut App| {
         app.update();
         let world = app.world_mut();
-        let started: Vec<_> = world.resource_mut::<Messages<CollisionStarted>>().drain().map(|told| [told.a, told.b]).collect();
-        let ended: Vec<_> = world.resource_mut::<Messages<CollisionEnded>>().drain().map(|told| [told.a, told.b]).collect();
+        let started: Vec<_> = world
+            .resource_mut::<Messages<CollisionStarted>>()
+            .drain()
+            .map(|told| [told.a, told.b])
+            .collect();
+        let ended: Vec<_> = world
+            .resource_mut::<Messages<CollisionEnded>>()
+            .drain()
+            .map(|told| [told.a, told.b])
+            .collect();
         (started, ended)
     };
     assert_eq!(tick(&mut app), (vec![[a, b]], vec![]));
@@ -173,7 +197,9 @@ fn what_is_gone_ends_and_what_began_since_never_was() {
     // One comes, and is in contact with both; then it never was.
     app.world_mut().entity_mut(c).insert(Transform::default());
     assert_eq!(tick(&mut app), (vec![[a, c], [b, c]], vec![]));
-    app.world_mut().entity_mut(c).insert(Transform::from_xyz(9.0, 0.0, 0.0));
+    app.world_mut()
+        .entity_mut(c)
+        .insert(Transform::from_xyz(9.0, 0.0, 0.0));
     app.insert_resource(saved.clone());
     assert_eq!(tick(&mut app), (vec![], vec![]));
     // What starts again is told again.
@@ -181,7 +207,9 @@ fn what_is_gone_ends_and_what_began_since_never_was() {
     assert_eq!(tick(&mut app), (vec![[a, c], [b, c]], vec![]));
     // What is gone for good, ends.
     app.world_mut().despawn(b);
-    app.world_mut().entity_mut(c).insert(Transform::from_xyz(9.0, 0.0, 0.0));
+    app.world_mut()
+        .entity_mut(c)
+        .insert(Transform::from_xyz(9.0, 0.0, 0.0));
     app.insert_resource(saved);
     assert_eq!(tick(&mut app), (vec![], vec![[a, b]]));
     assert_eq!(tick(&mut app), (vec![], vec![]));

@@ -81,8 +81,8 @@ impl SpatialIndex {
         });
     }
 
-    /// Returns the first box that a cast meets; of several at the same distance, that of the lowest
-    /// handle.
+    /// Returns the first box that a cast meets; of several at the same distance, that of the
+    /// lowest [order](Self::set_order), then handle.
     #[doc(alias = "raycast")]
     #[doc(alias = "shapecast")]
     #[must_use]

@@ -101,6 +101,8 @@ fn spawn(world: &mut World, objects: usize) {
         let turned = place.with_rotation(Quat::from_scaled_axis(Vec3::splat(share())));
         world.spawn((
             shape,
+            // Who is lifted first is up to this, and not to what was spawned before.
+            CollisionOrder(number as u64),
             rolls,
             Velocity::default(),
             Bounce::Reflect { restitution },

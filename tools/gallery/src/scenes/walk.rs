@@ -102,21 +102,24 @@ struct Lift;
 struct Disk;
 
 fn spawn(world: &mut World, objects: usize) {
+    // Of several things that are as near, the first is met: it is the same whatever was spawned before.
+    let mut orders = (0..).map(CollisionOrder);
+    let mut next = || orders.next().unwrap_or_default();
     for (size, place) in course::blocks() {
         let shape = CollisionShape::from_half_size(size / 2.0);
-        world.spawn((shape, place, StaticShape));
+        world.spawn((shape, place, StaticShape, next()));
     }
     let (vertices, triangles) = course::hills();
     match CollisionShape::mesh(vertices, triangles) {
-        Ok(hills) => _ = world.spawn((hills, StaticShape)),
+        Ok(hills) => _ = world.spawn((hills, StaticShape, next())),
         Err(error) => error!("the hills: {error}"),
     }
     let (size, place) = course::lift(0.0);
     let shape = CollisionShape::from_half_size(size / 2.0);
-    world.spawn((Lift, shape, place));
+    world.spawn((Lift, shape, place, next()));
     let (height, place) = course::disk(0.0);
     let shape = CollisionShape::cylinder(course::DISK_RADIUS, height);
-    world.spawn((Disk, shape, place));
+    world.spawn((Disk, shape, place, next()));
 
     let length = 2.0 * (course::HALF_HEIGHT - course::RADIUS);
     let body = CollisionShape::capsule(course::RADIUS, length);
@@ -128,7 +131,7 @@ fn spawn(world: &mut World, objects: usize) {
     world.spawn((
         Walker::Script(Script::default()),
         KinematicCharacter::default(),
-        body.clone(),
+        (body.clone(), next()),
         (Trail::default(), Followed(course::START)),
         (OwnLook, Mesh3d(mesh), MeshMaterial3d(yellow)),
         Home(course::START),
@@ -149,7 +152,7 @@ fn spawn(world: &mut World, objects: usize) {
         world.spawn((
             wanderer,
             KinematicCharacter::new(careful),
-            body.clone(),
+            (body.clone(), next()),
             Home(home),
             Transform::from_translation(home),
         ));
