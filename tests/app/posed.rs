@@ -42,7 +42,7 @@ fn answers_are_those_that_there_would_be() {
             .collect();
         let ball = Shape::sphere(0.4);
         let filter = SpatialQueryFilter::DEFAULT.except(elsewhere[0].0);
-        let mut ask = |app: &mut App, elsewhere: &[(Entity, Transform)]| {
+        let ask = |app: &mut App, elsewhere: &[(Entity, Transform)]| {
             let mut state = SystemState::<SpatialQuery>::new(app.world_mut());
             let spatial = state.get(app.world()).unwrap();
             let then = spatial.at(elsewhere.iter().copied());
