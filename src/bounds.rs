@@ -24,7 +24,8 @@ use crate::{
 /// The place is taken from the [`Transform`]s of the entity and its ancestors, not from
 /// `GlobalTransform`, which is up to date only after transform propagation: boxes are right in the
 /// tick in which something moved. A parent without a `Transform` is at the origin of the world.
-/// What rests is not looked at, however deep the hierarchy.
+/// What rests is not looked at, however deep the hierarchy; what was written, and is where it was,
+/// as after interpolation between ticks, rests too.
 ///
 /// An entity whose box cannot be computed is left out of collision detection until that changes,
 /// with a warning in the log: one with a transform that is not finite, its own or an ancestor's,
@@ -102,7 +103,11 @@ fn update_roots(
         // What disables entities may not be in tables.
         Err(_) => {
             for (entity, shape, transform, mut aabb, mut proxy) in &mut roots {
-                if shape.is_changed() || transform.is_changed() || proxy.is_changed() {
+                let is_outdated = shape.is_changed() || proxy.is_changed();
+                let has_moved = || {
+                    transform.is_changed() && !proxy.is_box_at(aabb.last_changed(), &transform)
+                };
+                if is_outdated || has_moved() {
                     *aabb = world_aabb(&tests, entity, &shape, &transform);
                     let placed = Placed::new(&shape, &transform);
                     tell_scale(entity, placed, proxy.pose(), shape.is_changed());
@@ -151,13 +156,16 @@ fn update_table(tests: &NarrowPhase, (entities, shapes, transforms, boxes, proxi
                 continue;
             }
             for row in group {
-                let ticks = [reshaped[row], moved[row], outdated[row]];
-                if ticks.iter().any(|tick| since.changed(*tick)) {
-                    let (shape, transform) = (&shapes[row], &transforms[row]);
+                let (shape, transform) = (&shapes[row], &transforms[row]);
+                let is_reshaped = since.changed(reshaped[row]);
+                let is_outdated = is_reshaped || since.changed(outdated[row]);
+                let has_moved = || {
+                    since.changed(moved[row]) && !proxies[row].is_box_at(boxed[row], transform)
+                };
+                if is_outdated || has_moved() {
                     boxes[row] = world_aabb(tests, entities[row], shape, transform);
                     boxed[row] = since.this_run();
                     let placed = Placed::new(shape, transform);
-                    let is_reshaped = since.changed(ticks[0]);
                     tell_scale(entities[row], placed, proxies[row].pose(), is_reshaped);
                     proxies[row].note_box(placed, since.this_run());
                 }
@@ -199,8 +207,13 @@ pub(crate) fn update_children(
             return;
         };
         let is_reshaped = own.is_changed();
+        let is_outdated = is_reshaped || proxy.is_changed();
         let own = &own.0;
         let placement = shear::put(own, &pose, sheared.as_deref());
+        let stays = || proxy.is_box_at(aabb.last_changed(), &placement.transform);
+        if !is_outdated && sheared.is_none() && !placement.is_sheared && stays() {
+            return;
+        }
         if !placement.is_sheared {
             let placed = Placed::new(own, &placement.transform);
             tell_scale(entity, placed, proxy.pose(), is_reshaped);

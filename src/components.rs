@@ -248,6 +248,13 @@ impl BroadPhaseProxy {
         box_changed == self.boxed
     }
 
+    /// Is the box of the entity, which was last changed then, the one that was computed around its
+    /// shape in this place?
+    #[inline]
+    pub(crate) fn is_box_at(&self, box_changed: Tick, pose: &Transform) -> bool {
+        self.has_box_of(box_changed) && self.pose == *pose
+    }
+
     /// What the box of the entity says of its shape, by when the two were last changed. Nothing, if
     /// that was after the box was computed.
     #[inline]
@@ -273,6 +280,7 @@ impl BroadPhaseProxy {
 /// | [`outdate`](Self::outdate) | whoever makes a box wrong that no transform and no shape tells of | yes |
 /// | [`note_box`](Self::note_box) | who computes the box | no |
 /// | [`note_pose`](Self::note_pose) | who puts the entity elsewhere together with its box | no |
+/// | [`touch_box`](Self::touch_box) | maintenance, of an index that missed something | no |
 /// | [`note_id`](Self::note_id) | maintenance, which gives out handles | no |
 /// | [`leave`] | hooks, as the entity leaves the index | yes: its box brings it back, if it has all it needs |
 impl BroadPhaseProxy {
@@ -290,10 +298,20 @@ impl BroadPhaseProxy {
         self.boxed = boxed;
     }
 
-    /// Takes note of where the shape is that the box is around.
+    /// Takes note of where the shape has been put. Its box was computed around where it was before.
     #[inline]
     pub(crate) fn note_pose(proxy: &mut Mut<Self>, pose: Transform) {
-        proxy.bypass_change_detection().pose = pose;
+        let proxy = proxy.bypass_change_detection();
+        (proxy.pose, proxy.boxed) = (pose, Tick::default());
+    }
+
+    /// Has the index look at the box again, which stays as it is.
+    pub(crate) fn touch_box(proxy: &mut Mut<Self>, aabb: &mut Mut<WorldAabb>) {
+        let is_own = proxy.has_box_of(aabb.last_changed());
+        aabb.set_changed();
+        if is_own {
+            proxy.bypass_change_detection().boxed = aabb.last_changed();
+        }
     }
 
     /// Takes note of the handle.

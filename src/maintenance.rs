@@ -69,7 +69,7 @@ fn mend(
     mut upkeep: ResMut<Upkeep>,
     mut entities: Query<(
         Entity,
-        &BroadPhaseProxy,
+        &mut BroadPhaseProxy,
         &Archetype,
         FilterParts,
         &mut WorldAabb,
@@ -85,11 +85,11 @@ fn mend(
             .filter(|(_, _, archetype, ..)| !upkeep.disables(archetype));
         entry.is_some_and(|(_, proxy, ..)| proxy.id() == Some(id))
     });
-    for (entity, proxy, _, parts, mut aabb) in &mut entities {
+    for (entity, mut proxy, _, parts, mut aabb) in &mut entities {
         if let Some(id) = proxy.id().filter(|id| index.is_entry_of(*id, entity)) {
             index.change_filter(id, |old| *old = filters::filter(parts));
         }
-        aabb.set_changed();
+        BroadPhaseProxy::touch_box(&mut proxy, &mut aabb);
     }
     upkeep.done(&index);
 }
