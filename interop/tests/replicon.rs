@@ -15,9 +15,7 @@ use fastrand::Rng;
 use serde::{Deserialize, Serialize};
 
 /// What everybody knows an entity by.
-#[derive(
-    Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize,
-)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 struct Number(u64);
 
 /// Components of this crate as they are sent.
@@ -220,7 +218,7 @@ impl Game {
         let velocity = Velocity(within(&mut self.luck, 6.0));
         let bounce = Bounce::Reflect { restitution: 1.0 };
         let ship = self.spawn((CollisionBody::default(), velocity, bounce, place));
-        for z in [-0.5, 0.0, 0.5] {
+        for z in [-0.5_f32, 0.0, 0.5] {
             let half_size = Vec3::new(0.5 - z.abs() * 0.5, 0.1, 0.2);
             let part = ShapeDescription::Cuboid { half_size };
             self.spawn((part, Transform::from_xyz(0.0, 0.0, z), ChildOf(ship)));
@@ -259,13 +257,23 @@ impl Game {
 
 /// All contacts, with the numbers of the two, and where they touch as seen from the lower.
 fn contacts(app: &mut App) -> Vec<([u64; 2], [u32; 4])> {
-    let mut numbers = app.world_mut().query::<&Number>();
+    let numbers = app.world_mut().query::<&Number>();
     let world = app.world();
-    let number = |entity| numbers.get_manual(world, entity).map_or(0, |number| number.0);
+    let number = |entity| {
+        numbers
+            .get_manual(world, entity)
+            .map_or(0, |number| number.0)
+    };
     let contacts = world.resource::<Contacts>().iter().map(|collision| {
         let (a, b) = (number(collision.a), number(collision.b));
-        let collision = if a < b { collision } else { collision.reversed() };
-        let normal = collision.contact.map_or(Vec3::ZERO, |contact| contact.normal);
+        let collision = if a < b {
+            collision
+        } else {
+            collision.reversed()
+        };
+        let normal = collision
+            .contact
+            .map_or(Vec3::ZERO, |contact| contact.normal);
         let [x, y, z] = normal.to_array().map(f32::to_bits);
         ([a.min(b), a.max(b)], [collision.time.to_bits(), x, y, z])
     });
@@ -294,7 +302,7 @@ fn a_client_sees_the_same_contacts() {
         // Acknowledgements.
         game.server.exchange_with_client(&mut client);
     }
-    assert!(seen > 5000, "{seen}");
+    assert!(seen > 3000, "{seen}");
 }
 
 #[test]
@@ -304,14 +312,19 @@ fn a_client_that_comes_late_is_told_of_all_that_touches() {
         game.tick();
     }
     game.server.connect_client(&mut client);
+    game.tick();
     game.server.exchange_with_client(&mut client);
     client.update();
     let expected = pairs(&mut game.server);
     assert!(!expected.is_empty());
     assert_eq!(pairs(&mut client), expected);
-    let mut messages = client.world_mut().resource_mut::<Messages<CollisionStarted>>();
+    let mut messages = client
+        .world_mut()
+        .resource_mut::<Messages<CollisionStarted>>();
     let started: Vec<_> = messages.drain().collect();
-    let mut ended = client.world_mut().resource_mut::<Messages<CollisionEnded>>();
+    let mut ended = client
+        .world_mut()
+        .resource_mut::<Messages<CollisionEnded>>();
     assert_eq!(started.len() - ended.drain().count(), expected.len());
 }
 

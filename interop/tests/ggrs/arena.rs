@@ -3,11 +3,7 @@
 use bevy::{platform::collections::HashMap, prelude::*};
 use bevy_ggrs::prelude::*;
 use bevy_ggrs::{LocalInputs, LocalPlayers, RollbackFrameCount};
-use bevy_octree::{
-    motion::CollisionClock,
-    prelude::*,
-    swept::SweptWay,
-};
+use bevy_octree::{motion::CollisionClock, prelude::*, swept::SweptWay};
 use fastrand::Rng;
 use serde::{Deserialize, Serialize};
 
@@ -156,7 +152,10 @@ fn roll_back(app: &mut App) {
 }
 
 fn read_keys(mut commands: Commands, frame: Res<RollbackFrameCount>, players: Res<LocalPlayers>) {
-    let keys = players.0.iter().map(|player| (*player, Keys::of(*player, frame.0)));
+    let keys = players
+        .0
+        .iter()
+        .map(|player| (*player, Keys::of(*player, frame.0)));
     commands.insert_resource(LocalInputs::<Game>(keys.collect::<HashMap<_, _>>()));
 }
 

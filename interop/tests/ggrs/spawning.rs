@@ -40,7 +40,12 @@ pub fn build(mut commands: Commands, mut next: ResMut<NextNumber>) {
         commands.spawn((next.take(), shape, StaticShape, place));
     }
     // A ramp that is a mesh.
-    let corners = [(2.0, -3.0, 2.0), (2.0, -3.0, 6.0), (6.0, -1.5, 6.0), (6.0, -1.5, 2.0)];
+    let corners = [
+        (2.0, -3.0, 2.0),
+        (2.0, -3.0, 6.0),
+        (6.0, -1.5, 6.0),
+        (6.0, -1.5, 2.0),
+    ];
     let ramp = PolygonMesh::new(corners.map(Vec3::from), [[0, 1, 2], [0, 2, 3]]).unwrap();
     commands.spawn((next.take(), CollisionShape::from(ramp), StaticShape));
     // What bullets and all others pass, and are told of.
@@ -56,14 +61,26 @@ pub fn populate(mut commands: Commands, mut next: ResMut<NextNumber>, mut luck: 
             reload: 0,
             ahead: Vec3::NEG_Z,
         };
-        let body = (CollisionShape::capsule(0.3, 0.8), KinematicCharacter::default());
+        let body = (
+            CollisionShape::capsule(0.3, 0.8),
+            KinematicCharacter::default(),
+        );
         let place = Transform::from_xyz(x, -2.2, 5.0);
-        commands.spawn((next.take(), Rollback, player, body, CharacterHits::default(), place));
+        commands.spawn((
+            next.take(),
+            Rollback,
+            player,
+            body,
+            CharacterHits::default(),
+            place,
+        ));
     }
     for (z, ticks) in [(-6.0, 120), (-3.0, 75)] {
         let [left, right] = [-5.0, 5.0].map(|x| Vec3::new(x, -2.8, z));
         let track = [(0, left), (ticks, right), (2 * ticks, left)];
-        let track = PositionTrack::new(track).unwrap().with_outside(Outside::Loop);
+        let track = PositionTrack::new(track)
+            .unwrap()
+            .with_outside(Outside::Loop);
         let platform = (CollisionShape::cuboid(2.0, 0.2, 2.0), track.starting_now());
         commands.spawn((next.take(), Rollback, platform));
     }

@@ -28,7 +28,7 @@ pub struct Line {
 pub struct Counted(pub &'static [&'static str]);
 
 /// All frames, as they were when they were last simulated.
-#[derive(Resource, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default)]
 pub struct Stories {
     pub of_frame: BTreeMap<i32, Vec<Line>>,
     /// How many frames were told, those that were simulated again counted again.
@@ -40,6 +40,10 @@ pub struct Stories {
     /// How many lines there were, by what they are about.
     pub lines: BTreeMap<&'static str, u64>,
 }
+
+/// Marks the checksum of the story.
+#[derive(Component)]
+struct OfStory;
 
 /// What was told by messages in this tick.
 #[derive(Resource, Debug, Default)]
@@ -58,7 +62,7 @@ impl Plugin for StoryPlugin {
                     .before(TransformSystems::Propagate),
             )
             .add_systems(SaveWorld, tell.in_set(SaveWorldSystems::Checksum));
-        app.world_mut().spawn(ChecksumPart::default());
+        app.world_mut().spawn((OfStory, ChecksumPart::default()));
     }
 }
 
@@ -84,14 +88,18 @@ fn listen(
         bits: Vec::new(),
     };
     told.0.clear();
-    let started = started.read().map(|start| line("started", [start.a, start.b]));
+    let started = started
+        .read()
+        .map(|start| line("started", [start.a, start.b]));
     told.0.extend(started);
     let ended = ended.read().map(|end| line("ended", [end.a, end.b]));
     told.0.extend(ended);
     let bodies = bodies_started.read();
-    told.0.extend(bodies.map(|start| line("bodies started", [start.a, start.b])));
+    told.0
+        .extend(bodies.map(|start| line("bodies started", [start.a, start.b])));
     let bodies = bodies_ended.read();
-    told.0.extend(bodies.map(|end| line("bodies ended", [end.a, end.b])));
+    told.0
+        .extend(bodies.map(|end| line("bodies ended", [end.a, end.b])));
 }
 
 type Teller<'a> = (
@@ -116,7 +124,7 @@ fn tell(
     frame: Res<RollbackFrameCount>,
     counted: Res<Counted>,
     mut stories: ResMut<Stories>,
-    mut checksum: Single<&mut ChecksumPart>,
+    mut checksum: Single<&mut ChecksumPart, With<OfStory>>,
 ) {
     let mut story = Vec::new();
     for (number, place, velocity, armour, character, hits) in &entities {
@@ -136,7 +144,11 @@ fn tell(
         if let Some(character) = character {
             let ground = character.ground;
             let ground = ground.map_or(0, |ground| numbers_of(&numbers, [ground.entity; 2])[0]);
-            line("character", ground, bits(character.velocity.to_array()).collect());
+            line(
+                "character",
+                ground,
+                bits(character.velocity.to_array()).collect(),
+            );
         }
         for hit in hits.into_iter().flat_map(|hits| hits.iter()) {
             let [other, _] = numbers_of(&numbers, [hit.entity; 2]);
@@ -163,6 +175,9 @@ fn tell(
         bits: Vec::new(),
     });
     story.retain(|line| counted.0.contains(&line.what));
+    if std::env::var_os("SORTED").is_some() {
+        story.sort();
+    }
 
     let mut hasher = checksum_hasher();
     story.hash(&mut hasher);
@@ -190,7 +205,11 @@ pub fn difference(frame: i32, before: &[Line], now: &[Line]) -> String {
     a.sort();
     b.sort();
     if a == b {
-        let (a, b) = before.iter().zip(now).find(|(a, b)| a != b).expect("they differ");
+        let (a, b) = before
+            .iter()
+            .zip(now)
+            .find(|(a, b)| a != b)
+            .expect("they differ");
         return format!("frame {frame}: the same in another order: {a:?}, then {b:?}");
     }
     let missing = a.iter().filter(|line| b.binary_search(line).is_err());
