@@ -50,6 +50,9 @@ pub struct CollisionIndex {
     entities: Vec<Entity>,
     #[reflect(ignore)]
     fits: Vec<Fit>,
+    /// Has one of them ever had a place of its own in the order of all?
+    #[reflect(ignore)]
+    is_ordered: bool,
     /// By proxy index, as far as there are any: where the ways of swept bodies begin.
     #[reflect(ignore)]
     starts: Vec<Option<Transform>>,
@@ -83,6 +86,7 @@ impl Default for CollisionIndex {
             bodies: Vec::new(),
             entities: Vec::new(),
             fits: Vec::new(),
+            is_ordered: false,
             starts: Vec::new(),
             highest_entity: 0,
             search: 0,
@@ -92,6 +96,13 @@ impl Default for CollisionIndex {
             number: NUMBER.fetch_add(1, Ordering::Relaxed),
         }
     }
+}
+
+/// The place of an entity in the order of all, if it has none of its own: by its index, and then by its
+/// generation.
+#[inline]
+pub(crate) const fn rank(entity: Entity) -> u64 {
+    (entity.index_u32() as u64) << 32 | entity.generation().to_bits() as u64
 }
 
 /// A state of an index: what an update makes of the state before.
@@ -214,6 +225,8 @@ pub(crate) enum Extent {
 pub(crate) struct Seen {
     pub(crate) body: Body,
     pub(crate) extent: Extent,
+    /// Its own place in the order of all, if it has one.
+    pub(crate) order: Option<u64>,
     /// Which pairs it makes, if it comes in; `None` if it is to stay out.
     pub(crate) filter: Option<PairFilter>,
     /// What its box says of it.
@@ -247,6 +260,54 @@ impl CollisionIndex {
     #[must_use]
     pub fn entities(&self, pair: Pair) -> [Entity; 2] {
         [pair.a, pair.b].map(|id| self.entities[id.index()])
+    }
+
+    /// Where the entity behind a handle stands in the order of all.
+    #[inline]
+    pub(crate) fn order(&self, id: ProxyId) -> u64 {
+        self.index.proxies().order(id).0
+    }
+
+    /// The same, of an entity that had that handle; it may be another's by now.
+    pub(crate) fn order_of(&self, id: ProxyId, entity: Entity) -> u64 {
+        if self.is_entry_of(id, entity) {
+            self.order(id)
+        } else {
+            rank(entity)
+        }
+    }
+
+    /// Its place in the order of all, if entities have places of their own.
+    pub(crate) fn order_given(&self, id: ProxyId) -> Option<u64> {
+        self.is_ordered.then(|| self.order(id))
+    }
+
+    /// Where two stand in the order of all, if any have places of their own.
+    #[inline]
+    pub(crate) fn places(&self, ids: [ProxyId; 2]) -> [u64; 2] {
+        if self.is_ordered {
+            ids.map(|id| self.order(id))
+        } else {
+            [0; 2]
+        }
+    }
+
+    /// Does the first of two come before the other, in the order of all?
+    #[inline]
+    pub(crate) fn is_in_order(&self, ids: [ProxyId; 2]) -> bool {
+        let ranks = ids.map(|id| rank(self.entities[id.index()]));
+        if self.is_ordered {
+            let orders = ids.map(|id| self.order(id));
+            (orders[0], ranks[0]) <= (orders[1], ranks[1])
+        } else {
+            ranks[0] <= ranks[1]
+        }
+    }
+
+    /// Has one of all ever had a place of its own in their order? Else that is the order of entities.
+    #[inline]
+    pub(crate) const fn is_ordered(&self) -> bool {
+        self.is_ordered
     }
 
     /// The highest index of an entity that was ever in.
@@ -512,6 +573,7 @@ impl CollisionIndex {
         let Seen {
             body,
             extent,
+            order,
             filter,
             fit,
         } = seen;
@@ -526,7 +588,12 @@ impl CollisionIndex {
         if let Some(own) = own {
             self.index.remove(own);
         }
-        self.enter(body, extent, filter?, fit)
+        self.is_ordered |= order.is_some();
+        let order = order.unwrap_or_else(|| rank(body.entity));
+        let id = self.enter(body, extent, filter?, fit)?;
+        // The only error is that there is no such handle.
+        let _ = self.index.set_order(id, order);
+        Some(id)
     }
 
     /// Gives a new entity a handle, unless its box is refused.

@@ -27,6 +27,9 @@ pub mod levels_from_gltf {}
 #[doc = include_str!("../docs/guide/parts.md")]
 pub mod parts {}
 
+#[doc = include_str!("../docs/guide/rollback.md")]
+pub mod rollback {}
+
 #[doc = include_str!("../docs/guide/shapes.md")]
 pub mod shapes {}
 

@@ -305,6 +305,7 @@ pub mod casters;
 mod change_ticks;
 pub mod character;
 pub mod collision_index;
+pub mod collision_order;
 pub mod components;
 pub mod contacts;
 pub mod counters;
@@ -331,6 +332,7 @@ mod plugin;
 pub mod rapier;
 mod regroup;
 pub mod response;
+pub mod rollback;
 pub mod scene;
 pub mod schedule;
 pub mod settings;
@@ -392,6 +394,7 @@ pub mod prelude {
             Collisions, Contacts, EventScope, ManifoldsEnabled,
         },
         counters::CollisionCounters,
+        collision_order::CollisionOrder,
         filters::{
             CollisionLayer, CollisionLayers, Detector, IgnoreCollisions, LayerMask, PairHook,
             PairHookPlugin, Sensor, StaticShape,

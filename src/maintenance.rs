@@ -13,6 +13,7 @@ use crate::{
     collision_index::{
         Body, CandidatePairs, CollisionIndex, Extent, Seen, Upkeep, follow::Following,
     },
+    collision_order::CollisionOrder,
     components::{self, BroadPhaseProxy, WorldAabb},
     counters::CollisionCounters,
     filters::{self, FilterParts},
@@ -109,7 +110,7 @@ fn maintain(
     mut index: ResMut<CollisionIndex>,
     (settings, tests, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhase>, Res<Upkeep>),
     mut boxes: Query<Boxed, With<BroadPhaseProxy>>,
-    newcomers: Query<(&Archetype, FilterParts)>,
+    newcomers: Query<(&Archetype, FilterParts, Option<&CollisionOrder>)>,
     (sheared, swept): (Query<&Sheared>, Query<(), IsSwept>),
     mut counters: ResMut<CollisionCounters>,
     mut memory: Local<Memory>,
@@ -156,9 +157,10 @@ fn maintain(
             }
         }
         let newcomer = newcomers.get(entity).ok();
+        let order = newcomer.and_then(|(_, _, order)| order).map(|order| order.0);
         let filter = newcomer
-            .filter(|(archetype, _)| !upkeep.disables(archetype))
-            .map(|(_, parts)| filters::filter(parts));
+            .filter(|(archetype, ..)| !upkeep.disables(archetype))
+            .map(|(_, parts, _)| filters::filter(parts));
         let body = Body {
             entity,
             pose: *proxy.pose(),
@@ -169,6 +171,7 @@ fn maintain(
         let seen = Seen {
             body,
             extent,
+            order,
             filter,
             fit,
         };

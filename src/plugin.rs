@@ -10,7 +10,7 @@ use crate::{
     bounds::BoundsPlugin,
     casters::CasterPlugin,
     character::CharacterPlugin,
-    collision_index, components,
+    collision_index, collision_order, components,
     contacts::{self, NarrowPhasePlugin, ReportPlugin},
     counters,
     filters::FilterPlugin,
@@ -150,6 +150,7 @@ impl Plugin for CollisionCorePlugin {
         motion::register(app);
         collision_index::register(app);
         components::register(app);
+        collision_order::register(app);
         shape_data::register(app);
         #[cfg(feature = "mesh")]
         crate::mesh_shape::register(app);

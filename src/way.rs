@@ -109,6 +109,23 @@ impl SweptWay {
         self.start = self.start.filter(|_| is_somewhere);
     }
 
+    /// Has it be as it was at another time, whatever the handle of the entity is by now.
+    pub(crate) fn restore(
+        &mut self,
+        entity: Entity,
+        start: Option<Transform>,
+        last: Option<Transform>,
+    ) {
+        *self = Self {
+            entity,
+            id: None,
+            start,
+            last,
+            // The box is that of some other time.
+            stretched: true,
+        };
+    }
+
     /// Does the box cover more than the place where the entity is?
     pub(crate) const fn is_stretched(&self) -> bool {
         self.stretched

@@ -173,6 +173,16 @@ impl SpatialIndex {
         self.proxies.set_filter(id, filter)
     }
 
+    /// Says where an object stands among those that are alike in all else: of several that are as near, a
+    /// query takes the one of the lowest order, and of these that of the lowest handle. By default, 0. It
+    /// changes nothing about pairs. O(1).
+    ///
+    /// # Errors
+    /// An unknown handle is refused, and nothing changes.
+    pub fn set_order(&mut self, id: ProxyId, order: u64) -> Result<(), BoxError> {
+        self.proxies.set_order(id, order)
+    }
+
     /// Says which kinds of pairs are sought. Nothing happens if they are those already; otherwise
     /// all objects count as moved, and O(n).
     pub fn set_pair_kinds(&mut self, kinds: PairKinds) {

@@ -23,6 +23,8 @@ pub struct Proxies {
     flags: Vec<Flags>,
     /// Empty as long as no filter was set.
     filters: Vec<PairFilter>,
+    /// Empty as long as no order was set.
+    orders: Vec<u64>,
     /// Was one of them ever that of a detector?
     has_detectors: bool,
     /// Was one of them ever that of a part of a body?
@@ -144,6 +146,14 @@ impl Proxies {
     #[must_use]
     pub fn filter(&self, id: ProxyId) -> PairFilter {
         self.filters.get(id.index()).copied().unwrap_or_default()
+    }
+
+    /// Returns where an object stands among those that are alike in all else, as two that are as near to
+    /// a point: by its [order](super::SpatialIndex::set_order), then by its handle.
+    #[inline]
+    #[must_use]
+    pub fn order(&self, id: ProxyId) -> (u64, ProxyId) {
+        (self.orders.get(id.index()).copied().unwrap_or(0), id)
     }
 
     /// Returns the kinds of pairs that are sought.
@@ -281,6 +291,7 @@ impl Proxies {
         self.boxes.capacity() * size_of::<Aabb3d>()
             + self.flags.capacity() * size_of::<Flags>()
             + self.filters.capacity() * size_of::<PairFilter>()
+            + self.orders.capacity() * size_of::<u64>()
             + self.unbounded.capacity() * size_of::<Unbounded>()
             + lists
                 .map(|list| list.capacity() * size_of::<ProxyId>())
@@ -324,6 +335,9 @@ impl Proxies {
         self.flags[id.index()] = flags;
         if let Some(filter) = self.filters.get_mut(id.index()) {
             *filter = PairFilter::default();
+        }
+        if let Some(order) = self.orders.get_mut(id.index()) {
+            *order = 0;
         }
         self.mark(id);
         Ok(id)
@@ -377,6 +391,17 @@ impl Proxies {
             unbounded.side = side;
             self.mark(id);
         }
+        Ok(())
+    }
+
+    pub(super) fn set_order(&mut self, id: ProxyId, order: u64) -> Result<(), BoxError> {
+        if !self.contains(id) {
+            return Err(BoxError::UnknownProxy(id));
+        }
+        if self.orders.len() <= id.index() {
+            self.orders.resize(self.boxes.len(), 0);
+        }
+        self.orders[id.index()] = order;
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! The contacts of each object.
 
-use super::{ledger::Ledger, pair::ContactPair};
+use super::{arrangement::Arrangement, ledger::Ledger, pair::ContactPair};
 use crate::broad_phase::ProxyId;
 
 /// For each object, the numbers of its contacts among all: one array, cut into a range for each
@@ -14,7 +14,7 @@ pub(super) struct Adjacency {
 
 impl Adjacency {
     /// By counting: O(contacts + objects). The contacts of an object come in the order of all.
-    pub(super) fn new(contacts: &Ledger) -> Self {
+    pub(super) fn new(contacts: &Ledger, arrangement: &Arrangement) -> Self {
         let both = |contact: &ContactPair| contact.key.ids.map(ProxyId::index);
         let handles = contacts
             .iter()
@@ -31,7 +31,7 @@ impl Adjacency {
             starts[handle] += starts[handle - 1];
         }
         let mut slots = vec![0; 2 * contacts.len()];
-        for (number, contact) in contacts.numbered() {
+        for (number, contact) in arrangement.numbered(contacts) {
             for handle in both(contact) {
                 let next = &mut starts[handle + 1];
                 slots[*next as usize] = number;

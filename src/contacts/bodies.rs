@@ -2,8 +2,14 @@
 
 use bevy::prelude::*;
 
-use super::pair::{ContactKey, ContactPair, other, rank};
-use crate::broad_phase::ProxyId;
+use super::{
+    arrangement::place,
+    pair::{ContactKey, ContactPair, other},
+};
+use crate::{
+    broad_phase::ProxyId,
+    collision_index::{CollisionIndex, rank},
+};
 
 /// Two bodies in contact: one or more parts of one with one or more of the other. One of the two is
 /// a [`CollisionBody`](crate::parts::CollisionBody); the other is one as well, or an entity that is
@@ -112,26 +118,63 @@ pub(super) struct BodyPair {
     pub(super) is_told: bool,
     /// Are the observers of `a`, and those of `b`, told?
     pub(super) observed: [bool; 2],
+    /// What tells it from others, and orders all of them.
+    order: Order,
     /// Where its contacts begin among those of all pairs.
     first: u32,
 }
 
 impl BodyPair {
-    /// What tells it from others, and orders all of them.
     pub(super) const fn order(&self) -> Order {
-        order(&self.collision)
+        self.order
+    }
+
+    /// One that was saved.
+    pub(super) fn restored(
+        collision: BodyCollision,
+        is_told: bool,
+        observed: [bool; 2],
+        places: &Places,
+    ) -> Self {
+        let (order, side) = places.order(&collision);
+        Self {
+            collision: collision.seen_from(side),
+            is_told,
+            observed: if side == 0 { observed } else { [observed[1], observed[0]] },
+            order,
+            first: 0,
+        }
     }
 }
 
+/// Where a body stands among all, and, of several with the same place, its entity.
+type Place = (u64, u64);
+
 /// What tells contacts of bodies from each other: the two, and whether sensors see it. Those of solid
 /// parts come first.
-type Order = ([u64; 2], bool);
+pub(super) type Order = ([Place; 2], bool);
 
-const fn order(collision: &BodyCollision) -> Order {
-    let BodyCollision {
-        a, b, is_sensor, ..
-    } = *collision;
-    ([rank(a), rank(b)], is_sensor)
+/// Who has a place of its own in the order of all.
+pub(crate) struct Places<'a> {
+    /// That of a body, if it has one.
+    pub(crate) of_body: &'a dyn Fn(Entity) -> Option<u64>,
+    /// For the places of parts.
+    pub(crate) index: &'a CollisionIndex,
+}
+
+impl Places<'_> {
+    fn of(&self, body: Entity) -> Place {
+        let rank = rank(body);
+        ((self.of_body)(body).unwrap_or(rank), rank)
+    }
+
+    /// Where two stand among others, and from which of their sides they are seen.
+    fn order(&self, collision: &BodyCollision) -> (Order, usize) {
+        let [a, b] = [collision.a, collision.b].map(|body| self.of(body));
+        let in_order = a <= b;
+        let bodies = if in_order { [a, b] } else { [b, a] };
+        ((bodies, collision.is_sensor), usize::from(!in_order))
+    }
 }
 
 /// The contacts of parts at some moment. Empty where there are no bodies.
@@ -143,14 +186,31 @@ pub(super) struct BodyContacts {
     pairs: Vec<BodyPair>,
     /// The contacts of one pair after those of the other.
     by_pair: Vec<ContactKey>,
-    /// Memory for the next time: the order of two bodies, the number of the contact, and what is
-    /// known of it.
-    sorted: Vec<(Order, u32, BodyCollision)>,
+    /// Memory for the next time: the order of two bodies, the place and the number of the contact, and
+    /// what is known of it.
+    sorted: Vec<(Order, ([u64; 2], u32), BodyCollision)>,
 }
 
 impl BodyContacts {
     pub(super) const fn is_empty(&self) -> bool {
         self.contacts.is_empty()
+    }
+
+    /// Those that were saved: the bodies of contacts, in the order of keys, and the pairs of bodies.
+    pub(super) fn restored(
+        contacts: Vec<(ContactKey, [Entity; 2])>,
+        pairs: impl Iterator<Item = BodyPair>,
+    ) -> Self {
+        let contacts = contacts.into_iter();
+        let mut restored = Self {
+            contacts: contacts
+                .map(|(key, bodies)| PartContact { key, bodies })
+                .collect(),
+            pairs: pairs.collect(),
+            ..Self::default()
+        };
+        restored.pairs.sort_unstable_by_key(BodyPair::order);
+        restored
     }
 
     /// Makes this a copy of another one.
@@ -166,6 +226,7 @@ impl BodyContacts {
         all: impl Iterator<Item = &'a ContactPair>,
         owners: &Owners,
         is_sensor: impl Fn(Entity) -> bool,
+        places: &Places,
         audience: &Audience,
     ) {
         self.contacts.clear();
@@ -195,21 +256,23 @@ impl BodyContacts {
                 hears: contact.hears(),
                 time: contact.time,
             };
-            let in_order = rank(a) <= rank(b);
-            let collision = collision.seen_from(usize::from(!in_order));
-            self.sorted.push((order(&collision), number, collision));
+            let (order, side) = places.order(&collision);
+            let collision = collision.seen_from(side);
+            let place = place(contact, places.index);
+            self.sorted.push((order, (place, number), collision));
         }
         self.sorted
-            .sort_unstable_by_key(|(order, number, _)| (*order, *number));
+            .sort_unstable_by_key(|(order, place, _)| (*order, *place));
         let contacts = &self.contacts;
         let keys = self.sorted.iter();
         self.by_pair
-            .extend(keys.map(|(_, number, _)| contacts[*number as usize].key));
+            .extend(keys.map(|(_, (_, number), _)| contacts[*number as usize].key));
         let mut first = 0;
         for of_pair in self.sorted.chunk_by(|a, b| a.0 == b.0) {
             let all = of_pair.iter().map(|(_, _, collision)| *collision);
             if let Some(collision) = all.reduce(join) {
-                self.pairs.push(audience.pair(collision, first));
+                self.pairs
+                    .push(audience.pair(collision, of_pair[0].0, first));
             }
             first += of_pair.len() as u32;
         }
@@ -253,13 +316,10 @@ impl BodyContacts {
     }
 
     /// The contacts between the parts of two bodies, those of solid parts first, each in the order of
-    /// all. O(log n).
+    /// all. O(pairs of bodies).
     pub(super) fn between(&self, a: Entity, b: Entity) -> impl Iterator<Item = &ContactKey> {
-        let (a, b) = (rank(a), rank(b));
-        let bodies = [a.min(b), a.max(b)];
-        let first = self.pairs.partition_point(|pair| pair.order().0 < bodies);
-        let own = self.pairs[first..].iter();
-        let own = own.take_while(move |pair| pair.order().0 == bodies);
+        let own = self.pairs.iter();
+        let own = own.filter(move |pair| pair.collision.other(a) == Some(b));
         own.flat_map(|pair| self.keys(pair))
     }
 
@@ -270,7 +330,7 @@ impl BodyContacts {
 }
 
 impl Audience<'_> {
-    fn pair(&self, collision: BodyCollision, first: u32) -> BodyPair {
+    fn pair(&self, collision: BodyCollision, order: Order, first: u32) -> BodyPair {
         let BodyCollision { a, b, hears, .. } = collision;
         let asks = [a, b].map(self.is_enabled);
         let enabled = [asks[0] && hears[0], asks[1] && hears[1]];
@@ -278,6 +338,7 @@ impl Audience<'_> {
             collision,
             is_told: self.messages_for_all || enabled.contains(&true),
             observed: if self.events_for_all { hears } else { enabled },
+            order,
             first,
         }
     }

@@ -107,10 +107,15 @@ impl Ledger {
 
     /// The contact of two. O(log n).
     pub(super) fn find(&self, entities: [Entity; 2]) -> Option<&ContactPair> {
-        [&self.moving, &self.resting].into_iter().find_map(|list| {
-            let index = list.binary_search_by(|contact| contact.key.cmp_entities(entities));
-            Some(&list[index.ok()?])
-        })
+        let [a, b] = entities;
+        let find = |entities| {
+            [&self.moving, &self.resting].into_iter().find_map(|list| {
+                let index = list.binary_search_by(|contact| contact.key.cmp_entities(entities));
+                Some(&list[index.ok()?])
+            })
+        };
+        // Either may be the one that comes first.
+        find([a, b]).or_else(|| find([b, a]))
     }
 
     /// All contacts with their numbers, by which they are [looked up](Self::at), in the order of
@@ -243,6 +248,16 @@ impl Ledger {
             split_off(&mut work.last, moves, &mut work.split_off);
             merge_into(resting, &mut work.split_off, &mut work.merged);
         }
+    }
+
+    /// Has the contacts be those of another time, in the order of keys, after a report of those before.
+    pub(super) fn replace(&mut self, reported: &[ContactPair], now: Vec<ContactPair>) {
+        tell_apart(&now, reported, &mut self.started, &mut self.ended);
+        self.has_news = !(self.started.is_empty() && self.ended.is_empty());
+        self.moving = now;
+        self.resting.clear();
+        // Some of them rest.
+        self.is_unsettled = true;
     }
 
     /// Adds what began and ended in this tick to what is not reported yet.

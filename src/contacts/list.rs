@@ -6,10 +6,12 @@ use bevy::{ecs::entity::EntityHashMap, prelude::*};
 
 use super::{
     adjacency::Adjacency,
-    bodies::{Audience, BodyCollision, BodyContacts, BodyPair, Owners},
+    arrangement::{Arrangement, InOrder},
+    bodies::{Audience, BodyCollision, BodyContacts, BodyPair, Owners, Places},
     ledger::{Changes, Ledger},
     manifolds::Manifolds,
     pair::{Collision, ContactKey, ContactPair, SweptContact, seek},
+    settings::EventScope,
     verdicts::Verdicts,
     watched::{self, WatchedContact},
 };
@@ -21,7 +23,8 @@ use crate::{
 
 /// All pairs of entities in contact, in the order of the entities: by the index of the one that has
 /// the lower, then by that of the other. That order does not depend on the broad phase, on the
-/// number of threads, or on who else came and went.
+/// number of threads, or on who else came and went. Entities with a
+/// [`CollisionOrder`](crate::collision_order::CollisionOrder) stand where that says.
 ///
 /// After [`NarrowPhase`](crate::CollisionSystems::NarrowPhase), those of this tick; before it,
 /// those of the last. A contact is a [`Collision`], as seen from one of the two.
@@ -48,6 +51,9 @@ use crate::{
 #[type_path = "bevy_octree"]
 pub struct Contacts {
     all: Ledger,
+    /// In which order they are told.
+    #[reflect(ignore)]
+    arrangement: Arrangement,
     /// The search for pairs that they are the verdicts on, by its number in the index.
     search: u64,
     /// The state of the index then, if it was that of the search.
@@ -61,6 +67,8 @@ pub struct Contacts {
     watched_before: Vec<WatchedContact>,
     #[reflect(ignore)]
     watched_unreported: Vec<WatchedContact>,
+    /// Whom messages were for at the last report.
+    scope_reported: Option<EventScope>,
     /// Those of parts of bodies, now and at the last report.
     #[reflect(ignore)]
     bodies: BodyContacts,
@@ -83,11 +91,16 @@ pub struct Contacts {
 ///
 /// Whatever is asked about an entity takes O(contacts) for the first question in a tick.
 impl Contacts {
-    /// Returns all contacts, each as seen from the entity with the lower index. O(1) for each.
+    /// Returns all contacts, each as seen from the entity with the lower index. O(1) for each; O(log n),
+    /// if there is a [`CollisionOrder`](crate::collision_order::CollisionOrder).
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Collision> {
         let mut watched = self.watched.iter().peekable();
         let mut bodies = self.bodies.walk();
-        self.all.iter().map(move |contact| {
+        let is_by_key = !self.arrangement.is_own();
+        self.in_order().map(move |contact| {
+            if !is_by_key {
+                return self.collision(contact);
+            }
             let watched = seek(&mut watched, &contact.key, WatchedContact::key);
             contact.collision(
                 watched.map(|watched| watched.geometry),
@@ -193,7 +206,8 @@ impl Contacts {
     }
 
     /// Returns the contacts between the parts of two bodies, as seen from those of the first: those of
-    /// solid parts, then those that sensors see, each in the order of all. O(log n) for each.
+    /// solid parts, then those that sensors see, each in the order of all. O(pairs of bodies in contact),
+    /// and O(log n) for each.
     pub fn between_bodies(&self, a: Entity, b: Entity) -> impl Iterator<Item = Collision> {
         self.collisions(self.bodies.between(a, b), a)
     }
@@ -230,10 +244,11 @@ impl Contacts {
         &mut self,
         owners: &Owners,
         is_sensor: impl Fn(Entity) -> bool,
+        places: &Places,
         audience: &Audience,
     ) {
         self.bodies
-            .refresh(self.all.iter(), owners, is_sensor, audience);
+            .refresh(self.all.iter(), owners, is_sensor, places, audience);
     }
 
     /// Are parts of bodies in contact, or were they at the last report?
@@ -261,7 +276,11 @@ impl Contacts {
 impl Contacts {
     /// All of them, in order.
     pub(crate) fn pairs(&self) -> impl Iterator<Item = &ContactPair> {
-        self.all.iter()
+        self.in_order()
+    }
+
+    fn in_order(&self) -> InOrder<'_> {
+        self.arrangement.iter(&self.all)
     }
 
     /// Did the two meet on the way, in this tick?
@@ -281,7 +300,7 @@ impl Contacts {
         entity: Entity,
         id: ProxyId,
     ) -> impl Iterator<Item = &ContactPair> {
-        let adjacency = self.by_object.get_or_init(|| Adjacency::new(&self.all));
+        let adjacency = self.by_object.get_or_init(|| Adjacency::new(&self.all, &self.arrangement));
         let all = adjacency.of(id).iter().map(|number| self.all.at(*number));
         // The handle may have been another's.
         all.filter(move |contact| contact.is_heard_by(entity))
@@ -342,6 +361,7 @@ impl Contacts {
         self.handles.take();
         let had_news = self.all.has_news();
         self.merge_pairs(verdicts, index);
+        self.arrangement.renew(&self.all, index);
         self.merge_watched(verdicts, had_news, geometry);
     }
 
@@ -441,9 +461,38 @@ impl Contacts {
         self.all.has_news()
     }
 
-    /// All that happened until now was told.
-    pub(super) const fn note_reported(&mut self) {
+    /// Whom messages were for at the last report.
+    pub(super) const fn scope_reported(&self) -> Option<EventScope> {
+        self.scope_reported
+    }
+
+    /// Has all be as it was at another time: the contacts of the report before it, and those of then,
+    /// each in the order of keys, and what is known of them.
+    pub(super) fn replace(
+        &mut self,
+        (before, now): (Vec<ContactPair>, Vec<ContactPair>),
+        (watched_before, watched): (Vec<WatchedContact>, Vec<WatchedContact>),
+        (bodies_before, bodies): (BodyContacts, BodyContacts),
+        scope_reported: Option<EventScope>,
+    ) {
+        self.all.replace(&before, now);
+        self.arrangement = Arrangement::default();
+        self.state = None;
+        self.watched_unreported.clear();
+        // With news to come, those of the last tick are the unreported ones of the next.
+        (self.watched_before, self.watched) = (watched_before, watched);
+        (self.bodies_before, self.bodies) = (bodies_before, bodies);
+        self.manifolds = Manifolds::default();
+        self.impacts.clear();
+        self.scope_reported = scope_reported;
+        self.by_object.take();
+        self.handles.take();
+    }
+
+    /// All that happened until now was told to these. Returns to whom the last report was.
+    pub(super) fn note_reported(&mut self, scope: EventScope) -> EventScope {
         self.all.note_reported();
+        self.scope_reported.replace(scope).unwrap_or(scope)
     }
 
     /// The contacts, with what became of them since the last report.

@@ -8,6 +8,7 @@
 //! ```
 
 mod adjacency;
+mod arrangement;
 mod bodies;
 mod body_events;
 mod buckets;
@@ -22,6 +23,7 @@ mod narrow;
 mod order;
 mod pair;
 mod report;
+mod saved;
 mod settings;
 mod verdicts;
 mod watched;
@@ -30,6 +32,7 @@ mod who;
 use bevy::prelude::*;
 
 pub use bodies::BodyCollision;
+pub(crate) use bodies::Places;
 pub use body_events::{BodyCollisionEnded, BodyCollisionStarted};
 pub use colliding_entities::CollidingEntities;
 pub use collisions::Collisions;
@@ -39,6 +42,7 @@ pub use narrow::NarrowPhasePlugin;
 pub use pair::Collision;
 pub(crate) use pair::{ContactKey, ContactPair, SweptContact};
 pub use report::ReportPlugin;
+pub(crate) use saved::SavedContacts;
 pub use settings::{CollisionEventSettings, CollisionEventsEnabled, EventScope, ManifoldsEnabled};
 pub(crate) use verdicts::Verdicts;
 

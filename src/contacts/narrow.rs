@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::{
-    bodies::{Audience, Owners},
+    bodies::{Audience, Owners, Places},
     buckets::{Buckets, Found},
     find_manifolds::{find_manifolds, wants_manifolds},
     list::Contacts,
@@ -15,6 +15,7 @@ use super::{
 use crate::{
     broad_phase::{EVERYWHERE, Pair},
     collision_index::{Candidate, CandidatePairs, CollisionIndex},
+    collision_order::CollisionOrder,
     components::BroadPhaseProxy,
     counters::CollisionCounters,
     filters::Sensor,
@@ -211,7 +212,11 @@ fn test_some(
         let touch = tests.certainly_intersect(a, b, &mut workspace.counters)
             || index
                 .placed(ids)
-                .is_some_and(|[a, b]| tests.intersects(a, b, workspace));
+                .is_some_and(|[a, b]| {
+                    // What is rounded must not be up to handles either.
+                    let [a, b] = if index.is_in_order(ids) { [a, b] } else { [b, a] };
+                    tests.intersects(a, b, workspace)
+                });
         touching[count] = number;
         count += usize::from(touch);
     }
@@ -249,7 +254,7 @@ fn merge_verdicts(
     index: Res<CollisionIndex>,
     tests: Res<NarrowPhase>,
     (mut contacts, mut verdicts): (ResMut<Contacts>, ResMut<Verdicts>),
-    (parts, sensors): (Query<Part>, Query<(), With<Sensor>>),
+    (parts, sensors, orders): (Query<Part>, Query<(), With<Sensor>>, Query<&CollisionOrder>),
     (event_settings, enabled): (
         Res<CollisionEventSettings>,
         Query<(), With<CollisionEventsEnabled>>,
@@ -271,7 +276,16 @@ fn merge_verdicts(
             messages_for_all: event_settings.messages == EventScope::All,
             events_for_all: event_settings.observers == EventScope::All,
         };
-        contacts.merge_bodies(&owners, |part| sensors.contains(part), &audience);
+        let places = Places {
+            of_body: &|body| orders.get(body).ok().map(|order| order.0),
+            index: &index,
+        };
+        contacts.merge_bodies(
+            &owners,
+            |part| sensors.contains(part),
+            &places,
+            &audience,
+        );
     }
     counters.tick.contacts = contacts.len() as u64;
 }

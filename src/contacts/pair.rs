@@ -9,7 +9,7 @@ use bevy::prelude::*;
 
 use crate::{
     broad_phase::{Pair, ProxyId},
-    collision_index::CollisionIndex,
+    collision_index::{CollisionIndex, rank},
     filters::{self, CollisionLayers},
     narrow_phase::{Contact, TimedContact},
 };
@@ -17,8 +17,8 @@ use crate::{
 /// What tells a contact from others, and orders all of them: the two entities, and their handles in
 /// the index.
 ///
-/// Contacts are ordered by their entities, the lower index first, and not by handles: these depend
-/// on who else came and went. That the handles are part of it makes a contact a new one when one of
+/// Contacts are ordered by their entities, and not by handles: these depend on who else came and went.
+/// Which of the two is `a` is up to the order of [all](CollisionIndex::is_in_order). That the handles are part of it makes a contact a new one when one of
 /// the two was out of the index in between.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[type_path = "bevy_octree"]
@@ -31,14 +31,8 @@ pub(crate) struct ContactKey {
     pub(crate) ids: [ProxyId; 2],
 }
 
-/// The place of an entity in the order of all: by its index, and then by its generation.
-#[inline]
-pub(super) const fn rank(entity: Entity) -> u64 {
-    (entity.index_u32() as u64) << 32 | entity.generation().to_bits() as u64
-}
-
 impl ContactKey {
-    /// That of the two of a pair, in the order of their entities.
+    /// That of the two of a pair, in the order of all.
     ///
     /// # Panics
     /// If the pair is not of this index.
@@ -46,7 +40,7 @@ impl ContactKey {
     pub(crate) fn of(pair: Pair, index: &CollisionIndex) -> Self {
         let [a, b] = index.entities(pair);
         let ids = [pair.a, pair.b];
-        if rank(a) <= rank(b) {
+        if index.is_in_order(ids) {
             Self { a, b, ids }
         } else {
             Self {
@@ -62,10 +56,9 @@ impl ContactKey {
         Pair::new(self.ids[0], self.ids[1])
     }
 
-    /// Where it stands to the contact of two entities, in any order.
+    /// Where it stands to the contact of two entities, of which the first is its `a`.
     pub(super) fn cmp_entities(&self, [a, b]: [Entity; 2]) -> Ordering {
-        let (a, b) = (rank(a), rank(b));
-        (rank(self.a), rank(self.b)).cmp(&(a.min(b), a.max(b)))
+        (rank(self.a), rank(self.b)).cmp(&(rank(a), rank(b)))
     }
 }
 
@@ -148,7 +141,8 @@ pub(crate) struct SweptContact {
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[type_path = "bevy_octree"]
 pub struct Collision {
-    /// The entity that was asked about; of all contacts, the one with the lower index.
+    /// The entity that was asked about; of all contacts, the one with the lower index, or the lower
+    /// [`CollisionOrder`](crate::collision_order::CollisionOrder).
     pub a: Entity,
     /// The other one.
     pub b: Entity,

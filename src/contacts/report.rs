@@ -5,6 +5,7 @@ use std::{cmp::Ordering, iter::Peekable, slice};
 use bevy::prelude::*;
 
 use super::{
+    arrangement::place,
     bodies::BodyContacts,
     body_events::{
         BodyCollisionEnded, BodyCollisionStarted, some_bodies, trigger_body_events,
@@ -18,6 +19,7 @@ use super::{
     watched::{self, WatchedContact},
 };
 use crate::{
+    collision_index::CollisionIndex,
     counters::CollisionCounters,
     schedule::{CollisionSystems, add_to_tick},
 };
@@ -53,26 +55,40 @@ impl Plugin for ReportPlugin {
     }
 }
 
+/// What messages are about, put in order.
+#[derive(Default)]
+struct ToTell {
+    started: Vec<ContactPair>,
+    ended: Vec<ContactPair>,
+    in_time: Vec<CollisionStarted>,
+}
+
 fn write_messages(
     mut contacts: ResMut<Contacts>,
-    settings: Res<CollisionEventSettings>,
-    (mut scope_before, mut in_time): (Local<Option<EventScope>>, Local<Vec<CollisionStarted>>),
+    (settings, index): (Res<CollisionEventSettings>, Option<Res<CollisionIndex>>),
+    mut to_tell: Local<ToTell>,
     mut counters: ResMut<CollisionCounters>,
     mut started: MessageWriter<CollisionStarted>,
     mut ended: MessageWriter<CollisionEnded>,
 ) {
-    contacts.bypass_change_detection().note_reported();
+    let ToTell {
+        started: starts,
+        ended: ends,
+        in_time,
+    } = &mut *to_tell;
+    let scope = settings.messages;
+    let before = contacts.bypass_change_detection().note_reported(scope);
     let ledger = contacts.ledger();
     let (watched_before, watched) = (contacts.watched_before(), contacts.watched());
     let (bodies_before, bodies) = contacts.bodies_before_and_now();
     let before_with = |old: &ContactPair| seen_with(old, watched_before, bodies_before);
     let now_with = |new: &ContactPair| seen_with(new, watched, bodies);
+    let ordering = index.as_deref().filter(|index| index.is_ordered());
     // Counters are about contacts, whoever is told.
     counters.tick.ended += ledger.ended().len() as u64;
     counters.tick.started += ledger.started().len() as u64;
-    let scope = settings.messages;
-    let before = scope_before.replace(scope).unwrap_or(scope);
-    if (before, scope) == (EventScope::All, EventScope::All) {
+    let is_about_all = (before, scope) == (EventScope::All, EventScope::All);
+    if is_about_all && ordering.is_none() {
         let ends = ledger.ended().iter();
         ended.write_batch(ends.map(|old| before_with(old).heard().into()));
         let starts = ledger.started();
@@ -85,18 +101,30 @@ fn write_messages(
             in_time.extend(messages);
         }
     } else {
-        let mut told_before = Told::of(before, watched_before);
-        let mut told = Told::of(scope, watched);
-        for (old, new) in ledger.compare() {
-            match (
-                old.filter(|old| told_before.includes(old)),
-                new.filter(|new| told.includes(new)),
-            ) {
-                (Some(old), None) => _ = ended.write(before_with(old).heard().into()),
-                (None, Some(new)) => in_time.push(now_with(new).heard().into()),
-                _ => {}
+        if is_about_all {
+            ends.extend_from_slice(ledger.ended());
+            starts.extend_from_slice(ledger.started());
+        } else {
+            let mut told_before = Told::of(before, watched_before);
+            let mut told = Told::of(scope, watched);
+            for (old, new) in ledger.compare() {
+                match (
+                    old.filter(|old| told_before.includes(old)),
+                    new.filter(|new| told.includes(new)),
+                ) {
+                    (Some(old), None) => ends.push(*old),
+                    (None, Some(new)) => starts.push(*new),
+                    _ => {}
+                }
             }
         }
+        if let Some(index) = ordering {
+            ends.sort_by_cached_key(|contact| place(contact, index));
+            starts.sort_by_cached_key(|contact| place(contact, index));
+        }
+        ended.write_batch(ends.drain(..).map(|old| before_with(&old).heard().into()));
+        let starts = starts.drain(..);
+        in_time.extend(starts.map(|new| CollisionStarted::from(now_with(&new).heard())));
     }
     in_time.sort_by(earlier);
     started.write_batch(in_time.drain(..));
@@ -160,10 +188,14 @@ fn anything_watched(contacts: Res<Contacts>) -> bool {
 /// out, changes what is told in the next tick, and nothing in this one.
 fn trigger_events(
     world: &mut World,
-    mut ended: Local<Vec<CollisionEnded>>,
-    mut started: Local<Vec<CollisionStarted>>,
+    mut ended: Local<Vec<([u64; 2], CollisionEnded)>>,
+    mut started: Local<Vec<([u64; 2], CollisionStarted)>>,
 ) {
     let contacts = world.resource::<Contacts>();
+    let index = world.get_resource::<CollisionIndex>();
+    let place = |contact: &WatchedContact| {
+        index.map_or([0; 2], |index| place(&contact.contact, index))
+    };
     let (before, now) = (contacts.watched_before(), contacts.watched());
     let (bodies_before, bodies) = contacts.bodies_before_and_now();
     for (old, new) in compare(before, now, WatchedContact::key) {
@@ -173,22 +205,26 @@ fn trigger_events(
                 // It goes on for others, perhaps: the latest that is known.
                 (Some(old), None) => {
                     let (last, known) = new.map_or((old, bodies_before), |new| (new, bodies));
-                    ended.push(last.seen_from(side, known.bodies(&last.key())).into());
+                    let event = last.seen_from(side, known.bodies(&last.key()));
+                    ended.push((place(last), event.into()));
                 }
                 (None, Some(new)) => {
-                    started.push(new.seen_from(side, bodies.bodies(&new.key())).into());
+                    let event = new.seen_from(side, bodies.bodies(&new.key()));
+                    started.push((place(new), event.into()));
                 }
                 _ => {}
             }
         }
     }
-    started.sort_by(earlier);
-    for event in ended.drain(..) {
+    // The two sides of a contact stay as they are.
+    ended.sort_by_key(|(place, _)| *place);
+    started.sort_by(|(place_a, a), (place_b, b)| earlier(a, b).then(place_a.cmp(place_b)));
+    for (_, event) in ended.drain(..) {
         world.trigger(event);
         // What its observers asked for is done before those of the next.
         world.flush();
     }
-    for event in started.drain(..) {
+    for (_, event) in started.drain(..) {
         world.trigger(event);
         world.flush();
     }

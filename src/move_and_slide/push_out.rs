@@ -32,7 +32,7 @@ pub fn push_out(
         let mut touches: SmallVec<[Touch; 8]> = SmallVec::new();
         around.for_each_touch(&pose, |touch| touches.push(touch));
         // In an order that does not depend on handles.
-        touches.sort_unstable_by_key(|touch| touch.entity);
+        touches.sort_unstable_by_key(|touch| around.spatial.order_of(touch.entity));
         touches.retain(|touch| {
             if asked.contains(&touch.entity) {
                 return true;

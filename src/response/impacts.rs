@@ -28,9 +28,11 @@ use crate::{
 /// Two bodies meet, if neither changes course before.
 #[derive(Clone, Copy, Debug)]
 struct Meeting {
-    /// The two, in the order of their entities: handles decide neither who answers first nor how
-    /// numbers are rounded.
+    /// The two, in the order of all: handles decide neither who answers first nor how numbers are
+    /// rounded.
     key: ContactKey,
+    /// Where that stands among others, if entities have places of their own.
+    place: [u64; 2],
     /// When and how, in that order.
     met: TimedContact,
     /// How fast the two come nearer to each other, per tick.
@@ -51,6 +53,7 @@ impl Ord for Meeting {
             .time
             .total_cmp(&other.met.time)
             .then(self.closing.total_cmp(&other.closing))
+            .then(self.place.cmp(&other.place))
             .then(self.key.cmp(&other.key))
             .then(self.versions.cmp(&other.versions))
     }
@@ -189,6 +192,7 @@ impl Resolver {
             let [a, b] = key.ids.map(|id| index.moving(id));
             Some(Reverse(Meeting {
                 key,
+                place: index.places(key.ids),
                 met,
                 closing: closing(&a?, &b?, &met),
                 versions: [0; 2],
@@ -531,6 +535,7 @@ impl Resolver {
             let closing = closing(&a, &b, &met) / left;
             return Some(Meeting {
                 key,
+                place: index.places(key.ids),
                 met: met.after(from),
                 closing,
                 versions,
@@ -545,6 +550,7 @@ impl Resolver {
         };
         Some(Meeting {
             key,
+            place: index.places(key.ids),
             met,
             closing: 0.0,
             versions,

@@ -1,18 +1,23 @@
 //! The answers that a search ends with, so that no exact test is made twice.
 
-use crate::broad_phase::{Hit, ProxyId};
+use crate::broad_phase::{Hit, Proxies, ProxyId};
 
 /// The nearest answer so far, kept while the index looks for the nearest object, by the index's own
-/// rule: of several as far away, that of the lowest handle.
-pub(super) struct Best<T> {
+/// rule: of several as far away, the one that comes first in the [order](Proxies::order).
+pub(super) struct Best<'a, T> {
+    proxies: &'a Proxies,
     limit: f32,
     found: Option<(ProxyId, T)>,
 }
 
-impl<T> Best<T> {
+impl<'a, T> Best<'a, T> {
     /// Nothing yet, and nothing beyond `limit`.
-    pub(super) const fn within(limit: f32) -> Self {
-        Self { limit, found: None }
+    pub(super) const fn within(limit: f32, proxies: &'a Proxies) -> Self {
+        Self {
+            proxies,
+            limit,
+            found: None,
+        }
     }
 
     /// How far away a better answer is at most.
@@ -22,8 +27,10 @@ impl<T> Best<T> {
 
     /// Keeps an answer, if it is the best so far. Returns its distance then, for the index.
     pub(super) fn offer(&mut self, id: ProxyId, distance: f32, answer: T) -> Option<f32> {
+        let comes_first =
+            |(best, _): &(ProxyId, T)| self.proxies.order(id) < self.proxies.order(*best);
         let is_as_near =
-            distance == self.limit && self.found.as_ref().is_none_or(|(best, _)| id < *best);
+            distance == self.limit && self.found.as_ref().is_none_or(comes_first);
         let is_better = distance < self.limit || is_as_near;
         if is_better {
             (self.limit, self.found) = (distance, Some((id, answer)));
@@ -44,6 +51,7 @@ impl<T> Best<T> {
 
 /// The nearest few answers so far, nearest first, by the same rule.
 pub(super) struct BestFew<'a, T> {
+    proxies: &'a Proxies,
     /// At most so many, and at least one.
     k: usize,
     limit: f32,
@@ -52,17 +60,28 @@ pub(super) struct BestFew<'a, T> {
 
 impl<'a, T> BestFew<'a, T> {
     /// Nothing yet, and nothing beyond `limit`. They replace what is in `found`.
-    pub(super) fn within(k: usize, limit: f32, found: &'a mut Vec<(Hit, T)>) -> Self {
+    pub(super) fn within(
+        k: usize,
+        limit: f32,
+        proxies: &'a Proxies,
+        found: &'a mut Vec<(Hit, T)>,
+    ) -> Self {
         found.clear();
-        Self { k, limit, found }
+        Self {
+            proxies,
+            k,
+            limit,
+            found,
+        }
     }
 
     /// Keeps an answer, if it is one of the best so far.
     pub(super) fn offer(&mut self, hit: Hit, answer: T) {
         if hit.distance <= self.limit {
-            let is_before =
-                |(other, _): &(Hit, T)| (other.distance, other.proxy) < (hit.distance, hit.proxy);
-            let index = self.found.partition_point(is_before);
+            let proxies = self.proxies;
+            let index = self
+                .found
+                .partition_point(|(other, _)| other.is_before(&hit, proxies));
             if index < self.k {
                 self.found.truncate(self.k - 1);
                 self.found.insert(index, (hit, answer));

@@ -96,6 +96,6 @@ impl SpatialQuery<'_, '_> {
     ) {
         contacts.clear();
         self.for_each_shape_contact(shape, at, filter, |contact| contacts.push(contact));
-        contacts.sort_unstable_by(|a, b| b.depth.total_cmp(&a.depth).then(a.entity.cmp(&b.entity)));
+        contacts.sort_unstable_by(|a, b| b.depth.total_cmp(&a.depth).then_with(|| self.order_of(a.entity).cmp(&self.order_of(b.entity))));
     }
 }

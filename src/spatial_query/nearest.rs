@@ -46,7 +46,7 @@ impl SpatialQuery<'_, '_> {
         max_distance: f32,
         filter: &SpatialQueryFilter,
     ) -> Option<PointHit> {
-        let mut best = Best::within(max_distance);
+        let mut best = Best::within(max_distance, self.proxies());
         let nearest = self
             .index
             .index()
@@ -134,7 +134,7 @@ impl SpatialQuery<'_, '_> {
         hits[start..].sort_unstable_by(|a, b| {
             a.distance
                 .total_cmp(&b.distance)
-                .then(a.entity.cmp(&b.entity))
+                .then_with(|| self.order_of(a.entity).cmp(&self.order_of(b.entity)))
         });
     }
 
@@ -155,7 +155,7 @@ impl SpatialQuery<'_, '_> {
                 take(&mut scratch.closest_points),
             )
         });
-        let mut best = BestFew::within(k, max_distance, &mut answers);
+        let mut best = BestFew::within(k, max_distance, self.proxies(), &mut answers);
         self.index
             .index()
             .k_nearest_with(point, k, max_distance, &mut nearest, |proxy, _| {

@@ -64,7 +64,7 @@ impl SpatialQuery<'_, '_> {
         filter: &SpatialQueryFilter,
         entities: &mut Vec<Entity>,
     ) {
-        fill(entities, |found| {
+        self.fill(entities, |found| {
             self.for_each_box_intersection(aabb, filter, found);
         });
     }
@@ -98,7 +98,7 @@ impl SpatialQuery<'_, '_> {
         filter: &SpatialQueryFilter,
         entities: &mut Vec<Entity>,
     ) {
-        fill(entities, |found| {
+        self.fill(entities, |found| {
             self.for_each_sphere_intersection(center, radius, filter, found);
         });
     }
@@ -123,7 +123,7 @@ impl SpatialQuery<'_, '_> {
         filter: &SpatialQueryFilter,
         entities: &mut Vec<Entity>,
     ) {
-        fill(entities, |found| {
+        self.fill(entities, |found| {
             self.for_each_point_intersection(point, filter, found);
         });
     }
@@ -180,7 +180,7 @@ impl SpatialQuery<'_, '_> {
         filter: &SpatialQueryFilter,
         entities: &mut Vec<Entity>,
     ) {
-        fill(entities, |found| {
+        self.fill(entities, |found| {
             self.for_each_shape_intersection(shape, at, filter, found);
         });
     }
@@ -206,7 +206,7 @@ impl SpatialQuery<'_, '_> {
         filter: &SpatialQueryFilter,
         entities: &mut Vec<Entity>,
     ) {
-        fill(entities, |found| {
+        self.fill(entities, |found| {
             self.for_each_frustum_intersection(frustum, filter, found);
         });
     }
@@ -230,7 +230,7 @@ impl SpatialQuery<'_, '_> {
         filter: &SpatialQueryFilter,
         entities: &mut Vec<Entity>,
     ) {
-        fill(entities, |found| {
+        self.fill(entities, |found| {
             self.for_each_half_space_intersection(planes, filter, found);
         });
     }
@@ -246,11 +246,11 @@ impl SpatialQuery<'_, '_> {
             flow(body.is_none_or(|body| found(body.entity).goes_on()))
         });
     }
-}
 
-/// Fills a vector with all that a search finds, in an order that depends on nothing else.
-fn fill(entities: &mut Vec<Entity>, search: impl FnOnce(&mut dyn FnMut(Entity))) {
-    entities.clear();
-    search(&mut |entity| entities.push(entity));
-    entities.sort_unstable();
+    /// Fills a vector with all that a search finds, in an order that depends on nothing else.
+    fn fill(&self, entities: &mut Vec<Entity>, search: impl FnOnce(&mut dyn FnMut(Entity))) {
+        entities.clear();
+        search(&mut |entity| entities.push(entity));
+        self.sort(entities);
+    }
 }

@@ -98,7 +98,7 @@ impl SpatialQuery<'_, '_> {
     ) {
         pairs.clear();
         self.for_each_pair_within(distance, first, second, |near| pairs.push(near));
-        sort(pairs);
+        self.sort_pairs(pairs);
     }
 }
 
@@ -108,8 +108,8 @@ impl SpatialQuery<'_, '_> {
     /// farther apart than `distance`; it may return a [`ControlFlow`](std::ops::ControlFlow) to
     /// stop. Exact: see [`NarrowPhase::closest_points`](crate::narrow_phase::NarrowPhase::closest_points).
     ///
-    /// Each pair is told once, the lower handle in the
-    /// [`CollisionIndex`](crate::collision_index::CollisionIndex) first. Entities without an end
+    /// Each pair is told once, the entity with the lower index first, or that with the lower
+    /// [`CollisionOrder`](crate::collision_order::CollisionOrder). Entities without an end
     /// make none. Layers and ignore lists are not asked: the filter is, once about each entity.
     ///
     /// In an order that depends on the history of the index alone. One join of the index with
@@ -151,7 +151,8 @@ impl SpatialQuery<'_, '_> {
             let index = self.index.index();
             index.find_gaps(distance, |id| self.candidate(id, filter).is_some(), gaps);
             let near = |gap: &Gap| {
-                self.near(gap.a, gap.b)
+                let [a, b] = self.in_order([gap.a, gap.b]);
+                self.near(a, b)
                     .filter(|near| near.distance <= distance)
             };
             if !parallel::is_on() || gaps.len() <= PAIRS_PER_JOB {
@@ -181,7 +182,7 @@ impl SpatialQuery<'_, '_> {
     ) {
         pairs.clear();
         self.for_each_pair_among(distance, filter, |near| pairs.push(near));
-        sort(pairs);
+        self.sort_pairs(pairs);
     }
 }
 
@@ -205,6 +206,15 @@ impl SpatialQuery<'_, '_> {
         self.proximity(self.entry_of(a)?, self.entry_of(b)?)
     }
 
+    /// The two as they are told where either could come first.
+    fn in_order(&self, [a, b]: [ProxyId; 2]) -> [ProxyId; 2] {
+        if self.proxies().order(a) <= self.proxies().order(b) {
+            [a, b]
+        } else {
+            [b, a]
+        }
+    }
+
     fn near(&self, a: ProxyId, b: ProxyId) -> Option<PairHit> {
         self.proximity(self.index.body(a)?, self.index.body(b)?)
     }
@@ -224,13 +234,14 @@ impl SpatialQuery<'_, '_> {
             points,
         })
     }
-}
 
-/// Nearest first, those as near by ascending entities.
-fn sort(pairs: &mut [PairHit]) {
-    pairs.sort_unstable_by(|a, b| {
-        a.distance
-            .total_cmp(&b.distance)
-            .then((a.a, a.b).cmp(&(b.a, b.b)))
-    });
+    /// Nearest first, those as near by ascending entities.
+    fn sort_pairs(&self, pairs: &mut [PairHit]) {
+        let order = |pair: &PairHit| (self.order_of(pair.a), self.order_of(pair.b));
+        pairs.sort_unstable_by(|a, b| {
+            a.distance
+                .total_cmp(&b.distance)
+                .then_with(|| order(a).cmp(&order(b)))
+        });
+    }
 }

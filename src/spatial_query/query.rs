@@ -10,7 +10,7 @@ use bevy::{
 
 use super::filter::SpatialQueryFilter;
 use crate::{
-    broad_phase::ProxyId,
+    broad_phase::{Proxies, ProxyId},
     collision_index::{Body, CollisionIndex},
     components::BroadPhaseProxy,
     filters::Sensor,
@@ -194,6 +194,33 @@ impl SpatialQuery<'_, '_> {
         match id.filter(|id| self.index.is_entry_of(*id, entity)) {
             Some(id) => all.met_by(self.index.index().proxies().filter(id)),
             None => all,
+        }
+    }
+
+    pub(super) fn proxies(&self) -> &Proxies {
+        self.index.index().proxies()
+    }
+
+    /// Where an entity stands among those that are as near.
+    pub(crate) fn order_of(&self, entity: Entity) -> (u64, Entity) {
+        let order = || {
+            let id = self.entries.get(entity).ok()?.id()?;
+            Some(self.index.order_of(id, entity))
+        };
+        let order = if self.index.is_ordered() {
+            order()
+        } else {
+            None
+        };
+        (order.unwrap_or(0), entity)
+    }
+
+    /// Puts entities in their order.
+    pub(super) fn sort(&self, entities: &mut [Entity]) {
+        if self.index.is_ordered() {
+            entities.sort_by_cached_key(|entity| self.order_of(*entity));
+        } else {
+            entities.sort_unstable();
         }
     }
 

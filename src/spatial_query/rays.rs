@@ -168,7 +168,7 @@ impl SpatialQuery<'_, '_> {
         filter: &SpatialQueryFilter,
         options: &RayCastOptions,
     ) -> Option<RayHit> {
-        let mut best = Best::within(max_distance);
+        let mut best = Best::within(max_distance, self.proxies());
         let nearest =
             self.index
                 .index()
@@ -207,7 +207,7 @@ impl SpatialQuery<'_, '_> {
         hits.sort_unstable_by(|a, b| {
             a.distance
                 .total_cmp(&b.distance)
-                .then(a.entity.cmp(&b.entity))
+                .then_with(|| self.order_of(a.entity).cmp(&self.order_of(b.entity)))
         });
     }
 
@@ -388,7 +388,7 @@ impl SpatialQuery<'_, '_> {
         max_distance: f32,
         filter: &SpatialQueryFilter,
     ) -> Option<RayPassage> {
-        let mut best = Best::within(max_distance);
+        let mut best = Best::within(max_distance, self.proxies());
         let nearest =
             self.index
                 .index()
@@ -415,7 +415,7 @@ impl SpatialQuery<'_, '_> {
         passages.sort_unstable_by(|a, b| {
             a.start()
                 .total_cmp(&b.start())
-                .then(a.entity.cmp(&b.entity))
+                .then_with(|| self.order_of(a.entity).cmp(&self.order_of(b.entity)))
         });
     }
 

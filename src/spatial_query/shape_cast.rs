@@ -113,7 +113,7 @@ impl SpatialQuery<'_, '_> {
         filter: &SpatialQueryFilter,
         mut meet: impl FnMut(ProxyId, &Body, f32) -> Option<(f32, T)>,
     ) -> Option<T> {
-        let mut best = Best::within(max_distance);
+        let mut best = Best::within(max_distance, self.proxies());
         let nearest = self.index.index().cast_with(cast, |id, _| {
             let body = self.candidate(id, filter)?;
             let (distance, found) = meet(id, body, best.limit())?;
@@ -144,7 +144,7 @@ impl SpatialQuery<'_, '_> {
         hits.sort_unstable_by(|a, b| {
             a.distance
                 .total_cmp(&b.distance)
-                .then(a.entity.cmp(&b.entity))
+                .then_with(|| self.order_of(a.entity).cmp(&self.order_of(b.entity)))
         });
     }
 

@@ -1,6 +1,6 @@
 //! What a query finds.
 
-use crate::broad_phase::boxes::ProxyId;
+use crate::broad_phase::{boxes::ProxyId, proxy::Proxies};
 
 /// An object that a query found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,8 +13,10 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// Returns `true` if it is nearer than another, or as near and has the lower handle.
-    pub(super) fn is_before(&self, other: &Self) -> bool {
-        (self.distance, self.proxy) < (other.distance, other.proxy)
+    /// Returns `true` if it is nearer than another, or as near and comes [before](Proxies::order) it.
+    pub(crate) fn is_before(&self, other: &Self, proxies: &Proxies) -> bool {
+        let is_as_near = self.distance == other.distance;
+        self.distance < other.distance
+            || (is_as_near && proxies.order(self.proxy) < proxies.order(other.proxy))
     }
 }

@@ -164,7 +164,7 @@ impl SpatialIndex {
     }
 
     /// Returns the box nearest to a point, no farther than `max_distance`; of several as near, that
-    /// of the lowest handle. `None` too if the point is not finite, or `max_distance` negative or
+    /// of the lowest [order](Self::set_order), then handle. `None` too if the point is not finite, or `max_distance` negative or
     /// NaN.
     #[must_use]
     pub fn nearest(&self, point: impl Into<Vec3A>, max_distance: f32) -> Option<Hit> {
@@ -186,7 +186,7 @@ impl SpatialIndex {
     }
 
     /// Finds the `k` boxes nearest to a point, no farther than `max_distance`, nearest first, those
-    /// as near by ascending handle. They replace what is in `hits`, which grows to at most `k` and
+    /// as near by ascending [order](Self::set_order), then handle. They replace what is in `hits`, which grows to at most `k` and
     /// is yours to use again. Meant for a few: O(k) for each candidate.
     #[doc(alias = "knn")]
     pub fn k_nearest(
@@ -228,12 +228,13 @@ impl SpatialIndex {
         }
         let start = hits.len();
         let (measure, mut limit) = PointDistance::<true>::new(point.into(), max_distance);
+        let proxies = self.proxies();
         self.search(&measure, limit, |proxy, bound| {
             if let Some(distance) = distance(proxy, bound)
                 && distance <= limit
             {
                 let hit = Hit { proxy, distance };
-                let rank = hits[start..].partition_point(|other| other.is_before(&hit));
+                let rank = hits[start..].partition_point(|other| other.is_before(&hit, proxies));
                 if rank < k {
                     hits.truncate(start.saturating_add(k - 1));
                     hits.insert(start + rank, hit);
@@ -298,7 +299,7 @@ impl SpatialIndex {
                 && distance <= limit
             {
                 let hit = Hit { proxy, distance };
-                if best.is_none_or(|best| hit.is_before(&best)) {
+                if best.is_none_or(|best| hit.is_before(&best, self.proxies())) {
                     best = Some(hit);
                 }
             }

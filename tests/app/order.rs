@@ -1,0 +1,198 @@
+//! What comes of a tick does not depend on what entities are called, where they have an order of their own.
+
+use bevy::prelude::*;
+use bevy_octree::{broad_phase::BroadPhaseMethod, prelude::*};
+
+use crate::common;
+
+/// What somebody sees of a scene, by the numbers of its entities.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Seen {
+    contacts: Vec<(u64, u64, u32)>,
+    started: Vec<(u64, u64, u32)>,
+    ended: Vec<(u64, u64)>,
+    events: Vec<(u64, u64)>,
+    bodies: Vec<(u64, u64)>,
+    places: Vec<(u64, [u32; 3], [u32; 3])>,
+    nearest: Vec<u64>,
+}
+
+#[derive(Resource, Default)]
+struct Events(Vec<[Entity; 2]>);
+
+fn bits(vector: Vec3) -> [u32; 3] {
+    vector.to_array().map(f32::to_bits)
+}
+
+fn seen(app: &mut App) -> Seen {
+    let world = app.world_mut();
+    let mut numbers = world.query::<(Entity, &CollisionOrder)>();
+    let of: bevy::platform::collections::HashMap<_, _> =
+        numbers.iter(world).map(|(entity, order)| (entity, order.0)).collect();
+    let number = |entity: Entity| of.get(&entity).copied().unwrap_or(u64::MAX);
+    let mut places = world.query::<(&CollisionOrder, &Transform, Option<&Velocity>)>();
+    let mut places: Vec<_> = places
+        .iter(world)
+        .map(|(order, at, velocity)| {
+            let velocity = velocity.map_or(Vec3::ZERO, |velocity| velocity.0);
+            (order.0, bits(at.translation), bits(velocity))
+        })
+        .collect();
+    places.sort_unstable();
+    let started = world.resource_mut::<Messages<CollisionStarted>>().drain().collect::<Vec<_>>();
+    let ended = world.resource_mut::<Messages<CollisionEnded>>().drain().collect::<Vec<_>>();
+    let events = std::mem::take(&mut world.resource_mut::<Events>().0);
+    let mut state = bevy::ecs::system::SystemState::<SpatialQuery>::new(world);
+    let spatial = state.get(world).unwrap();
+    let mut nearest = Vec::new();
+    spatial.k_nearest(Vec3::ZERO, 30, 50.0, &SpatialQueryFilter::DEFAULT, &mut nearest);
+    let nearest = nearest.iter().map(|hit| number(hit.entity)).collect();
+    let contacts = world.resource::<Contacts>();
+    Seen {
+        contacts: contacts
+            .iter()
+            .map(|contact| (number(contact.a), number(contact.b), contact.time.to_bits()))
+            .collect(),
+        started: started
+            .iter()
+            .map(|start| (number(start.a), number(start.b), start.time.to_bits()))
+            .collect(),
+        ended: ended.iter().map(|end| (number(end.a), number(end.b))).collect(),
+        events: events.iter().map(|[a, b]| (number(*a), number(*b))).collect(),
+        bodies: contacts.body_pairs().map(|pair| (number(pair.a), number(pair.b))).collect(),
+        places,
+        nearest,
+    }
+}
+
+/// Balls by the dozen in a room, some swept, some with parts, of which many meet in one tick. `order` says in which
+/// order they are spawned.
+fn room(order: &[u64], method: BroadPhaseMethod) -> App {
+    let mut app = common::app(method);
+    app.init_resource::<Events>();
+    app.add_observer(|event: On<CollisionStarted>, mut events: ResMut<Events>| events.0.push([event.a, event.b]));
+    app.add_observer(|event: On<CollisionEnded>, mut events: ResMut<Events>| events.0.push([event.a, event.b]));
+    for number in order {
+        spawn(&mut app, *number);
+    }
+    app
+}
+
+/// So many there are.
+const COUNT: u64 = 150;
+
+fn spawn(app: &mut App, number: u64) -> Entity {
+    let order = CollisionOrder(number);
+    if number < 6 {
+        let axis = [Vec3::X, Vec3::Y, Vec3::Z][number as usize / 2] * if number % 2 == 0 { 1.0 } else { -1.0 };
+        let half_size = Vec3::splat(5.0) * (Vec3::ONE - axis.abs()) + axis.abs() * 0.5;
+        let wall = (CollisionShape::from_half_size(half_size), StaticShape, order);
+        return app.world_mut().spawn((wall, Transform::from_translation(axis * 5.0))).id();
+    }
+    // On a lattice, so that distances and times are alike.
+    let mut random = fastrand::Rng::with_seed(number);
+    let mut vector = |size: i32| Vec3::from_array([0; 3].map(|_| random.i32(-size..=size) as f32));
+    let (at, velocity) = (vector(3), vector(4) * 16.0);
+    let moving = (Velocity(velocity), Transform::from_translation(at), order);
+    let mut entity = app.world_mut().spawn(moving);
+    match number % 6 {
+        0 => entity.insert((CollisionShape::sphere(0.3), Bounce::Reflect { restitution: 1.0 }, Swept::default())),
+        1 => entity.insert((CollisionShape::cuboid(0.6, 0.6, 0.6), Bounce::Reverse)),
+        2 => entity.insert((
+            CollisionBody::default(),
+            Bounce::Reflect { restitution: 0.5 },
+            CollisionEventsEnabled,
+            children![
+                (CollisionShape::sphere(0.3), Transform::from_xyz(0.3, 0.0, 0.0), CollisionOrder(1000 + number)),
+                (CollisionShape::sphere(0.3), Transform::from_xyz(-0.3, 0.0, 0.0), CollisionOrder(2000 + number)),
+            ],
+        )),
+        3 => entity.insert((CollisionShape::cuboid(0.6, 0.6, 0.6), Bounce::Reflect { restitution: 1.0 }, CollisionEventsEnabled)),
+        4 => entity.insert((CollisionShape::capsule(0.2, 0.4), Bounce::Reflect { restitution: 0.8 }, Swept::default(), CollisionEventsEnabled)),
+        _ => entity.insert((CollisionShape::sphere(0.3), Sensor)),
+    };
+    entity.id()
+}
+
+/// As many numbers, shuffled.
+fn shuffled(seed: u64) -> Vec<u64> {
+    let mut numbers: Vec<_> = (0..COUNT).collect();
+    fastrand::Rng::with_seed(seed).shuffle(&mut numbers);
+    numbers
+}
+
+#[test]
+fn the_order_of_spawning_decides_nothing() {
+    let methods = [
+        BroadPhaseMethod::default(),
+        BroadPhaseMethod::Exhaustive,
+        BroadPhaseMethod::ObjectOctree(default()),
+    ];
+    let mut rooms: Vec<_> = methods.into_iter().zip([None, Some(1), Some(2)]).map(|(method, seed)| {
+        let order = seed.map_or_else(|| (0..COUNT).collect(), shuffled);
+        room(&order, method)
+    }).collect();
+    let mut told = 0;
+    for tick in 0..300 {
+        let mut all = rooms.iter_mut().map(|app| {
+            app.update();
+            seen(app)
+        });
+        let first = all.next().unwrap();
+        told += first.started.len() + first.events.len() + first.bodies.len();
+        assert!(first.started.is_sorted_by_key(|(a, b, time)| (f32::from_bits(*time), *a.min(b), *a.max(b)).0));
+        for other in all {
+            assert_eq!(first, other, "in tick {tick}");
+        }
+        // Some go, and come back, in another order in each.
+        if tick % 10 == 9 {
+            for (number, app) in rooms.iter_mut().enumerate() {
+                respawn(app, tick, number % 2 == 0);
+            }
+        }
+    }
+    assert!(told > 1000, "{told} are told");
+}
+
+/// Despawns a few, and spawns them where they began, in one order or the other.
+fn respawn(app: &mut App, tick: u64, reversed: bool) {
+    let mut numbers: Vec<_> = (0..7).map(|i| 6 + (tick * 13 + i * 17) % (COUNT - 6)).collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    if reversed {
+        numbers.reverse();
+    }
+    let world = app.world_mut();
+    let mut all = world.query::<(Entity, &CollisionOrder)>();
+    let gone: Vec<_> = all.iter(world).filter(|(_, order)| numbers.contains(&order.0)).map(|(entity, _)| entity).collect();
+    gone.into_iter().for_each(|entity| _ = app.world_mut().despawn(entity));
+    numbers.into_iter().for_each(|number| _ = spawn(app, number));
+}
+
+#[test]
+fn another_number_is_another_contact() {
+    let mut app = common::app(BroadPhaseMethod::default());
+    let [a, b] = [(5, 0.0), (6, 0.5)].map(|(number, x)| {
+        app.world_mut().spawn((CollisionShape::default(), CollisionOrder(number), Transform::from_xyz(x, 0.0, 0.0))).id()
+    });
+    app.update();
+    let pair = |app: &App| app.world().resource::<Contacts>().iter().map(|contact| [contact.a, contact.b]).collect::<Vec<_>>();
+    assert_eq!(pair(&app), [[a, b]]);
+    app.world_mut().entity_mut(a).insert(CollisionOrder(7));
+    app.update();
+    assert_eq!(pair(&app), [[b, a]]);
+    // Either way they are found.
+    let contacts = app.world().resource::<Contacts>();
+    assert!(contacts.contains(a, b) && contacts.contains(b, a));
+    assert_eq!(contacts.between(a, b).unwrap().b, b);
+    // The same number again changes nothing.
+    let id = |app: &App| app.world().get::<bevy_octree::components::BroadPhaseProxy>(a).unwrap().id();
+    let before = id(&app);
+    app.world_mut().entity_mut(a).insert(CollisionOrder(7));
+    app.update();
+    assert_eq!(id(&app), before);
+    // Without one, it stands where its entity does.
+    app.world_mut().entity_mut(a).remove::<CollisionOrder>();
+    app.update();
+    assert_eq!(pair(&app).len(), 1);
+}
