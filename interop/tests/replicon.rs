@@ -14,10 +14,6 @@ use bevy_replicon::{
 use fastrand::Rng;
 use serde::{Deserialize, Serialize};
 
-/// What everybody knows an entity by.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-struct Number(u64);
-
 /// Components of this crate as they are sent.
 macro_rules! sent_as {
     ($($component:ty, $sent:ident($data:ty): $to:expr, $from:expr;)*) => {$(
@@ -96,7 +92,7 @@ fn app(role: Role) -> App {
         geometry: EventScope::All,
         ..default()
     })
-    .replicate::<Number>()
+    .replicate::<CollisionOrder>()
     .replicate::<ShapeDescription>()
     .replicate::<Transform>()
     .replicate::<ChildOf>()
@@ -196,7 +192,7 @@ impl Game {
 
     fn spawn(&mut self, bundle: impl Bundle) -> Entity {
         self.next += 1;
-        let all = (Replicated, Number(self.next), bundle);
+        let all = (Replicated, CollisionOrder(self.next), bundle);
         self.server.world_mut().spawn(all).id()
     }
 
@@ -255,31 +251,23 @@ impl Game {
     }
 }
 
-/// All contacts, with the numbers of the two, and where they touch as seen from the lower.
+/// All contacts in their order, with the numbers of the two, and how they touch.
 fn contacts(app: &mut App) -> Vec<([u64; 2], [u32; 4])> {
-    let numbers = app.world_mut().query::<&Number>();
+    let numbers = app.world_mut().query::<&CollisionOrder>();
     let world = app.world();
     let number = |entity| {
-        numbers
-            .get_manual(world, entity)
-            .map_or(0, |number| number.0)
+        let number = numbers.get_manual(world, entity);
+        number.map_or(0, |number| number.0)
     };
     let contacts = world.resource::<Contacts>().iter().map(|collision| {
-        let (a, b) = (number(collision.a), number(collision.b));
-        let collision = if a < b {
-            collision
-        } else {
-            collision.reversed()
-        };
         let normal = collision
             .contact
             .map_or(Vec3::ZERO, |contact| contact.normal);
         let [x, y, z] = normal.to_array().map(f32::to_bits);
-        ([a.min(b), a.max(b)], [collision.time.to_bits(), x, y, z])
+        let who = [number(collision.a), number(collision.b)];
+        (who, [collision.time.to_bits(), x, y, z])
     });
-    let mut contacts: Vec<_> = contacts.collect();
-    contacts.sort_unstable();
-    contacts
+    contacts.collect()
 }
 
 /// Only who touches whom.

@@ -3,7 +3,10 @@
 use bevy::{platform::collections::HashMap, prelude::*};
 use bevy_ggrs::prelude::*;
 use bevy_ggrs::{LocalInputs, LocalPlayers, RollbackFrameCount};
-use bevy_octree::{motion::CollisionClock, prelude::*, swept::SweptWay};
+use bevy_octree::{
+    prelude::*,
+    rollback::{CollisionSnapshot, RestoreSystems, RollbackPlugin},
+};
 use fastrand::Rng;
 use serde::{Deserialize, Serialize};
 
@@ -40,18 +43,14 @@ impl Keys {
     }
 }
 
-/// What everybody knows an entity by, on all machines.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Number(pub u64);
-
 /// The number of what is spawned next.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct NextNumber(pub u64);
 
 impl NextNumber {
-    pub const fn take(&mut self) -> Number {
+    pub const fn take(&mut self) -> CollisionOrder {
         self.0 += 1;
-        Number(self.0)
+        CollisionOrder(self.0)
     }
 }
 
@@ -106,13 +105,18 @@ impl Plugin for ArenaPlugin {
                 geometry: EventScope::All,
                 ..default()
             })
-            .add_plugins((OctreePlugins::new(GgrsSchedule), story::StoryPlugin))
+            .add_plugins((
+                OctreePlugins::new(GgrsSchedule),
+                RollbackPlugin,
+                story::StoryPlugin,
+            ))
             .add_systems(Startup, (spawning::build, spawning::populate).chain())
             .add_systems(ReadInputs, read_keys)
             .add_systems(
                 GgrsSchedule,
                 (steer, fall, spawning::respawn, spawning::meddle)
                     .chain()
+                    .after(RestoreSystems)
                     .before(CollisionSystems::First),
             )
             .add_systems(
@@ -131,7 +135,6 @@ fn roll_back(app: &mut App) {
         .rollback_component_with_clone::<Velocity>()
         .rollback_component_with_clone::<Bounce>()
         .rollback_component_with_clone::<Swept>()
-        .rollback_component_with_clone::<SweptWay>()
         .rollback_component_with_clone::<CollisionLayers>()
         .rollback_immutable_component_with_clone::<CollisionBody>()
         .rollback_component_with_clone::<KinematicCharacter>()
@@ -139,9 +142,10 @@ fn roll_back(app: &mut App) {
         .rollback_component_with_clone::<CharacterHits>()
         .update_component_with_map_entities::<CharacterHits>()
         .rollback_component_with_clone::<PositionTrack>()
-        .rollback_resource_with_clone::<CollisionClock>();
+        .rollback_resource_with_clone::<CollisionSnapshot>()
+        .update_resource_with_map_entities::<CollisionSnapshot>();
     // What the game has.
-    app.rollback_component_with_copy::<Number>()
+    app.rollback_immutable_component_with_copy::<CollisionOrder>()
         .rollback_component_with_copy::<Player>()
         .rollback_component_with_copy::<Bullet>()
         .rollback_component_with_copy::<Armour>()
@@ -161,13 +165,18 @@ fn read_keys(mut commands: Commands, frame: Res<RollbackFrameCount>, players: Re
 
 fn steer(
     mut commands: Commands,
-    mut players: Query<(&Number, &mut Player, &mut KinematicCharacter, &Transform)>,
+    mut players: Query<(
+        &CollisionOrder,
+        &mut Player,
+        &mut KinematicCharacter,
+        &Transform,
+    )>,
     keys: Res<PlayerInputs<Game>>,
     frame: Res<RollbackFrameCount>,
     time: Res<Time>,
     mut next: ResMut<NextNumber>,
 ) {
-    for (_, mut player, mut character, place) in players.iter_mut().sort::<&Number>() {
+    for (_, mut player, mut character, place) in players.iter_mut().sort::<&CollisionOrder>() {
         let (keys, _) = keys[player.handle];
         let way = Vec3::new(
             keys.axis(Keys::RIGHT, Keys::LEFT),

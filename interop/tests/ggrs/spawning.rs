@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_ggrs::prelude::*;
 use bevy_octree::{motion::Outside, prelude::*};
 
-use crate::arena::{Armour, Bullet, Falling, Kind, Luck, NextNumber, Number, Player};
+use crate::arena::{Armour, Bullet, Falling, Kind, Luck, NextNumber, Player};
 
 collision_layers! {
     enum Layer { Solid, Ghost }
@@ -169,7 +169,10 @@ fn spawn(commands: &mut Commands, kind: Kind, next: &mut NextNumber, luck: &mut 
 }
 
 /// One of those of which there are some, the same on all machines.
-fn one_of<T: Ord + Copy>(all: impl Iterator<Item = (Number, T)>, luck: &mut Luck) -> Option<T> {
+fn one_of<T: Ord + Copy>(
+    all: impl Iterator<Item = (CollisionOrder, T)>,
+    luck: &mut Luck,
+) -> Option<T> {
     let mut all: Vec<_> = all.collect();
     all.sort();
     luck.0.choice(all).map(|(_, one)| one)
@@ -178,8 +181,8 @@ fn one_of<T: Ord + Copy>(all: impl Iterator<Item = (Number, T)>, luck: &mut Luck
 /// From time to time, something happens to somebody.
 pub fn meddle(
     mut commands: Commands,
-    kinds: Query<(Entity, &Number, &Kind)>,
-    parts: Query<(Entity, &Number), With<ChildOf>>,
+    kinds: Query<(Entity, &CollisionOrder, &Kind)>,
+    parts: Query<(Entity, &CollisionOrder), With<ChildOf>>,
     mut luck: ResMut<Luck>,
 ) {
     let of_kind = |kind| {

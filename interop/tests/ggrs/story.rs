@@ -5,14 +5,14 @@ use std::{
     hash::{Hash, Hasher},
 };
 
-use bevy::{prelude::*, transform::TransformSystems};
+use bevy::{ecs::entity::EntityHashMap, prelude::*, transform::TransformSystems};
 use bevy_ggrs::{
     ChecksumPart, GgrsSchedule, RollbackDespawned, RollbackFrameCount, SaveWorld, SaveWorldSystems,
     checksum_hasher,
 };
 use bevy_octree::{motion::CollisionClock, prelude::*};
 
-use crate::arena::{Armour, Number};
+use crate::arena::Armour;
 
 /// What is said of somebody, in a form in which it can be compared.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -55,6 +55,8 @@ impl Plugin for StoryPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Stories>()
             .init_resource::<Told>()
+            .init_resource::<Numbers>()
+            .add_observer(note_number)
             .add_systems(
                 GgrsSchedule,
                 listen
@@ -66,11 +68,22 @@ impl Plugin for StoryPlugin {
     }
 }
 
-/// The numbers of all, those on their way out included.
-type Numbers<'w, 's> = Query<'w, 's, &'static Number, Allow<RollbackDespawned>>;
+/// The numbers of all that have ever been there: who is gone is still talked about.
+#[derive(Resource, Debug, Default)]
+struct Numbers(EntityHashMap<u64>);
+
+fn note_number(
+    insert: On<Insert, CollisionOrder>,
+    orders: Query<&CollisionOrder, Allow<RollbackDespawned>>,
+    mut numbers: ResMut<Numbers>,
+) {
+    if let Ok(order) = orders.get(insert.entity) {
+        numbers.0.insert(insert.entity, order.0);
+    }
+}
 
 fn numbers_of(numbers: &Numbers, both: [Entity; 2]) -> [u64; 2] {
-    both.map(|entity| numbers.get(entity).map_or(u64::MAX, |number| number.0))
+    both.map(|entity| numbers.0.get(&entity).copied().unwrap_or(u64::MAX))
 }
 
 /// Listens to all that is told in a tick.
@@ -79,7 +92,7 @@ fn listen(
     mut ended: MessageReader<CollisionEnded>,
     mut bodies_started: MessageReader<BodyCollisionStarted>,
     mut bodies_ended: MessageReader<BodyCollisionEnded>,
-    numbers: Numbers,
+    numbers: Res<Numbers>,
     mut told: ResMut<Told>,
 ) {
     let line = |what, both| Line {
@@ -103,7 +116,7 @@ fn listen(
 }
 
 type Teller<'a> = (
-    &'a Number,
+    &'a CollisionOrder,
     &'a Transform,
     Option<&'a Velocity>,
     Option<&'a Armour>,
@@ -117,7 +130,7 @@ fn bits<const N: usize>(numbers: [f32; N]) -> impl Iterator<Item = u32> {
 
 fn tell(
     entities: Query<Teller>,
-    numbers: Numbers,
+    numbers: Res<Numbers>,
     contacts: Res<Contacts>,
     told: Res<Told>,
     clock: Res<CollisionClock>,
@@ -175,9 +188,6 @@ fn tell(
         bits: Vec::new(),
     });
     story.retain(|line| counted.0.contains(&line.what));
-    if std::env::var_os("SORTED").is_some() {
-        story.sort();
-    }
 
     let mut hasher = checksum_hasher();
     story.hash(&mut hasher);
