@@ -104,8 +104,9 @@ fn update_roots(
         Err(_) => {
             for (entity, shape, transform, mut aabb, mut proxy) in &mut roots {
                 let is_outdated = shape.is_changed() || proxy.is_changed();
-                let has_moved =
-                    || transform.is_changed() && !proxy.is_box_at(aabb.last_changed(), &transform);
+                let has_moved = || {
+                    transform.is_changed() && !proxy.is_box_at(aabb.last_changed(), &transform)
+                };
                 if is_outdated || has_moved() {
                     *aabb = world_aabb(&tests, entity, &shape, &transform);
                     let placed = Placed::new(&shape, &transform);
@@ -158,8 +159,9 @@ fn update_table(tests: &NarrowPhase, (entities, shapes, transforms, boxes, proxi
                 let (shape, transform) = (&shapes[row], &transforms[row]);
                 let is_reshaped = since.changed(reshaped[row]);
                 let is_outdated = is_reshaped || since.changed(outdated[row]);
-                let has_moved =
-                    || since.changed(moved[row]) && !proxies[row].is_box_at(boxed[row], transform);
+                let has_moved = || {
+                    since.changed(moved[row]) && !proxies[row].is_box_at(boxed[row], transform)
+                };
                 if is_outdated || has_moved() {
                     boxes[row] = world_aabb(tests, entities[row], shape, transform);
                     boxed[row] = since.this_run();

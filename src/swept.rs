@@ -147,6 +147,7 @@ use bevy::{
     math::primitives::HalfSpace,
     prelude::*,
 };
+use serde::{Deserialize, Serialize};
 
 use crate::{
     bounds,
@@ -191,8 +192,8 @@ pub use crate::way::SweptWay;
     "swept",
     "sweep test"
 ))]
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
-#[reflect(Component, Clone, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect, Serialize, Deserialize)]
+#[reflect(Component, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 #[require(SweptWay)]
 #[component(on_insert = begin_anew, on_discard = shrink_box)]
@@ -214,8 +215,8 @@ pub struct Swept {
 /// what it hits.
 ///
 /// [`Bounce`]: crate::response::Bounce
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize)]
+#[reflect(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 pub enum AtSolid {
     /// It bounces if it has a [`Bounce`](crate::response::Bounce), and passes through if it has none.

@@ -4,6 +4,7 @@ use bevy::{
     ecs::{lifecycle::HookContext, system::RegisteredSystemError, world::DeferredWorld},
     prelude::*,
 };
+use serde::{Deserialize, Serialize};
 
 use super::mask::LayerMask;
 use crate::{
@@ -25,8 +26,8 @@ use crate::{
     "collision matrix",
     "physics layers"
 ))]
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
-#[reflect(Component, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect, Serialize, Deserialize)]
+#[reflect(Component, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 #[component(on_remove = has_no_layers)]
 pub struct CollisionLayers {

@@ -4,6 +4,7 @@ use bevy::{
     ecs::{lifecycle::HookContext, world::DeferredWorld},
     prelude::*,
 };
+use serde::{Deserialize, Serialize};
 
 use crate::components::change_filter;
 
@@ -19,8 +20,8 @@ use crate::components::change_filter;
     "StaticBody3D",
     "immovable"
 ))]
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Component, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize)]
+#[reflect(Component, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 #[component(on_insert = is_static, on_remove = is_not_static)]
 pub struct StaticShape;
@@ -40,8 +41,8 @@ pub struct StaticShape;
     "hurtbox",
     "Area3D"
 ))]
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Component, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize)]
+#[reflect(Component, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 pub struct Sensor;
 
@@ -87,8 +88,8 @@ pub struct Sensor;
 ///
 /// [`CollidingEntities`]: crate::contacts::CollidingEntities
 /// [`Collisions::of`]: crate::contacts::Collisions::of
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Component, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize)]
+#[reflect(Component, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 #[component(on_insert = is_detector, on_remove = is_no_detector)]
 #[doc(alias("one-way", "one way", "monitoring", "area", "trigger"))]

@@ -1,11 +1,12 @@
 //! Which tick it is.
 
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Counts ticks from zero: the runs of the schedule that the plugins are in. After tick
 /// [`u64::MAX`], it is zero again.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Resource, Debug, Default, PartialEq)]
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize)]
+#[reflect(Resource, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 pub struct CollisionClock {
     tick: u64,

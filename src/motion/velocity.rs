@@ -1,6 +1,7 @@
 //! Velocities, and what moves by them.
 
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::{step::MotionSettings, track::PositionTrack};
 
@@ -13,8 +14,8 @@ use super::{step::MotionSettings, track::PositionTrack};
 ///
 /// The report gives each object a direction and a speed; this is their product. A velocity that is
 /// not finite moves nothing, with a warning in the log.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect, Deref, DerefMut)]
-#[reflect(Component, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect, Deref, DerefMut, Serialize, Deserialize)]
+#[reflect(Component, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 #[require(Transform)]
 #[doc(alias("linear velocity", "speed"))]
@@ -23,8 +24,8 @@ pub struct Velocity(pub Vec3);
 /// Marks an entity whose [`Velocity`] says how it moves, but which something else moves: a system
 /// of your own, a physics engine. Contacts change the velocity all the same.
 #[doc(alias("kinematic", "kinematic body"))]
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Component, Clone, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize)]
+#[reflect(Component, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 pub struct MovedElsewhere;
 

@@ -7,6 +7,7 @@ use bevy::{
     },
     prelude::*,
 };
+use serde::{Deserialize, Serialize};
 
 use crate::{
     broad_phase::PairFilter,
@@ -19,8 +20,8 @@ use crate::{
 ///
 /// It is immutable: insert another to change it.
 #[doc(alias("rigid body", "compound", "ship", "vehicle", "compound collider"))]
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Component, Clone, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize)]
+#[reflect(Component, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
 #[component(immutable, on_add = count, on_insert = look_again, on_remove = discount)]
 #[require(Transform)]

@@ -1,6 +1,7 @@
 //! The rule: what a contact does to the velocities of two.
 
 use bevy::{math::DVec3, prelude::*};
+use serde::{Deserialize, Serialize};
 
 /// Says how an entity's [`Velocity`](crate::motion::Velocity) answers to contacts.
 ///
@@ -92,9 +93,9 @@ use bevy::{math::DVec3, prelude::*};
     "elasticity",
     "coefficient of restitution"
 ))]
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect, Serialize, Deserialize)]
 #[type_path = "bevy_octree"]
-#[reflect(Component, Debug, Default, PartialEq)]
+#[reflect(Component, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Bounce {
     /// The velocity is reversed, once per tick at most, however many contacts there are (Swan 1994,
     /// section 1.2).

@@ -7,11 +7,11 @@ use crate::common;
 
 /// What somebody sees of a scene, by the numbers of its entities.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Seen {
-    contacts: Vec<(u64, u64, u32)>,
-    started: Vec<(u64, u64, u32)>,
-    ended: Vec<(u64, u64)>,
-    events: Vec<(u64, u64)>,
+pub struct Seen {
+    pub contacts: Vec<(u64, u64, u32)>,
+    pub started: Vec<(u64, u64, u32)>,
+    pub ended: Vec<(u64, u64)>,
+    pub events: Vec<(u64, u64)>,
     bodies: Vec<(u64, u64)>,
     places: Vec<(u64, [u32; 3], [u32; 3])>,
     nearest: Vec<u64>,
@@ -24,7 +24,7 @@ fn bits(vector: Vec3) -> [u32; 3] {
     vector.to_array().map(f32::to_bits)
 }
 
-fn seen(app: &mut App) -> Seen {
+pub fn seen(app: &mut App) -> Seen {
     let world = app.world_mut();
     let mut numbers = world.query::<(Entity, &CollisionOrder)>();
     let of: bevy::platform::collections::HashMap<_, _> =
@@ -65,10 +65,19 @@ fn seen(app: &mut App) -> Seen {
     }
 }
 
+/// An app that may go back in time, which the log of others takes amiss.
+pub fn plain_app(method: BroadPhaseMethod) -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)))
+        .insert_resource(MotionSettings { step: Step::Seconds(1.0 / 64.0) });
+    app.world_mut().resource_mut::<BroadPhaseSettings>().method = method;
+    app
+}
+
 /// Balls by the dozen in a room, some swept, some with parts, of which many meet in one tick. `order` says in which
 /// order they are spawned.
-fn room(order: &[u64], method: BroadPhaseMethod) -> App {
-    let mut app = common::app(method);
+pub fn room(order: &[u64], method: BroadPhaseMethod) -> App {
+    let mut app = plain_app(method);
     app.init_resource::<Events>();
     app.add_observer(|event: On<CollisionStarted>, mut events: ResMut<Events>| events.0.push([event.a, event.b]));
     app.add_observer(|event: On<CollisionEnded>, mut events: ResMut<Events>| events.0.push([event.a, event.b]));
@@ -79,9 +88,9 @@ fn room(order: &[u64], method: BroadPhaseMethod) -> App {
 }
 
 /// So many there are.
-const COUNT: u64 = 150;
+pub const COUNT: u64 = 150;
 
-fn spawn(app: &mut App, number: u64) -> Entity {
+pub fn spawn(app: &mut App, number: u64) -> Entity {
     let order = CollisionOrder(number);
     if number < 6 {
         let axis = [Vec3::X, Vec3::Y, Vec3::Z][number as usize / 2] * if number % 2 == 0 { 1.0 } else { -1.0 };
@@ -115,7 +124,7 @@ fn spawn(app: &mut App, number: u64) -> Entity {
 }
 
 /// As many numbers, shuffled.
-fn shuffled(seed: u64) -> Vec<u64> {
+pub fn shuffled(seed: u64) -> Vec<u64> {
     let mut numbers: Vec<_> = (0..COUNT).collect();
     fastrand::Rng::with_seed(seed).shuffle(&mut numbers);
     numbers
@@ -155,7 +164,7 @@ fn the_order_of_spawning_decides_nothing() {
 }
 
 /// Despawns a few, and spawns them where they began, in one order or the other.
-fn respawn(app: &mut App, tick: u64, reversed: bool) {
+pub fn respawn(app: &mut App, tick: u64, reversed: bool) {
     let mut numbers: Vec<_> = (0..7).map(|i| 6 + (tick * 13 + i * 17) % (COUNT - 6)).collect();
     numbers.sort_unstable();
     numbers.dedup();

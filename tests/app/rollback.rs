@@ -1,0 +1,192 @@
+//! Who goes back in time and simulates again has what one has who never did.
+
+use bevy::{
+    ecs::entity::{EntityHashMap, MapEntities},
+    platform::collections::HashMap,
+    prelude::*,
+};
+use bevy_octree::{
+    broad_phase::BroadPhaseMethod,
+    prelude::*,
+    rollback::{CollisionSnapshot, RollbackPlugin},
+};
+
+use crate::order::{self, COUNT, Seen, plain_app, seen};
+
+/// A state of all: the components of each by its number, and the snapshot, with the numbers of its entities.
+#[derive(Clone)]
+struct Saved {
+    all: HashMap<u64, (Transform, Option<Velocity>)>,
+    numbers: EntityHashMap<u64>,
+    snapshot: CollisionSnapshot,
+}
+
+/// Only what is spawned by number: parts come with their bodies.
+fn is_whole(number: u64) -> bool {
+    number < COUNT
+}
+
+fn save(app: &mut App) -> Saved {
+    let world = app.world_mut();
+    let mut all = world.query::<(Entity, &CollisionOrder, &Transform, Option<&Velocity>)>();
+    let all: Vec<_> = all
+        .iter(world)
+        .map(|(entity, order, at, velocity)| (entity, order.0, *at, velocity.copied()))
+        .collect();
+    Saved {
+        numbers: all.iter().map(|(entity, number, ..)| (*entity, *number)).collect(),
+        all: all
+            .into_iter()
+            .filter(|(_, number, ..)| is_whole(*number))
+            .map(|(_, number, at, velocity)| (number, (at, velocity)))
+            .collect(),
+        snapshot: world.resource::<CollisionSnapshot>().clone(),
+    }
+}
+
+fn entities(app: &mut App) -> HashMap<u64, Entity> {
+    let world = app.world_mut();
+    let mut all = world.query::<(Entity, &CollisionOrder)>();
+    all.iter(world).map(|(entity, order)| (order.0, entity)).collect()
+}
+
+/// Goes back: who has come since goes, who has gone is spawned again, under another name.
+fn restore(app: &mut App, saved: &Saved) {
+    for (number, entity) in entities(app) {
+        if is_whole(number) && !saved.all.contains_key(&number) {
+            app.world_mut().despawn(entity);
+        }
+    }
+    let there = entities(app);
+    let mut missing: Vec<_> = saved.all.keys().filter(|number| !there.contains_key(*number)).collect();
+    missing.sort_unstable();
+    missing.into_iter().for_each(|number| _ = order::spawn(app, *number));
+    let there = entities(app);
+    for (number, (at, velocity)) in &saved.all {
+        let mut entity = app.world_mut().entity_mut(there[number]);
+        entity.insert(*at);
+        velocity.map(|velocity| _ = entity.insert(velocity));
+    }
+    let mut snapshot = saved.snapshot.clone();
+    let mut names: EntityHashMap<Entity> =
+        saved.numbers.iter().map(|(entity, number)| (*entity, there[number])).collect();
+    snapshot.map_entities(&mut names);
+    app.insert_resource(snapshot);
+}
+
+/// What everybody does in a tick: some go and come, one is steered.
+fn act(app: &mut App, tick: u64, push: Vec3) {
+    if tick % 11 == 10 {
+        order::respawn(app, tick, false);
+    }
+    let number = 6 + tick * 7 % (COUNT - 6);
+    let entity = entities(app)[&number];
+    if let Some(mut velocity) = app.world_mut().get_mut::<Velocity>(entity) {
+        velocity.0 += push;
+    }
+}
+
+fn input(tick: u64) -> Vec3 {
+    Vec3::new((tick as f32).sin(), (tick as f32 * 0.7).cos(), 0.5).round() * 4.0
+}
+
+fn step(app: &mut App, tick: u64, push: Vec3) -> Seen {
+    act(app, tick, push);
+    app.update();
+    seen(app)
+}
+
+fn client(order: &[u64]) -> App {
+    let mut app = order::room(order, BroadPhaseMethod::default());
+    app.add_plugins(RollbackPlugin);
+    app
+}
+
+#[test]
+fn who_goes_back_has_what_one_has_who_never_did() {
+    let mut straight = client(&(0..COUNT).collect::<Vec<_>>());
+    let mut other = client(&order::shuffled(3));
+    // What the other knew at the start of each of the last ticks.
+    let mut history: Vec<Saved> = Vec::new();
+    let (mut told, mut wrong) = (0, 0);
+    for tick in 0..150 {
+        let expected = step(&mut straight, tick, input(tick));
+        told += expected.started.len() + expected.ended.len() + expected.events.len();
+        history.push(save(&mut other));
+        // What it thought to be going on.
+        let foreseen = step(&mut other, tick, Vec3::ZERO);
+        wrong += usize::from(foreseen != expected);
+        let back = tick.min(7);
+        if tick % 4 == 3 {
+            // Now it knows better.
+            history.truncate(history.len() - back as usize);
+            restore(&mut other, history.last().unwrap());
+            for again in tick - back..=tick {
+                if again > tick - back {
+                    history.push(save(&mut other));
+                }
+                let now = step(&mut other, again, input(again));
+                if again == tick {
+                    assert_eq!(now, expected, "in tick {tick}");
+                }
+            }
+        }
+    }
+    assert!(told > 1000 && wrong > 75, "{told} told, {wrong} wrong");
+}
+
+#[test]
+fn a_restore_without_a_change_tells_nothing() {
+    let mut app = client(&order::shuffled(5));
+    (0..20).for_each(|tick| _ = step(&mut app, tick, input(tick)));
+    let mut again = client(&order::shuffled(5));
+    (0..20).for_each(|tick| _ = step(&mut again, tick, input(tick)));
+    // Once one goes back to where it is.
+    let saved = save(&mut again);
+    assert!(saved.snapshot.contacts() > 10);
+    restore(&mut again, &saved);
+    for tick in 20..30 {
+        let [expected, now] = [&mut app, &mut again].map(|app| step(app, tick, input(tick)));
+        assert_eq!(expected, now, "in tick {tick}");
+    }
+    let taken = app.world().resource::<CollisionSnapshot>();
+    assert_eq!(taken, again.world().resource::<CollisionSnapshot>());
+    assert_eq!(taken.tick(), 30);
+}
+
+#[test]
+fn what_is_gone_ends_and_what_began_since_never_was() {
+    let mut app = plain_app(BroadPhaseMethod::default());
+    app.add_plugins(RollbackPlugin);
+    let [a, b, c] = [0.0, 0.5, 9.0].map(|x| {
+        app.world_mut().spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0))).id()
+    });
+    let tick = |app: &mut App| {
+        app.update();
+        let world = app.world_mut();
+        let started: Vec<_> = world.resource_mut::<Messages<CollisionStarted>>().drain().map(|told| [told.a, told.b]).collect();
+        let ended: Vec<_> = world.resource_mut::<Messages<CollisionEnded>>().drain().map(|told| [told.a, told.b]).collect();
+        (started, ended)
+    };
+    assert_eq!(tick(&mut app), (vec![[a, b]], vec![]));
+    let saved = app.world().resource::<CollisionSnapshot>().clone();
+    // One comes, and is in contact with both; then it never was.
+    app.world_mut().entity_mut(c).insert(Transform::default());
+    assert_eq!(tick(&mut app), (vec![[a, c], [b, c]], vec![]));
+    app.world_mut().entity_mut(c).insert(Transform::from_xyz(9.0, 0.0, 0.0));
+    app.insert_resource(saved.clone());
+    assert_eq!(tick(&mut app), (vec![], vec![]));
+    // What starts again is told again.
+    app.world_mut().entity_mut(c).insert(Transform::default());
+    assert_eq!(tick(&mut app), (vec![[a, c], [b, c]], vec![]));
+    // What is gone for good, ends.
+    app.world_mut().despawn(b);
+    app.world_mut().entity_mut(c).insert(Transform::from_xyz(9.0, 0.0, 0.0));
+    app.insert_resource(saved);
+    assert_eq!(tick(&mut app), (vec![], vec![[a, b]]));
+    assert_eq!(tick(&mut app), (vec![], vec![]));
+    // To before the first tick: nothing was in contact.
+    app.insert_resource(CollisionSnapshot::default());
+    app.world_mut().entity_mut(c).insert(Transform::default());
+    assert_eq!(tick(&mut app), (vec![[a, c]], vec![]));
+}
