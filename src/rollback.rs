@@ -48,6 +48,7 @@ use crate::{
     collision_order::CollisionOrder,
     components::BroadPhaseProxy,
     contacts::{Contacts, Places, SavedContacts},
+    hierarchy,
     motion::CollisionClock,
     schedule::{CollisionSystems, add_to_tick, expect_ticks},
     swept,
@@ -71,7 +72,8 @@ impl Plugin for RollbackPlugin {
                 .in_set(RestoreSystems)
                 .before(CollisionSystems::First);
             // By then, all who are there have their handles.
-            let restore_contacts = restore_contacts
+            // Whoever is disabled may have been in contact.
+            let restore_contacts = hierarchy::see_disabled(app.world_mut(), restore_contacts)
                 .after(CollisionSystems::Maintenance)
                 .before(CharacterSystems)
                 .before(CollisionSystems::BroadPhase)

@@ -22,6 +22,8 @@ use std::hash::{Hash, Hasher};
 type Game = GgrsConfig<u8, usize>;
 
 const FRAMES: i32 = 600;
+/// How many frames a player may be ahead of what is known of the other.
+const WINDOW: usize = 12;
 
 /// Who is steered by which player.
 #[derive(Component)]
@@ -68,6 +70,8 @@ fn main() -> ExitCode {
 fn peer(network: &LossyNetwork, own: usize) -> App {
     let other = 1 - own;
     let session = SessionBuilder::<Game>::new()
+        .with_input_delay(2)
+        .with_max_prediction_window(WINDOW)
         .with_desync_detection_mode(DesyncDetection::On { interval: 1 })
         .add_player(PlayerType::Local, own)
         .and_then(|session| session.add_player(PlayerType::Remote(other), other))
