@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use bevy::{
-    ecs::{archetype::Archetype, change_detection::Tick, component::ComponentId},
+    ecs::{archetype::Archetype, change_detection::Tick, component::ComponentId, entity::EntityHashMap},
     math::{
         bounding::{Aabb3d, BoundingVolume},
         primitives::HalfSpace,
@@ -53,6 +53,10 @@ pub struct CollisionIndex {
     /// Has one of them ever had a place of its own in the order of all?
     #[reflect(ignore)]
     is_ordered: bool,
+    /// The places of those who had one of their own and are gone, of the last time and the time before:
+    /// contacts with them are yet to end, here or once they are restored.
+    #[reflect(ignore)]
+    gone: [EntityHashMap<u64>; 2],
     /// By proxy index, as far as there are any: where the ways of swept bodies begin.
     #[reflect(ignore)]
     starts: Vec<Option<Transform>>,
@@ -87,6 +91,7 @@ impl Default for CollisionIndex {
             entities: Vec::new(),
             fits: Vec::new(),
             is_ordered: false,
+            gone: Default::default(),
             starts: Vec::new(),
             highest_entity: 0,
             search: 0,
@@ -97,6 +102,9 @@ impl Default for CollisionIndex {
         }
     }
 }
+
+/// For how many ticks at least the places of who is gone are known: for longer than anybody goes back.
+const TICKS_REMEMBERED: u64 = 512;
 
 /// The place of an entity in the order of all, if it has none of its own: by its index, and then by its
 /// generation.
@@ -273,8 +281,19 @@ impl CollisionIndex {
         if self.is_entry_of(id, entity) {
             self.order(id)
         } else {
-            rank(entity)
+            self.order_of_gone(entity).unwrap_or(rank(entity))
         }
+    }
+
+    /// Takes note of the place of an entity that may be gone soon.
+    pub(crate) fn remember_order(&mut self, entity: Entity, order: u64) {
+        self.gone[0].insert(entity, order);
+    }
+
+    /// The place of its own that an entity had which is gone, unless that is long ago.
+    pub(crate) fn order_of_gone(&self, entity: Entity) -> Option<u64> {
+        let mut gone = self.gone.iter();
+        gone.find_map(|gone| gone.get(&entity).copied())
     }
 
     /// Its place in the order of all, if entities have places of their own.
@@ -444,6 +463,10 @@ impl CollisionIndex {
         candidates.0.extend_from_slice(pairs.moving());
         self.listed = candidates.last_changed();
         self.search += 1;
+        if self.search.is_multiple_of(TICKS_REMEMBERED) {
+            self.gone.swap(0, 1);
+            self.gone[0].clear();
+        }
         self.searched_at = self.index.updates();
         self.moved_at_search.clear();
     }
@@ -541,6 +564,12 @@ impl CollisionIndex {
     }
 
     pub(crate) fn remove(&mut self, id: ProxyId) {
+        if self.is_ordered {
+            let (entity, order) = (self.entities[id.index()], self.order(id));
+            if order != rank(entity) {
+                self.remember_order(entity, order);
+            }
+        }
         self.index.remove(id);
     }
 

@@ -84,6 +84,12 @@ fn enter_anew(mut world: DeferredWorld, HookContext { entity, .. }: HookContext)
 }
 
 fn leave(mut world: DeferredWorld, HookContext { entity, .. }: HookContext) {
+    // Bodies without a shape are not in the index.
+    if let Some(CollisionOrder(order)) = world.get(entity).copied()
+        && let Some(mut index) = world.get_resource_mut::<CollisionIndex>()
+    {
+        index.remember_order(entity, order);
+    }
     components::leave(&mut world, entity);
 }
 

@@ -43,10 +43,12 @@ use bevy::{
 };
 
 use crate::{
+    character::CharacterSystems,
     collision_index::CollisionIndex,
     collision_order::CollisionOrder,
     components::BroadPhaseProxy,
     contacts::{Contacts, Places, SavedContacts},
+    hierarchy,
     motion::CollisionClock,
     schedule::{CollisionSystems, add_to_tick, expect_ticks},
     swept,
@@ -66,10 +68,14 @@ impl Plugin for RollbackPlugin {
             .init_resource::<Restoring>()
             .register_type::<CollisionSnapshot>();
         add_to_tick(app, |app, schedule| {
-            let restore_state = restore_state.in_set(CollisionSystems::First);
+            let restore_state = restore_state
+                .in_set(RestoreSystems)
+                .before(CollisionSystems::First);
             // By then, all who are there have their handles.
-            let restore_contacts = restore_contacts
+            // Whoever is disabled may have been in contact.
+            let restore_contacts = hierarchy::see_disabled(app.world_mut(), restore_contacts)
                 .after(CollisionSystems::Maintenance)
+                .before(CharacterSystems)
                 .before(CollisionSystems::BroadPhase)
                 .run_if(|restoring: Res<Restoring>| restoring.0);
             let take = take_snapshot
@@ -83,6 +89,12 @@ impl Plugin for RollbackPlugin {
         expect_ticks(app, "RollbackPlugin");
     }
 }
+
+/// Where a snapshot that was put back is taken up: ways of [swept](crate::swept::Swept) entities and the clock, before
+/// [`First`](CollisionSystems::First). Systems of your own that come before `First` and put entities elsewhere, or ask
+/// the clock, are to come after this.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct RestoreSystems;
 
 /// What the outcome of the next tick depends on beside components of yours: which contacts are open and
 /// whom was told, where the ways of [swept](crate::swept::Swept) entities begin, and the number of the tick.

@@ -169,7 +169,8 @@ pub(crate) struct Places<'a> {
 impl Places<'_> {
     fn of(&self, body: Entity) -> Place {
         let rank = rank(body);
-        ((self.of_body)(body).unwrap_or(rank), rank)
+        let own = (self.of_body)(body).or_else(|| self.index.order_of_gone(body));
+        (own.unwrap_or(rank), rank)
     }
 
     /// Where two stand among others, and from which of their sides they are seen.
