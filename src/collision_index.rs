@@ -3,7 +3,9 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use bevy::{
-    ecs::{archetype::Archetype, change_detection::Tick, component::ComponentId, entity::EntityHashMap},
+    ecs::{
+        archetype::Archetype, change_detection::Tick, component::ComponentId, entity::EntityHashMap,
+    },
     math::{
         bounding::{Aabb3d, BoundingVolume},
         primitives::HalfSpace,
