@@ -34,6 +34,7 @@ mod mesh_floors;
 mod mesh_scenes;
 #[cfg(feature = "mesh")]
 mod mesh_shapes;
+mod model;
 mod move_and_slide;
 mod neighbors;
 mod part_histories;
