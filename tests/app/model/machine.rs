@@ -154,15 +154,20 @@ impl Machine {
             Step::TickWith(gap, op) => {
                 let sabotage = Sabotage(Some((usize::from(*gap), op.clone())));
                 self.app.insert_resource(sabotage);
-                self.tick(&[]);
+                // Who messages are for may change after they were written.
+                self.run(&[]);
             }
         }
     }
 
-    fn tick(&mut self, skipped: &[CollisionSystems]) {
+    fn run(&mut self, skipped: &[CollisionSystems]) {
         interrupted::skip(&mut self.app, skipped);
         self.app.insert_resource(Acted(false));
         self.app.update();
+    }
+
+    fn tick(&mut self, skipped: &[CollisionSystems]) {
+        self.run(skipped);
         // Neither list may hold what is in no contact, however little was done in the tick.
         if !skipped.contains(&CollisionSystems::Report) {
             self.check_told();
