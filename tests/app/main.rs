@@ -20,6 +20,7 @@ mod debug_draw;
 mod detectors;
 mod diagnostics;
 mod documentation;
+mod extremes;
 mod faults;
 mod filters;
 mod first_hits;
