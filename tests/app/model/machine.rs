@@ -76,6 +76,8 @@ impl Add for Seen {
 
 pub struct Machine {
     app: App,
+    /// Was it changed who messages are for, since the last whole tick? That is told by the next.
+    is_rescoped: bool,
 }
 
 impl Machine {
@@ -130,10 +132,16 @@ impl Machine {
                 "{pair:?} ended and had not started, observers are told"
             );
         });
-        Self { app }
+        Self {
+            app,
+            is_rescoped: false,
+        }
     }
 
     pub fn step(&mut self, step: &Step) {
+        if let Step::Do(Op::Messages(_)) | Step::TickWith(_, Op::Messages(_)) = step {
+            self.is_rescoped = true;
+        }
         match step {
             Step::Do(op) => apply(self.app.world_mut(), op),
             Step::Tick => {
@@ -169,7 +177,8 @@ impl Machine {
     fn tick(&mut self, skipped: &[CollisionSystems]) {
         self.run(skipped);
         // Neither list may hold what is in no contact, however little was done in the tick.
-        if !skipped.contains(&CollisionSystems::Report) {
+        self.is_rescoped &= !skipped.is_empty();
+        if !skipped.contains(&CollisionSystems::Report) && !self.is_rescoped {
             self.check_told();
         }
     }
