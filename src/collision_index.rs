@@ -493,6 +493,12 @@ impl CollisionIndex {
         self.search
     }
 
+    /// What tells this index from all others.
+    #[inline]
+    pub(crate) const fn number(&self) -> u64 {
+        self.number
+    }
+
     /// Has the next search find all pairs, those in which nothing moved too.
     pub(crate) fn search_all(&mut self) {
         self.index.touch_all();

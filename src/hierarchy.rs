@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use bevy::{
     ecs::{
+        archetype::Archetype,
         entity_disabling::{DefaultQueryFilters, Disabled},
         query::{QueryData, QueryFilter},
         system::System,
@@ -83,12 +84,20 @@ pub(crate) fn pose_in_world(
 }
 
 /// Makes the queries of a system see entities that are disabled too, by whatever component.
-pub(crate) fn see_disabled<S: IntoSystem<(), (), M>, M>(world: &mut World, system: S) -> S::System {
+pub(crate) fn see_disabled<S: IntoSystem<(), Out, M>, Out: 'static, M>(
+    world: &mut World,
+    system: S,
+) -> S::System {
     let mut system = IntoSystem::into_system(system);
     without_filters(world, |world| {
         system.initialize(world);
     });
     system
+}
+
+/// Is an entity of this archetype disabled? For systems that [`see_disabled`] entities.
+pub(crate) fn is_disabled(archetype: &Archetype, filters: Option<&DefaultQueryFilters>) -> bool {
+    filters.is_some_and(|filters| filters.disabling_ids().any(|id| archetype.contains(id)))
 }
 
 /// Queries that are made while there are no filters never have any.

@@ -95,6 +95,19 @@ use crate::{
 /// app.update();
 /// assert_eq!(app.world().get::<Velocity>(cube).unwrap().0, Vec3::ZERO);
 /// ```
+///
+/// # When something goes wrong
+///
+/// A resource of the crate that is taken away is one for Bevy's error handler, which panics unless
+/// [`App::set_error_handler`] was told otherwise: systems that need it do not run. Once it is there
+/// again, or another, the second tick is right at the latest. Hooks and
+/// [`update_spatial_index`](crate::spatial_query::update_spatial_index) do without it. Bevy's
+/// `World::clear_entities` takes all resources, so that nothing is left to tick.
+///
+/// A panic in an observer or a system breaks off the tick, and Bevy does not run the schedule again;
+/// all entities, contacts and the index stay as they were, to be asked or taken elsewhere. A panic in
+/// a hook, while something is spawned or despawned between ticks, breaks nothing but what is done to
+/// that entity.
 #[derive(Clone, Debug)]
 pub struct OctreePlugins {
     schedule: InternedScheduleLabel,

@@ -2,8 +2,9 @@
 
 use bevy::{
     ecs::{
+        archetype::Archetype,
         component::Mutable,
-        entity_disabling::Disabled,
+        entity_disabling::{DefaultQueryFilters, Disabled},
         query::{QueryData, QueryFilter},
     },
     math::DAffine3,
@@ -43,17 +44,19 @@ type Parts<'a, C> = (
     &'a C,
     &'a mut <C as Caster>::Hits,
     Option<&'a InCollisionWorld>,
-    Has<Disabled>,
+    &'a Archetype,
 );
 
 type Item<'a, 'w, 's, C> = <Parts<'a, C> as QueryData>::Item<'w, 's>;
 
-/// A disabled entity meets nothing, and its hits say so.
+/// A disabled entity meets nothing, and its hits say so. For a system that [sees
+/// it](hierarchy::see_disabled).
 pub(super) fn cast<C: Caster>(
     mut casters: Query<Parts<C>, Allow<Disabled>>,
     links: Query<Link, Allow<Disabled>>,
     parents: Query<&ChildOf, Allow<Disabled>>,
     bodies: Query<(), (With<CollisionBody>, Allow<Disabled>)>,
+    filters: Option<Res<DefaultQueryFilters>>,
     spatial: SpatialQuery,
 ) {
     let parent = |entity| parents.get(entity).ok().map(ChildOf::parent);
@@ -66,8 +69,9 @@ pub(super) fn cast<C: Caster>(
             .find(|entity| bodies.contains(*entity))
     };
     let renew = |caster: Item<'_, '_, '_, C>| {
-        let (entity, caster, mut hits, world, is_disabled) = caster;
+        let (entity, caster, mut hits, world, archetype) = caster;
         let has_changed = hits.bypass_change_detection().renew(|hits| {
+            let is_disabled = hierarchy::is_disabled(archetype, filters.as_deref());
             let filter = caster.filter().filter(|_| !is_disabled);
             if let Some(filter) = filter
                 && let Some(pose) = pose(entity, &links)

@@ -56,7 +56,10 @@ pub use hits::{RayHits, ShapeHits};
 pub use ray::RayCaster;
 pub use shape::ShapeCaster;
 
-use crate::schedule::{CollisionSystems, add_to_tick};
+use crate::{
+    hierarchy::see_disabled,
+    schedule::{CollisionSystems, add_to_tick},
+};
 
 /// The set of systems that cast what [`RayCaster`]s and [`ShapeCaster`]s say: between
 /// [`Response`](CollisionSystems::Response) and [`Report`](CollisionSystems::Report).
@@ -81,7 +84,11 @@ impl Plugin for CasterPlugin {
             let place = CasterSystems
                 .after(CollisionSystems::Response)
                 .before(CollisionSystems::Report);
-            let cast = (cast::cast::<RayCaster>, cast::cast::<ShapeCaster>);
+            let world = app.world_mut();
+            let cast = (
+                see_disabled(world, cast::cast::<RayCaster>),
+                see_disabled(world, cast::cast::<ShapeCaster>),
+            );
             app.configure_sets(schedule, place)
                 .add_systems(schedule, cast.in_set(CasterSystems));
         });

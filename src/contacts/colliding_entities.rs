@@ -1,12 +1,16 @@
 //! The entities that an entity is in contact with, as a component of its own.
 
 use bevy::{
-    ecs::{entity::EntityHashSet, entity_disabling::Disabled},
+    ecs::{
+        archetype::Archetype,
+        entity::EntityHashSet,
+        entity_disabling::{DefaultQueryFilters, Disabled},
+    },
     prelude::*,
 };
 
 use super::list::Contacts;
-use crate::{components::BroadPhaseProxy, parts::CollisionBody};
+use crate::{components::BroadPhaseProxy, hierarchy, parts::CollisionBody};
 
 /// The entities that this entity is in contact with, as far as it hears of them (see
 /// [`Detector`](crate::filters::Detector)). Add it to entities that are to have it; it is
@@ -36,20 +40,27 @@ type Lists<'a> = (
     Entity,
     &'a mut CollidingEntities,
     Option<&'a BroadPhaseProxy>,
+    Has<CollisionBody>,
+    &'a Archetype,
 );
 
 pub(super) fn is_in_use(lists: Query<(), (With<CollidingEntities>, Allow<Disabled>)>) -> bool {
     !lists.is_empty()
 }
 
-/// A disabled entity touches nothing, and its list says so.
+/// A disabled entity touches nothing, and its list says so. For a system that [sees
+/// it](hierarchy::see_disabled).
 pub(super) fn follow_contacts(
     contacts: Res<Contacts>,
-    bodies: Query<(), With<CollisionBody>>,
+    filters: Option<Res<DefaultQueryFilters>>,
     mut lists: Query<Lists, Allow<Disabled>>,
 ) {
-    for (entity, mut list, proxy) in &mut lists {
-        if bodies.contains(entity) {
+    for (entity, mut list, proxy, is_body, archetype) in &mut lists {
+        if hierarchy::is_disabled(archetype, filters.as_deref()) {
+            update(&mut list, std::iter::empty);
+            continue;
+        }
+        if is_body {
             let others = || {
                 let pairs = contacts.body_pairs();
                 pairs.filter_map(move |pair| {

@@ -56,6 +56,9 @@ pub struct Contacts {
     arrangement: Arrangement,
     /// The search for pairs that they are the verdicts on, by its number in the index.
     search: u64,
+    /// Which index that was.
+    #[reflect(ignore)]
+    index: u64,
     /// The state of the index then, if it was that of the search.
     #[reflect(ignore)]
     state: Option<IndexState>,
@@ -345,7 +348,7 @@ impl Contacts {
     /// Are the contacts the verdicts on some other search than the last one of this index? If so,
     /// none of them can be kept: what moved since is not known.
     pub(super) const fn are_out_of_step(&self, index: &CollisionIndex) -> bool {
-        self.search != index.search()
+        self.search != index.search() || self.index != index.number()
     }
 
     /// Brings the contacts up to date with the verdicts of a tick, which are all new; of last
@@ -358,7 +361,7 @@ impl Contacts {
         index: &CollisionIndex,
         geometry: impl FnMut(&ContactKey) -> Option<Contact>,
     ) {
-        self.search = search;
+        (self.search, self.index) = (search, index.number());
         self.by_object.take();
         self.handles.take();
         let had_news = self.all.has_news();

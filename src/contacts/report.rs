@@ -21,6 +21,7 @@ use super::{
 use crate::{
     collision_index::CollisionIndex,
     counters::CollisionCounters,
+    hierarchy::see_disabled,
     schedule::{CollisionSystems, add_to_tick},
 };
 
@@ -36,12 +37,15 @@ impl Plugin for ReportPlugin {
             .add_message::<BodyCollisionStarted>()
             .add_message::<BodyCollisionEnded>();
         add_to_tick(app, |app, schedule| {
+            let world = app.world_mut();
+            let lists_are_in_use = see_disabled(world, is_in_use);
+            let follow_contacts = see_disabled(world, follow_contacts);
             // Observers come last, so that they find everything else up to date, and see no change
             // but their own.
             let report = (
                 write_messages,
                 write_body_messages.run_if(some_bodies),
-                follow_contacts.run_if(is_in_use),
+                follow_contacts.run_if(lists_are_in_use),
                 trigger_events.run_if(anything_watched),
                 trigger_body_events.run_if(some_bodies),
                 note_bodies_reported.run_if(some_bodies),

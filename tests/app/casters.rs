@@ -60,6 +60,7 @@ fn assert_near(found: &[(Entity, f32)], expected: &[(Entity, f32)]) {
 #[test]
 fn the_nearest_few_are_met() {
     let mut app = new_app();
+    app.world_mut().register_disabling_component::<Parked>();
     let cubes = row(&mut app, Vec3::NEG_Z, 4);
     let all = [0, 1, 2, 3].map(|i| (cubes[i], 1.5 + 2.0 * i as f32));
     let caster = spawn(&mut app, RayCaster::default());
@@ -102,6 +103,43 @@ fn the_nearest_few_are_met() {
     app.world_mut().entity_mut(caster).insert(Disabled);
     tick(&mut app, 1);
     assert_eq!(met(&app, caster), []);
+    // By another component than Bevy's.
+    app.world_mut().entity_mut(caster).remove::<Disabled>();
+    tick(&mut app, 1);
+    assert_eq!(met(&app, caster), all[1..2]);
+    app.world_mut().entity_mut(caster).insert(Parked);
+    tick(&mut app, 1);
+    assert_eq!(met(&app, caster), []);
+}
+
+/// Disables, as `Disabled` does.
+#[derive(Component)]
+struct Parked;
+
+/// What is disabled, by whatever component, is still where it is, and so is what hangs on it.
+#[test]
+fn what_hangs_on_something_disabled_casts_from_where_it_is() {
+    let mut app = new_app();
+    app.world_mut().register_disabling_component::<Parked>();
+    let ahead = row(&mut app, Vec3::X, 1)[0];
+    let ship = spawn(&mut app, Transform::from_xyz(-3.0, 0.0, 0.0));
+    let gun = spawn(
+        &mut app,
+        (ChildOf(ship), RayCaster::new(Vec3::ZERO, Dir3::X)),
+    );
+    tick(&mut app, 1);
+    let before = met(&app, gun);
+    assert_eq!(before.len(), 1);
+    assert_eq!(before[0].0, ahead);
+    app.world_mut().entity_mut(ship).insert(Disabled);
+    tick(&mut app, 1);
+    assert_eq!(met(&app, gun), before);
+    app.world_mut()
+        .entity_mut(ship)
+        .remove::<Disabled>()
+        .insert(Parked);
+    tick(&mut app, 1);
+    assert_eq!(met(&app, gun), before);
 }
 
 /// As everything that hangs on something, in the very tick in which that moves.

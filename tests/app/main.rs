@@ -20,6 +20,8 @@ mod debug_draw;
 mod detectors;
 mod diagnostics;
 mod documentation;
+mod extremes;
+mod faults;
 mod filters;
 mod first_hits;
 mod hierarchies;
@@ -34,6 +36,7 @@ mod mesh_floors;
 mod mesh_scenes;
 #[cfg(feature = "mesh")]
 mod mesh_shapes;
+mod model;
 mod move_and_slide;
 mod neighbors;
 mod order;

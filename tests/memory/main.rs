@@ -6,6 +6,7 @@ mod allocator;
 #[path = "../common/mod.rs"]
 mod common;
 mod counted;
+mod soak;
 mod swept;
 mod walking;
 
