@@ -97,7 +97,7 @@ fn mend(
 
 /// Lists that are worked with, kept for the next tick.
 #[derive(Default)]
-struct Memory {
+pub(crate) struct Memory {
     jobs: Vec<Job>,
     /// Who is decided about one by one.
     left: Vec<Entity>,
@@ -106,7 +106,7 @@ struct Memory {
 
 /// What is in the index already and has moved is brought up to date table by table, side by side;
 /// all else, which comes, goes, or has another shape by now, is left, and decided about one by one.
-fn maintain(
+pub(crate) fn maintain(
     mut index: ResMut<CollisionIndex>,
     (settings, tests, upkeep): (Res<BroadPhaseSettings>, Res<NarrowPhase>, Res<Upkeep>),
     mut boxes: Query<Boxed, With<BroadPhaseProxy>>,

@@ -43,12 +43,12 @@ use bevy::{
 };
 
 use crate::{
-    character::CharacterSystems,
     collision_index::CollisionIndex,
     collision_order::CollisionOrder,
     components::BroadPhaseProxy,
     contacts::{Contacts, Places, SavedContacts},
     hierarchy,
+    maintenance::maintain,
     motion::CollisionClock,
     schedule::{CollisionSystems, add_to_tick, expect_ticks},
     swept,
@@ -71,12 +71,10 @@ impl Plugin for RollbackPlugin {
             let restore_state = restore_state
                 .in_set(RestoreSystems)
                 .before(CollisionSystems::First);
-            // By then, all who are there have their handles.
-            // Whoever is disabled may have been in contact.
+            // By then, all who are there have their handles. Whoever is disabled may have been in contact.
             let restore_contacts = hierarchy::see_disabled(app.world_mut(), restore_contacts)
-                .after(CollisionSystems::Maintenance)
-                .before(CharacterSystems)
-                .before(CollisionSystems::BroadPhase)
+                .in_set(CollisionSystems::Maintenance)
+                .after(maintain)
                 .run_if(|restoring: Res<Restoring>| restoring.0);
             let take = take_snapshot
                 .after(CollisionSystems::Last)

@@ -18,6 +18,7 @@ use bevy_octree::{
         NarrowPhasePlugin, ReportPlugin, ScenePlugin, SweptPlugin,
     },
     prelude::*,
+    rollback::RollbackPlugin,
 };
 
 use crate::{common::SETS, hook::NoGhosts};
@@ -45,6 +46,7 @@ fn app_with(group: PluginGroupBuilder) -> App {
         TransformPlugin,
         group,
         CollisionDiagnosticsPlugin,
+        RollbackPlugin,
         PairHookPlugin::<NoGhosts>::default(),
         PairHookPlugin::<Nobody>::default(),
     ));

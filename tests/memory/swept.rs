@@ -36,7 +36,7 @@ fn memory_stays_flat() {
         wall(&mut one, Vec3::X * x, Vec3::new(0.1, 5.0, 5.0));
     }
     ball(&mut one, Vec3::ZERO, Vec3::X * 2.0, Swept::default());
-    let [early, late] = early_and_late(&mut one, 20_000);
+    let [early, late] = early_and_late(&mut one, 5_000);
     assert!(late <= early * 1.01, "one ball: {early} bytes, then {late}");
     drop(one);
 
@@ -61,7 +61,7 @@ fn memory_stays_flat() {
             _ => ball(&mut many, center, velocity, ()),
         }
     }
-    let [early, late] = early_and_late(&mut many, 10_000);
+    let [early, late] = early_and_late(&mut many, 2_500);
     assert!(
         late <= early * 1.01,
         "a room of balls: {early} bytes, then {late}"

@@ -102,7 +102,7 @@ fn a_crowd_that_walks_stays_as_large() {
             .spawn((walker, CollisionShape::capsule(0.3, 1.0), at));
     }
     let mut tick = 0;
-    assert_flat("a crowd", 400, 800, || {
+    assert_flat("a crowd", 200, 400, || {
         tick += 1;
         let angle = (tick / 50) as f32;
         let world = app.world_mut();
