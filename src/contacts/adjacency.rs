@@ -93,7 +93,7 @@ mod tests {
                 .filter(|key| !rests(&contact(key)))
                 .collect();
             contacts.enter(&moving, contact, rests, Changes::ANY);
-            let adjacency = Adjacency::new(&contacts);
+            let adjacency = Adjacency::new(&contacts, &Arrangement::default());
             for id in (0..objects as u32 + 3).map(ProxyId::new) {
                 let found: Vec<_> = adjacency
                     .of(id)

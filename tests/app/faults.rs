@@ -199,7 +199,7 @@ fn all_may_go_between_any_two_sets() {
     #[derive(Resource, Default)]
     struct Doomed(Vec<Entity>);
 
-    for place in 0..SETS.len() {
+    for set in SETS {
         for disable in [false, true] {
             let mut app = app(BroadPhaseMethod::default());
             app.init_resource::<Doomed>();
@@ -212,14 +212,14 @@ fn all_may_go_between_any_two_sets() {
                     }
                 }
             };
-            app.add_systems(FixedPostUpdate, strike.in_set(SETS[place]));
+            app.add_systems(FixedPostUpdate, strike.in_set(set));
             for round in 0..3 {
                 let all = crowd(&mut app);
                 tick(&mut app, 1);
                 app.world_mut().resource_mut::<Doomed>().0 = all;
                 tick(&mut app, 2);
                 let left = (contacts(&app).len(), index(&app).proxies().len());
-                assert_eq!(left, (0, 0), "{:?}, round {round}", SETS[place]);
+                assert_eq!(left, (0, 0), "{set:?}, round {round}");
             }
         }
     }
@@ -242,7 +242,7 @@ type Taken = (&'static str, fn(&mut World), fn(&mut World));
 
 const fn resource<R: Resource + Default>(name: &'static str) -> Taken {
     let take = |world: &mut World| _ = world.remove_resource::<R>();
-    let give = |world: &mut World| _ = world.insert_resource(R::default());
+    let give = |world: &mut World| world.insert_resource(R::default());
     (name, take, give)
 }
 

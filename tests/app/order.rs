@@ -105,10 +105,10 @@ pub fn room(order: &[u64], method: BroadPhaseMethod) -> App {
     let mut app = plain_app(method);
     app.init_resource::<Events>();
     app.add_observer(|event: On<CollisionStarted>, mut events: ResMut<Events>| {
-        events.0.push([event.a, event.b])
+        events.0.push([event.a, event.b]);
     });
     app.add_observer(|event: On<CollisionEnded>, mut events: ResMut<Events>| {
-        events.0.push([event.a, event.b])
+        events.0.push([event.a, event.b]);
     });
     for number in order {
         spawn(&mut app, *number);
@@ -123,7 +123,7 @@ pub fn spawn(app: &mut App, number: u64) -> Entity {
     let order = CollisionOrder(number);
     if number < 6 {
         let axis = [Vec3::X, Vec3::Y, Vec3::Z][number as usize / 2]
-            * if number % 2 == 0 { 1.0 } else { -1.0 };
+            * if number.is_multiple_of(2) { 1.0 } else { -1.0 };
         let half_size = Vec3::splat(5.0) * (Vec3::ONE - axis.abs()) + axis.abs() * 0.5;
         let wall = (
             CollisionShape::from_half_size(half_size),

@@ -318,11 +318,10 @@ pub fn apply(world: &mut World, op: &Op) {
         return;
     };
     match *op {
-        Op::Clone(_) => {
-            if world.resource::<Slots>().0.len() < MOST {
-                world.entity_mut(entity).clone_and_spawn();
-            }
+        Op::Clone(_) if world.resource::<Slots>().0.len() < MOST => {
+            world.entity_mut(entity).clone_and_spawn();
         }
+        Op::Clone(_) => {}
         Op::Despawn(_) => _ = world.despawn(entity),
         Op::Move(_, to) => change_transform(world, entity, |at| at.translation = vector(to)),
         Op::Teleport(_, far) => {
