@@ -76,10 +76,7 @@ fn answers_are_those_that_there_would_be() {
         hits += then.iter().filter(|(ray, ..)| ray.is_some()).count();
         changed += usize::from(then != now);
     }
-    assert!(
-        hits > 50 && changed == 20,
-        "{hits} hits, {changed} changed"
-    );
+    assert!(hits > 50 && changed == 20, "{hits} hits, {changed} changed");
 }
 
 #[test]
