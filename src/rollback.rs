@@ -3,7 +3,7 @@
 //! A game with rollback goes back some ticks and simulates again, with what it knows by then. What a tick
 //! of this crate does follows from poses and shapes: no tree, no pair and no handle has to be saved. What
 //! it does depend on beside components of yours is one small resource, the [`CollisionSnapshot`]: which
-//! contacts are open, where the ways of [swept](crate::swept) entities begin, and the
+//! contacts are open, where the ways of [swept] entities begin, and the
 //! [clock](crate::motion::CollisionClock), all by entity. [Which components are state, and how to save all of it with a
 //! rollback crate](crate::guide::rollback), is on a page of the guide.
 //!
@@ -35,7 +35,7 @@
 //! # The same on another machine
 //!
 //! Things that are spawned again, or on another machine, have another [`Entity`]: give what takes part a
-//! [`CollisionOrder`](crate::collision_order::CollisionOrder), and the order of things is the same everywhere.
+//! [`CollisionOrder`], and the order of things is the same everywhere.
 
 use bevy::{
     ecs::entity::{EntityMapper, MapEntities},
