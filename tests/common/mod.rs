@@ -264,13 +264,7 @@ impl Mirror {
                 .get(&entity)
                 .filter(|id| self.index.set(**id, aabb).is_ok())
                 .copied();
-            let new = || {
-                let id = self.index.insert(aabb.0).ok()?;
-                // As the app's index has one for each, which takes memory.
-                self.index.set_order(id, 0).ok()?;
-                Some(id)
-            };
-            if let Some(id) = known.or_else(new) {
+            if let Some(id) = known.or_else(|| self.index.insert(aabb.0).ok()) {
                 self.ids.insert(entity, id);
             }
             if known.is_some() {

@@ -151,6 +151,7 @@ fn a_crowd_takes_as_much_as_ever_and_all_of_it_is_counted() {
         assert_flat(method, 16_000, 16_000, || crowd.tick());
         let taken = live() - before - crowd.objects.capacity() * size_of::<(ProxyId, Vec3, Vec3)>();
         let told = crowd.index.memory_bytes();
+        // The harness may begin another test meanwhile.
         assert!(
             told <= taken && taken - told < 4096,
             "{method}: {taken} bytes, of which {told} are told"
