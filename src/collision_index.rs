@@ -22,6 +22,7 @@ use crate::{
 };
 
 pub(crate) mod follow;
+mod order;
 
 /// The [`SpatialIndex`] of all entities with a
 /// [`CollisionShape`](crate::components::CollisionShape).
@@ -104,9 +105,6 @@ impl Default for CollisionIndex {
         }
     }
 }
-
-/// For how many ticks at least the places of who is gone are known: for longer than anybody goes back.
-const TICKS_REMEMBERED: u64 = 512;
 
 /// The place of an entity in the order of all, if it has none of its own: by its index, and then by its
 /// generation.
@@ -272,65 +270,6 @@ impl CollisionIndex {
         [pair.a, pair.b].map(|id| self.entities[id.index()])
     }
 
-    /// Where the entity behind a handle stands in the order of all.
-    #[inline]
-    pub(crate) fn order(&self, id: ProxyId) -> u64 {
-        self.index.proxies().order(id).0
-    }
-
-    /// The same, of an entity that had that handle; it may be another's by now.
-    pub(crate) fn order_of(&self, id: ProxyId, entity: Entity) -> u64 {
-        if self.is_entry_of(id, entity) {
-            self.order(id)
-        } else {
-            self.order_of_gone(entity).unwrap_or(rank(entity))
-        }
-    }
-
-    /// Takes note of the place of an entity that may be gone soon.
-    pub(crate) fn remember_order(&mut self, entity: Entity, order: u64) {
-        self.gone[0].insert(entity, order);
-    }
-
-    /// The place of its own that an entity had which is gone, unless that is long ago.
-    pub(crate) fn order_of_gone(&self, entity: Entity) -> Option<u64> {
-        let mut gone = self.gone.iter();
-        gone.find_map(|gone| gone.get(&entity).copied())
-    }
-
-    /// Its place in the order of all, if entities have places of their own.
-    pub(crate) fn order_given(&self, id: ProxyId) -> Option<u64> {
-        self.is_ordered.then(|| self.order(id))
-    }
-
-    /// Where two stand in the order of all, if any have places of their own.
-    #[inline]
-    pub(crate) fn places(&self, ids: [ProxyId; 2]) -> [u64; 2] {
-        if self.is_ordered {
-            ids.map(|id| self.order(id))
-        } else {
-            [0; 2]
-        }
-    }
-
-    /// Does the first of two come before the other, in the order of all?
-    #[inline]
-    pub(crate) fn is_in_order(&self, ids: [ProxyId; 2]) -> bool {
-        let ranks = ids.map(|id| rank(self.entities[id.index()]));
-        if self.is_ordered {
-            let orders = ids.map(|id| self.order(id));
-            (orders[0], ranks[0]) <= (orders[1], ranks[1])
-        } else {
-            ranks[0] <= ranks[1]
-        }
-    }
-
-    /// Has one of all ever had a place of its own in their order? Else that is the order of entities.
-    #[inline]
-    pub(crate) const fn is_ordered(&self) -> bool {
-        self.is_ordered
-    }
-
     /// The highest index of an entity that was ever in.
     pub(crate) const fn highest_entity(&self) -> u32 {
         self.highest_entity
@@ -465,10 +404,7 @@ impl CollisionIndex {
         candidates.0.extend_from_slice(pairs.moving());
         self.listed = candidates.last_changed();
         self.search += 1;
-        if self.search.is_multiple_of(TICKS_REMEMBERED) {
-            self.gone.swap(0, 1);
-            self.gone[0].clear();
-        }
+        self.forget_orders();
         self.searched_at = self.index.updates();
         self.moved_at_search.clear();
     }
@@ -572,12 +508,7 @@ impl CollisionIndex {
     }
 
     pub(crate) fn remove(&mut self, id: ProxyId) {
-        if self.is_ordered {
-            let (entity, order) = (self.entities[id.index()], self.order(id));
-            if order != rank(entity) {
-                self.remember_order(entity, order);
-            }
-        }
+        self.remember_order_of(id);
         self.index.remove(id);
     }
 
