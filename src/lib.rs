@@ -267,6 +267,7 @@
 //! | `reports` | the report over a clip, as CSV and JSON lines: [`CollisionReport`](scene::CollisionReport) |
 //! | `debug_draw` | the module `debug_draw`: leaves, shapes, boxes, contacts and queries by Bevy's gizmos |
 //! | `picking` | the module `picking`: a backend for `bevy_picking` |
+//! | `serialize` | serde for what has entities in it or is state of characters: [`CollisionSnapshot`](rollback::CollisionSnapshot), [`KinematicCharacter`](character::KinematicCharacter), [`IgnoreCollisions`](filters::IgnoreCollisions), [`InCollisionWorld`](worlds::InCollisionWorld) and what is in them; the other components are read and written without it |
 //! | `multi_threaded` | systems and the broad phase on several threads, shapes of mesh assets beside them |
 //!
 //! # Guide

@@ -122,6 +122,7 @@ pub struct RestoreSystems;
 /// tick does. No trees, no pairs of boxes: these follow from where things are.
 #[doc(alias("rollback", "netcode", "save state", "restore", "serialize"))]
 #[derive(Resource, Clone, Debug, Default, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Resource, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 pub struct CollisionSnapshot {
@@ -132,6 +133,7 @@ pub struct CollisionSnapshot {
 
 /// Where the way of an entity begins, and where that of the last tick began.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 struct SavedWay {
     entity: Entity,
     start: Option<Transform>,

@@ -63,6 +63,7 @@ use crate::{broad_phase::PairFilter, components::change_filter};
 ///
 /// It is about this entity alone: its children say for themselves which world they are in.
 #[derive(Component, FromTemplate, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Clone, Debug, FromWorld, PartialEq)]
 #[type_path = "bevy_octree"]
 #[relationship(relationship_target = CollisionWorld)]

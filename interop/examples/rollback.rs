@@ -24,6 +24,7 @@ type Game = GgrsConfig<u8, usize>;
 const FRAMES: i32 = 600;
 /// How many frames a player may be ahead of what is known of the other.
 const WINDOW: usize = 12;
+const AN_HOUR: Duration = Duration::from_secs(3600);
 
 /// Who is steered by which player.
 #[derive(Component)]
@@ -73,6 +74,9 @@ fn peer(network: &LossyNetwork, own: usize) -> App {
         .with_input_delay(2)
         .with_max_prediction_window(WINDOW)
         .with_desync_detection_mode(DesyncDetection::On { interval: 1 })
+        // However slow the machine is.
+        .with_disconnect_timeout(AN_HOUR)
+        .with_disconnect_notify_delay(AN_HOUR)
         .add_player(PlayerType::Local, own)
         .and_then(|session| session.add_player(PlayerType::Remote(other), other))
         .and_then(|session| session.start_p2p_session(network.socket(own)))

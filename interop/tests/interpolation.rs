@@ -47,11 +47,11 @@ const PLAIN: Show = Show {
 fn record(
     entities: Query<(&Number, &Transform, Option<&Velocity>)>,
     numbers: Query<&Number>,
-    contacts: Res<Contacts>,
-    counters: Res<CollisionCounters>,
-    clock: Res<CollisionClock>,
-    mut started: MessageReader<CollisionStarted>,
-    mut ended: MessageReader<CollisionEnded>,
+    (contacts, counters, clock): (Res<Contacts>, Res<CollisionCounters>, Res<CollisionClock>),
+    (mut started, mut ended): (
+        MessageReader<CollisionStarted>,
+        MessageReader<CollisionEnded>,
+    ),
     mut record: ResMut<Record>,
 ) {
     let bits = |v: Vec3| v.to_array().map(|x| u64::from(x.to_bits()));

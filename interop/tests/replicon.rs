@@ -12,53 +12,6 @@ use bevy_replicon::{
     prelude::*, shared::backend::channels::ServerChannel, test_app::ServerTestAppExt,
 };
 use fastrand::Rng;
-use serde::{Deserialize, Serialize};
-
-/// Components of this crate as they are sent.
-macro_rules! sent_as {
-    ($($component:ty, $sent:ident($data:ty): $to:expr, $from:expr;)*) => {$(
-        #[derive(Serialize, Deserialize)]
-        struct $sent($data);
-
-        impl From<$component> for $sent {
-            fn from(component: $component) -> Self {
-                let to: fn($component) -> $data = $to;
-                Self(to(component))
-            }
-        }
-
-        impl From<$sent> for $component {
-            fn from(sent: $sent) -> Self {
-                let from: fn($data) -> $component = $from;
-                from(sent.0)
-            }
-        }
-    )*};
-}
-
-sent_as! {
-    Velocity, SentVelocity(Vec3): |velocity| velocity.0, Velocity;
-    CollisionLayers, SentLayers([LayerMask; 2]):
-        |layers| [layers.memberships, layers.filters],
-        |[memberships, filters]| CollisionLayers { memberships, filters };
-    CollisionBody, SentBody(bool):
-        |body| body.inner_contacts, |inner_contacts| CollisionBody { inner_contacts };
-    StaticShape, SentStatic(()): |_| (), |()| StaticShape;
-    Sensor, SentSensor(()): |_| (), |()| Sensor;
-    Detector, SentDetector(()): |_| (), |()| Detector;
-    Swept, SentSwept((u32, bool)):
-        |swept| (swept.sub_steps, swept.at_solid == AtSolid::Stop),
-        |(sub_steps, stops)| Swept {
-            sub_steps,
-            at_solid: if stops { AtSolid::Stop } else { AtSolid::GoOn },
-        };
-    Bounce, SentBounce(Option<f32>):
-        |bounce| match bounce {
-            Bounce::Reverse => None,
-            Bounce::Reflect { restitution } => Some(restitution),
-        },
-        |restitution| restitution.map_or(Bounce::Reverse, |restitution| Bounce::Reflect { restitution });
-}
 
 /// What an app is to do with what it has.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -96,14 +49,14 @@ fn app(role: Role) -> App {
     .replicate::<ShapeDescription>()
     .replicate::<Transform>()
     .replicate::<ChildOf>()
-    .replicate_as::<Velocity, SentVelocity>()
-    .replicate_as::<CollisionLayers, SentLayers>()
-    .replicate_as::<CollisionBody, SentBody>()
-    .replicate_as::<StaticShape, SentStatic>()
-    .replicate_as::<Sensor, SentSensor>()
-    .replicate_as::<Detector, SentDetector>()
-    .replicate_as::<Swept, SentSwept>()
-    .replicate_as::<Bounce, SentBounce>();
+    .replicate::<Velocity>()
+    .replicate::<CollisionLayers>()
+    .replicate::<CollisionBody>()
+    .replicate::<StaticShape>()
+    .replicate::<Sensor>()
+    .replicate::<Detector>()
+    .replicate::<Swept>()
+    .replicate::<Bounce>();
     app.finish();
     app.cleanup();
     app

@@ -32,6 +32,7 @@ use crate::{
 /// It is not to have a [`Velocity`](crate::motion::Velocity), by which it would be moved once more, nor to be
 /// [`Swept`](crate::swept::Swept): it passes through nothing as it is.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect, MapEntities)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 #[require(Transform, CollisionShape, Gone)]
@@ -74,6 +75,7 @@ impl KinematicCharacter {
 ///
 /// The ground that it stands on is among them, each tick anew.
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect, Deref, MapEntities)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 pub struct CharacterHits(#[entities] pub Vec<MoveHit>);

@@ -15,6 +15,7 @@ const OUTMOST: f32 = 0.15;
 
 /// What a character stands on.
 #[derive(Clone, Copy, Debug, PartialEq, MapEntities, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Clone, Debug, PartialEq)]
 #[type_path = "bevy_octree"]
 pub struct Ground {

@@ -13,6 +13,7 @@ const ROUNDING: f32 = 1e-4;
 ///
 /// Lengths are in world units, for somebody about 1.8 tall. A number that is negative, or not finite, counts as zero.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 #[doc(alias("CharacterAutostep", "floor_max_angle"))]

@@ -15,6 +15,7 @@ use crate::{
 /// a [`CollisionBody`](crate::parts::CollisionBody); the other is one as well, or an entity that is
 /// part of none. What their solid parts do and what [sensors](Self::is_sensor) see are two contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[type_path = "bevy_octree"]
 pub struct BodyCollision {
     /// The body with the lower index.

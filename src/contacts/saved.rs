@@ -22,6 +22,7 @@ use crate::{
 /// All that has to be known of the contacts of a tick, so that the next one starts and ends those that
 /// it should.
 #[derive(Clone, Debug, Default, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[type_path = "bevy_octree"]
 pub(crate) struct SavedContacts {
     /// Those of the tick.
@@ -36,6 +37,7 @@ pub(crate) struct SavedContacts {
 
 /// A contact of two, by entity.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 struct SavedContact {
     entities: [Entity; 2],
     bodies: [Entity; 2],
@@ -47,6 +49,7 @@ struct SavedContact {
 
 /// What is known of a contact that somebody asked about.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 struct Known {
     geometry: Contact,
     observed: [bool; 2],
@@ -55,6 +58,7 @@ struct Known {
 
 /// A contact of two bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 struct SavedBodies {
     collision: BodyCollision,
     is_told: bool,

@@ -39,6 +39,7 @@ pub struct ManifoldsEnabled;
 
 /// Which contacts something is done for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[type_path = "bevy_octree"]
 pub enum EventScope {
     /// All of them.

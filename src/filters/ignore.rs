@@ -29,6 +29,7 @@ use crate::{
 /// ```
 #[doc(alias("IgnoreCollision", "collision exception", "owner"))]
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq, Deref, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 #[component(immutable, on_insert = look_again, on_discard = look_again)]

@@ -4,6 +4,7 @@ use bevy::{ecs::entity::MapEntities, prelude::*};
 
 /// Something that a shape meets on its way, or starts in.
 #[derive(Clone, Copy, Debug, PartialEq, MapEntities, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Clone, Debug, PartialEq)]
 #[type_path = "bevy_octree"]
 pub struct MoveHit {
@@ -37,6 +38,7 @@ pub enum AtHit {
 
 /// How a move ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Clone, Debug, Default, PartialEq, Hash)]
 #[type_path = "bevy_octree"]
 pub enum MoveEnd {

@@ -17,6 +17,7 @@ use crate::{
 
 /// How a shape moves among others.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Clone, Debug, Default, PartialEq)]
 #[type_path = "bevy_octree"]
 pub struct MoveSettings {

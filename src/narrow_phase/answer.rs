@@ -11,6 +11,7 @@ const ON: f32 = f32::EPSILON;
 #[doc(alias = "penetration")]
 #[doc(alias = "manifold")]
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[type_path = "bevy_octree"]
 pub struct Contact {
     /// A unit vector from the first shape to the second: to part the two, push the second along it.

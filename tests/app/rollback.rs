@@ -218,3 +218,43 @@ fn what_is_gone_ends_and_what_began_since_never_was() {
     app.world_mut().entity_mut(c).insert(Transform::default());
     assert_eq!(tick(&mut app), (vec![[a, c]], vec![]));
 }
+
+/// A state that was written to a file, or sent, is the same state.
+#[cfg(all(feature = "serialize", feature = "reports"))]
+#[test]
+fn what_is_saved_is_written_and_read() {
+    let mut app = client(&order::shuffled(7));
+    (0..20).for_each(|tick| _ = step(&mut app, tick, input(tick)));
+    let mut saved = save(&mut app);
+    let text = serde_json::to_string(&saved.snapshot).unwrap();
+    let read: CollisionSnapshot = serde_json::from_str(&text).unwrap();
+    assert_eq!(read, saved.snapshot);
+    assert!(read.contacts() > 10);
+    let ahead: Vec<_> = (20..25)
+        .map(|tick| step(&mut app, tick, input(tick)))
+        .collect();
+    saved.snapshot = read;
+    restore(&mut app, &saved);
+    let again: Vec<_> = (20..25)
+        .map(|tick| step(&mut app, tick, input(tick)))
+        .collect();
+    assert_eq!(ahead, again);
+    // Characters, with what they stand on.
+    let ground = Ground {
+        entity: Entity::PLACEHOLDER,
+        point: Vec3::X,
+        normal: Vec3::Y,
+        velocity: Vec3::Z,
+        pose: Transform::from_xyz(0.1, 0.2, 0.3),
+    };
+    let character = KinematicCharacter {
+        velocity: Vec3::new(0.1, 1e-30, 3e8),
+        ground: Some(ground),
+        ..default()
+    };
+    let text = serde_json::to_string(&character).unwrap();
+    assert_eq!(
+        serde_json::from_str::<KinematicCharacter>(&text).unwrap(),
+        character
+    );
+}

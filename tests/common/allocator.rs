@@ -63,14 +63,21 @@ pub fn peak_of(work: impl FnOnce()) -> usize {
 
 /// Checks that as much is allocated after `rounds` rounds as before, after some that warm up,
 /// within 1 %. What the test harness does meanwhile is allowed for.
+///
+/// A buffer that is filled by chance has a highest point that is reached late at times, and grows
+/// then: so there are three trials, one after the other. What leaks grows in each of them.
 #[track_caller]
 pub fn assert_flat(what: &str, warm_up: usize, rounds: usize, mut round: impl FnMut()) {
     (0..warm_up).for_each(|_| round());
-    let before = live();
-    (0..rounds).for_each(|_| round());
-    let after = live();
-    assert!(
-        after <= before + before / 100 + 2048,
-        "{what}: {before} bytes before {rounds} rounds, {after} after"
-    );
+    let mut trials = Vec::with_capacity(3);
+    while trials.len() < 3 {
+        let before = live();
+        (0..rounds).for_each(|_| round());
+        let after = live();
+        if after <= before + before / 100 + 2048 {
+            return;
+        }
+        trials.push([before, after]);
+    }
+    panic!("{what}: bytes before and after {rounds} rounds, three times: {trials:?}");
 }

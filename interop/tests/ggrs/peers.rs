@@ -15,6 +15,7 @@ use crate::{
 
 /// How many frames both of them have to have confirmed.
 const FRAMES: i32 = 1500;
+const AN_HOUR: Duration = Duration::from_secs(3600);
 
 fn peer(network: &LossyNetwork, own: usize) -> App {
     let other = 1 - own;
@@ -24,6 +25,9 @@ fn peer(network: &LossyNetwork, own: usize) -> App {
         .with_max_prediction_window(10)
         .with_input_delay(1)
         .with_desync_detection_mode(DesyncDetection::On { interval: 1 })
+        // By the clock of the machine, which may have other things to do.
+        .with_disconnect_timeout(AN_HOUR)
+        .with_disconnect_notify_delay(AN_HOUR)
         .add_player(PlayerType::Local, own)
         .unwrap()
         .add_player(PlayerType::Remote(other), other)

@@ -130,12 +130,9 @@ fn bits<const N: usize>(numbers: [f32; N]) -> impl Iterator<Item = u32> {
 
 fn tell(
     entities: Query<Teller>,
-    numbers: Res<Numbers>,
-    contacts: Res<Contacts>,
-    told: Res<Told>,
-    clock: Res<CollisionClock>,
+    (contacts, clock): (Res<Contacts>, Res<CollisionClock>),
+    (numbers, told, counted): (Res<Numbers>, Res<Told>, Res<Counted>),
     frame: Res<RollbackFrameCount>,
-    counted: Res<Counted>,
     mut stories: ResMut<Stories>,
     mut checksum: Single<&mut ChecksumPart, With<OfStory>>,
 ) {

@@ -14,6 +14,7 @@ mod level;
 mod parts;
 mod queries;
 mod rapier;
+mod rollback;
 mod stress;
 mod test_sets;
 mod tracks;
@@ -34,5 +35,6 @@ pub fn plugin(app: &mut App) {
         rapier::plugin,
         stress::plugin,
         walk::plugin,
+        rollback::plugin,
     ));
 }
