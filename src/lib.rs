@@ -267,6 +267,7 @@
 //! | `reports` | the report over a clip, as CSV and JSON lines: [`CollisionReport`](scene::CollisionReport) |
 //! | `debug_draw` | the module `debug_draw`: leaves, shapes, boxes, contacts and queries by Bevy's gizmos |
 //! | `picking` | the module `picking`: a backend for `bevy_picking` |
+//! | `libm` | sines and their like by `libm`, to the last bit as on other platforms: see [`rollback`](guide::rollback) |
 //! | `multi_threaded` | systems and the broad phase on several threads, shapes of mesh assets beside them |
 //!
 //! # Guide
