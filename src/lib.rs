@@ -268,6 +268,7 @@
 //! | `debug_draw` | the module `debug_draw`: leaves, shapes, boxes, contacts and queries by Bevy's gizmos |
 //! | `picking` | the module `picking`: a backend for `bevy_picking` |
 //! | `serialize` | serde for what has entities in it or is state of characters: [`CollisionSnapshot`](rollback::CollisionSnapshot), [`KinematicCharacter`](character::KinematicCharacter), [`IgnoreCollisions`](filters::IgnoreCollisions), [`InCollisionWorld`](worlds::InCollisionWorld) and what is in them; the other components are read and written without it |
+//! | `libm` | sines and their like by `libm`, to the last bit as on other platforms: see [`rollback`](guide::rollback) |
 //! | `multi_threaded` | systems and the broad phase on several threads, shapes of mesh assets beside them |
 //!
 //! # Guide

@@ -147,8 +147,8 @@ fn upright_turn(mut linear: DMat3) -> DMat3 {
             }
             is_done = false;
             let ratio = (b.length_squared() - a.length_squared()) / (2.0 * both);
-            let tangent = 1f64.copysign(ratio) / (ratio.abs() + ratio.hypot(1.0));
-            let cosine = tangent.hypot(1.0).recip();
+            let tangent = 1f64.copysign(ratio) / (ratio.abs() + (ratio * ratio + 1.0).sqrt());
+            let cosine = (tangent * tangent + 1.0).sqrt().recip();
             let sine = cosine * tangent;
             for matrix in [&mut linear, &mut turn] {
                 let (a, b) = (matrix.col(i), matrix.col(j));

@@ -7,6 +7,7 @@ use super::{
     boxes::EVERYWHERE,
     engine::{BroadPhase, BroadPhaseStats, Visitor},
     group::Group,
+    level,
     pairs::Pair,
     proxy::Proxies,
 };
@@ -26,7 +27,7 @@ pub struct Exhaustive {
 impl Default for Exhaustive {
     fn default() -> Self {
         Self {
-            level: Level::new(),
+            level: level::best(),
             group: Group::default(),
         }
     }

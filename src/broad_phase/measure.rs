@@ -34,7 +34,7 @@ pub trait Measure {
     }
 
     /// Returns which of eight boxes are within the bound, a bit for each, and how near they are.
-    /// None of that is NaN.
+    /// None of that is NaN or minus zero.
     fn test_block<S: Simd>(&self, simd: S, block: &Block, bound: Bound) -> (u32, f32x8<S>);
 
     /// Returns the distance of a box, if it is no farther than `limit`.

@@ -110,6 +110,7 @@ mod flags;
 mod group;
 mod halving;
 mod index;
+mod level;
 pub mod linear_octree;
 mod measure;
 mod method;
@@ -128,6 +129,8 @@ pub use engine::{BroadPhase, BroadPhaseStats, Leaf, Visitor};
 pub use exhaustive::Exhaustive;
 pub use filter::{PairFilter, PairKinds};
 pub use index::SpatialIndex;
+#[cfg(test)]
+pub(crate) use level::forced as levels;
 pub use linear_octree::LinearOctree;
 pub(crate) use linear_octree::query::Visit;
 pub(crate) use measure::Measure;

@@ -10,7 +10,7 @@ use fearless_simd::{Level, f32x8, prelude::*};
 
 use super::{
     block::{Block, WIDTH},
-    halving,
+    halving, level,
     linear_octree::{
         levels::Levels,
         query::{self, Blocks, Visit},
@@ -39,7 +39,7 @@ pub(crate) struct StillOctree {
 impl StillOctree {
     /// Puts boxes in the order of space, and blocks around them. None may be inverted or infinite.
     pub(crate) fn new(boxes: &[Aabb3d]) -> Self {
-        let level = Level::new();
+        let level = level::best();
         let owners = halving::order(boxes);
         let mut levels = Levels::default();
         levels.resize(owners.len());

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use bevy::prelude::*;
+use bevy::{math::ops, prelude::*};
 
 use crate::move_and_slide::MoveSettings;
 
@@ -59,7 +59,7 @@ impl WalkSettings {
 
     /// The least part of a normal along `up` that is ground.
     pub(super) fn flattest(&self) -> f32 {
-        length(self.max_slope).min(PI / 2.0).cos() - ROUNDING
+        ops::cos(length(self.max_slope).min(PI / 2.0)) - ROUNDING
     }
 
     pub(super) fn step(&self) -> f32 {

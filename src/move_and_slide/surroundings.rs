@@ -184,12 +184,13 @@ impl<'a, 'w, 's, 'f> Surroundings<'a, 'w, 's, 'f> {
                 let other = self.crowd.and_then(|crowd| crowd.way(id));
                 if let Some(other) = other.filter(|other| *other != Vec3::ZERO)
                     && let Ok((towards, nearer)) = Dir3::new_and_length(way - other)
-                    && let Some(hit) = come(towards, limit * nearer / length)
+                    // As far as anything is met, whatever has been met before: it may be further away than where the
+                    // other was, which does not count then.
+                    && let Some(hit) = come(towards, seen * nearer / length)
                     && hit.normal.dot(*direction) < -ALONG
                 {
                     let distance = hit.distance * length / nearer;
-                    return (distance <= limit)
-                        .then(|| (distance, self.met(body, &hit, towards, nearer)));
+                    return Some((distance, self.met(body, &hit, towards, nearer)));
                 }
                 let hit = come(direction, limit)?;
                 Some((hit.distance, self.met(body, &hit, direction, length)))

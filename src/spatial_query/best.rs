@@ -2,10 +2,15 @@
 
 use crate::broad_phase::{Hit, Proxies, ProxyId};
 
+/// More than rounding makes of a distance, as a share of it, or of a unit.
+const ROUNDING: f32 = 1e-4;
+
 /// The nearest answer so far, kept while the index looks for the nearest object, by the index's own
 /// rule: of several as far away, the one that comes first in the [order](Proxies::order).
 pub(super) struct Best<'a, T> {
     proxies: &'a Proxies,
+    /// Nothing beyond this is an answer.
+    most: f32,
     limit: f32,
     found: Option<(ProxyId, T)>,
 }
@@ -15,14 +20,19 @@ impl<'a, T> Best<'a, T> {
     pub(super) const fn within(limit: f32, proxies: &'a Proxies) -> Self {
         Self {
             proxies,
+            most: limit,
             limit,
             found: None,
         }
     }
 
-    /// How far away a better answer is at most.
-    pub(super) const fn limit(&self) -> f32 {
-        self.limit
+    /// How far an exact test has to look for a better answer, or one as good: a little further than there, lest
+    /// rounding lose what is as far away as the best. Which is asked about first would make a difference then.
+    pub(super) fn limit(&self) -> f32 {
+        if self.found.is_none() {
+            return self.most;
+        }
+        (self.limit * (1.0 + ROUNDING) + ROUNDING).min(self.most)
     }
 
     /// Keeps an answer, if it is the best so far. Returns its distance then, for the index.

@@ -18,6 +18,7 @@ mod contacts;
 #[cfg(feature = "debug_draw")]
 mod debug_draw;
 mod detectors;
+mod determinism;
 mod diagnostics;
 mod documentation;
 mod extremes;

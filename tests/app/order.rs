@@ -3,7 +3,10 @@
 use bevy::prelude::*;
 use bevy_octree::{broad_phase::BroadPhaseMethod, prelude::*};
 
-use crate::common;
+use crate::common::{self, fnv::Fnv};
+
+/// The number of no entity.
+const NOTHING: u64 = u64::MAX - 1;
 
 /// What somebody sees of a scene, by the numbers of its entities.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,12 +16,59 @@ pub struct Seen {
     pub ended: Vec<(u64, u64)>,
     pub events: Vec<(u64, u64)>,
     bodies: Vec<(u64, u64)>,
-    places: Vec<(u64, [u32; 3], [u32; 3])>,
+    places: Vec<(u64, [u32; 3], [u32; 4], [u32; 3])>,
+    /// Who walks, on what, and against what.
+    walkers: Vec<(u64, u64, Vec<(u64, u32)>)>,
     nearest: Vec<u64>,
 }
 
+impl Seen {
+    /// How many of those who walk stand on something.
+    pub fn walking(&self) -> usize {
+        let stands = |(_, ground, _): &&(u64, u64, _)| *ground != NOTHING;
+        self.walkers.iter().filter(stands).count()
+    }
+
+    /// All of it, number by number.
+    pub fn add_to(&self, hash: &mut Fnv) {
+        let Self {
+            contacts,
+            started,
+            ended,
+            events,
+            bodies,
+            places,
+            walkers,
+            nearest,
+        } = self;
+        for list in [contacts, started] {
+            hash.add(list.len() as u64);
+            for (a, b, time) in list {
+                [*a, *b, u64::from(*time)].map(|word| hash.add(word));
+            }
+        }
+        for list in [ended, events, bodies] {
+            hash.add(list.len() as u64);
+            list.iter()
+                .for_each(|(a, b)| _ = [*a, *b].map(|word| hash.add(word)));
+        }
+        for (number, at, turn, velocity) in places {
+            hash.add(*number);
+            let words = at.iter().chain(turn).chain(velocity);
+            words.for_each(|word| hash.add(u64::from(*word)));
+        }
+        for (number, ground, hits) in walkers {
+            [*number, *ground, hits.len() as u64].map(|word| hash.add(word));
+            hits.iter().for_each(|(other, time)| {
+                _ = [*other, u64::from(*time)].map(|word| hash.add(word))
+            });
+        }
+        nearest.iter().for_each(|number| hash.add(*number));
+    }
+}
+
 #[derive(Resource, Default)]
-struct Events(Vec<[Entity; 2]>);
+pub struct Events(Vec<[Entity; 2]>);
 
 fn bits(vector: Vec3) -> [u32; 3] {
     vector.to_array().map(f32::to_bits)
@@ -32,15 +82,38 @@ pub fn seen(app: &mut App) -> Seen {
         .map(|(entity, order)| (entity, order.0))
         .collect();
     let number = |entity: Entity| of.get(&entity).copied().unwrap_or(u64::MAX);
-    let mut places = world.query::<(&CollisionOrder, &Transform, Option<&Velocity>)>();
+    type Placed<'a> = (
+        &'a CollisionOrder,
+        &'a Transform,
+        Option<&'a Velocity>,
+        Option<&'a KinematicCharacter>,
+    );
+    let mut places = world.query::<Placed>();
     let mut places: Vec<_> = places
         .iter(world)
-        .map(|(order, at, velocity)| {
-            let velocity = velocity.map_or(Vec3::ZERO, |velocity| velocity.0);
-            (order.0, bits(at.translation), bits(velocity))
+        .map(|(order, at, velocity, walking)| {
+            let velocity = velocity.map(|velocity| velocity.0);
+            let velocity = velocity.or(walking.map(|walking| walking.velocity));
+            let turn = at.rotation.to_array().map(f32::to_bits);
+            let velocity = velocity.unwrap_or_default();
+            (order.0, bits(at.translation), turn, bits(velocity))
         })
         .collect();
     places.sort_unstable();
+    let mut walkers = world.query::<(&CollisionOrder, &KinematicCharacter, &CharacterHits)>();
+    let mut walkers: Vec<_> = walkers
+        .iter(world)
+        .map(|(order, walking, hits)| {
+            let ground = walking
+                .ground
+                .map_or(NOTHING, |ground| number(ground.entity));
+            let hits = hits
+                .iter()
+                .map(|hit| (number(hit.entity), hit.time.to_bits()));
+            (order.0, ground, hits.collect())
+        })
+        .collect();
+    walkers.sort_unstable();
     let started = world
         .resource_mut::<Messages<CollisionStarted>>()
         .drain()
@@ -84,6 +157,7 @@ pub fn seen(app: &mut App) -> Seen {
             .map(|pair| (number(pair.a), number(pair.b)))
             .collect(),
         places,
+        walkers,
         nearest,
     }
 }
@@ -99,11 +173,36 @@ pub fn plain_app(method: BroadPhaseMethod) -> App {
     app
 }
 
-/// Balls by the dozen in a room, some swept, some with parts, of which many meet in one tick. `order` says in which
-/// order they are spawned.
+/// Turns as it goes.
+#[derive(Component)]
+struct Turning;
+
+/// By square roots alone, which all machines agree on.
+fn turn(mut turning: Query<&mut Transform, With<Turning>>) {
+    for mut at in &mut turning {
+        let by = Quat::from_xyzw(0.04, 0.06, 0.02, 1.0).normalize();
+        at.rotation = (at.rotation * by).normalize();
+    }
+}
+
+/// Whoever walks goes around the middle, and falls.
+fn walk(mut walking: Query<(&Transform, &mut KinematicCharacter)>) {
+    for (at, mut walking) in &mut walking {
+        let Vec3 { x, z, .. } = at.translation;
+        let around = Vec3::new(-z - 0.2 * x, 0.0, x - 0.2 * z).normalize_or_zero();
+        walking.velocity = around * 3.0 + Vec3::Y * (walking.velocity.y - 0.15);
+    }
+}
+
+/// All that there is by the dozen in a room: swept, with parts, on foot, in layers, turning; many meet in one tick.
+/// `order` says in which order they are spawned.
 pub fn room(order: &[u64], method: BroadPhaseMethod) -> App {
     let mut app = plain_app(method);
     app.init_resource::<Events>();
+    let moves = (turn, walk)
+        .after(CollisionSystems::First)
+        .before(CollisionSystems::Motion);
+    app.add_systems(Update, moves);
     app.add_observer(|event: On<CollisionStarted>, mut events: ResMut<Events>| {
         events.0.push([event.a, event.b]);
     });
@@ -118,6 +217,9 @@ pub fn room(order: &[u64], method: BroadPhaseMethod) -> App {
 
 /// So many there are.
 pub const COUNT: u64 = 150;
+
+/// A turn whose quaternion is exact.
+const LEANING: Quat = Quat::from_xyzw(0.5, 0.5, 0.5, 0.5);
 
 pub fn spawn(app: &mut App, number: u64) -> Entity {
     let order = CollisionOrder(number);
@@ -141,7 +243,7 @@ pub fn spawn(app: &mut App, number: u64) -> Entity {
     let (at, velocity) = (vector(3), vector(4) * 16.0);
     let moving = (Velocity(velocity), Transform::from_translation(at), order);
     let mut entity = app.world_mut().spawn(moving);
-    match number % 6 {
+    match number % 8 {
         0 => entity.insert((
             CollisionShape::sphere(0.3),
             Bounce::Reflect { restitution: 1.0 },
@@ -176,14 +278,45 @@ pub fn spawn(app: &mut App, number: u64) -> Entity {
             Swept::default(),
             CollisionEventsEnabled,
         )),
-        _ => entity.insert((CollisionShape::sphere(0.3), Sensor)),
+        5 => entity.insert((CollisionShape::sphere(0.3), Sensor)),
+        6 => entity.remove::<Velocity>().insert((
+            KinematicCharacter::default(),
+            CharacterHits::default(),
+            CollisionShape::capsule(0.25, 0.6),
+        )),
+        _ => entity.insert((
+            CollisionBody::default(),
+            Bounce::Reflect { restitution: 0.9 },
+            Swept::default(),
+            Turning,
+            CollisionEventsEnabled,
+            children![
+                (
+                    CollisionShape::cuboid(0.3, 0.6, 0.2),
+                    Transform::from_xyz(0.2, 0.1, 0.0).with_rotation(LEANING),
+                    // They pass through each other.
+                    CollisionLayers::from_bits(2, !2),
+                    CollisionOrder(1000 + number)
+                ),
+                (
+                    CollisionShape::sphere(0.25),
+                    Transform::from_xyz(-0.3, 0.0, 0.1),
+                    CollisionOrder(2000 + number)
+                ),
+            ],
+        )),
     };
     entity.id()
 }
 
 /// As many numbers, shuffled.
 pub fn shuffled(seed: u64) -> Vec<u64> {
-    let mut numbers: Vec<_> = (0..COUNT).collect();
+    shuffled_of(COUNT, seed)
+}
+
+/// So many numbers, shuffled.
+pub fn shuffled_of(count: u64, seed: u64) -> Vec<u64> {
+    let mut numbers: Vec<_> = (0..count).collect();
     fastrand::Rng::with_seed(seed).shuffle(&mut numbers);
     numbers
 }
@@ -225,17 +358,17 @@ fn the_order_of_spawning_decides_nothing() {
         // Some go, and come back, in another order in each.
         if tick % 10 == 9 {
             for (number, app) in rooms.iter_mut().enumerate() {
-                respawn(app, tick, number % 2 == 0);
+                respawn(app, COUNT, tick, number % 2 == 0);
             }
         }
     }
     assert!(told > 1000, "{told} are told");
 }
 
-/// Despawns a few, and spawns them where they began, in one order or the other.
-pub fn respawn(app: &mut App, tick: u64, reversed: bool) {
+/// Despawns a few of so many, and spawns them where they began, in one order or the other.
+pub fn respawn(app: &mut App, count: u64, tick: u64, reversed: bool) {
     let mut numbers: Vec<_> = (0..7)
-        .map(|i| 6 + (tick * 13 + i * 17) % (COUNT - 6))
+        .map(|i| 6 + (tick * 13 + i * 17) % (count - 6))
         .collect();
     numbers.sort_unstable();
     numbers.dedup();

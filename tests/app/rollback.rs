@@ -13,10 +13,18 @@ use bevy_octree::{
 
 use crate::order::{self, COUNT, Seen, plain_app, seen};
 
+/// What of somebody is saved.
+type Changing = (
+    Transform,
+    Option<Velocity>,
+    Option<KinematicCharacter>,
+    Option<CharacterHits>,
+);
+
 /// A state of all: the components of each by its number, and the snapshot, with the numbers of its entities.
 #[derive(Clone)]
-struct Saved {
-    all: HashMap<u64, (Transform, Option<Velocity>)>,
+pub struct Saved {
+    all: HashMap<u64, Changing>,
     numbers: EntityHashMap<u64>,
     snapshot: CollisionSnapshot,
 }
@@ -26,12 +34,22 @@ fn is_whole(number: u64) -> bool {
     number < COUNT
 }
 
-fn save(app: &mut App) -> Saved {
+type Read<'a> = (
+    &'a Transform,
+    Option<&'a Velocity>,
+    Option<&'a KinematicCharacter>,
+    Option<&'a CharacterHits>,
+);
+
+pub fn save(app: &mut App) -> Saved {
     let world = app.world_mut();
-    let mut all = world.query::<(Entity, &CollisionOrder, &Transform, Option<&Velocity>)>();
+    let mut all = world.query::<(Entity, &CollisionOrder, Read)>();
     let all: Vec<_> = all
         .iter(world)
-        .map(|(entity, order, at, velocity)| (entity, order.0, *at, velocity.copied()))
+        .map(|(entity, order, (at, velocity, walking, hits))| {
+            let changing = (*at, velocity.copied(), walking.copied(), hits.cloned());
+            (entity, order.0, changing)
+        })
         .collect();
     Saved {
         numbers: all
@@ -41,7 +59,7 @@ fn save(app: &mut App) -> Saved {
         all: all
             .into_iter()
             .filter(|(_, number, ..)| is_whole(*number))
-            .map(|(_, number, at, velocity)| (number, (at, velocity)))
+            .map(|(_, number, changing)| (number, changing))
             .collect(),
         snapshot: world.resource::<CollisionSnapshot>().clone(),
     }
@@ -56,7 +74,7 @@ fn entities(app: &mut App) -> HashMap<u64, Entity> {
 }
 
 /// Goes back: who has come since goes, who has gone is spawned again, under another name.
-fn restore(app: &mut App, saved: &Saved) {
+pub fn restore(app: &mut App, saved: &Saved) {
     for (number, entity) in entities(app) {
         if is_whole(number) && !saved.all.contains_key(&number) {
             app.world_mut().despawn(entity);
@@ -73,17 +91,22 @@ fn restore(app: &mut App, saved: &Saved) {
         .into_iter()
         .for_each(|number| _ = order::spawn(app, *number));
     let there = entities(app);
-    for (number, (at, velocity)) in &saved.all {
-        let mut entity = app.world_mut().entity_mut(there[number]);
-        entity.insert(*at);
-        velocity.map(|velocity| _ = entity.insert(velocity));
-    }
-    let mut snapshot = saved.snapshot.clone();
     let mut names: EntityHashMap<Entity> = saved
         .numbers
         .iter()
         .map(|(entity, number)| (*entity, there[number]))
         .collect();
+    for (number, (at, velocity, walking, hits)) in &saved.all {
+        let mut entity = app.world_mut().entity_mut(there[number]);
+        entity.insert(*at);
+        velocity.map(|velocity| _ = entity.insert(velocity));
+        if let (Some(mut walking), Some(mut hits)) = (*walking, hits.clone()) {
+            MapEntities::map_entities(&mut walking, &mut names);
+            MapEntities::map_entities(&mut hits, &mut names);
+            entity.insert((walking, hits));
+        }
+    }
+    let mut snapshot = saved.snapshot.clone();
     snapshot.map_entities(&mut names);
     app.insert_resource(snapshot);
 }
@@ -91,7 +114,7 @@ fn restore(app: &mut App, saved: &Saved) {
 /// What everybody does in a tick: some go and come, one is steered.
 fn act(app: &mut App, tick: u64, push: Vec3) {
     if tick % 11 == 10 {
-        order::respawn(app, tick, false);
+        order::respawn(app, COUNT, tick, false);
     }
     let number = 6 + tick * 7 % (COUNT - 6);
     let entity = entities(app)[&number];

@@ -6,6 +6,7 @@
 //! no nearer to each other. What is asked about ways and rays has to agree with the distances.
 
 pub(crate) mod known;
+mod limits;
 mod whole;
 
 use bevy::{

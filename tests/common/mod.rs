@@ -1,5 +1,6 @@
 //! A headless app with a clock of its own, and what the tests look at.
 
+pub mod fnv;
 pub mod interrupted;
 pub mod warnings;
 

@@ -7,6 +7,7 @@ use super::{levels::Levels, list::List, near::NearPairs, order::Order, skin::Anc
 use crate::broad_phase::{
     boxes::{EVERYWHERE, ProxyId},
     engine::{BroadPhase, BroadPhaseStats, Leaf, Visitor},
+    level,
     pairs::Pair,
     proxy::Proxies,
 };
@@ -58,7 +59,7 @@ pub struct LinearOctree {
 impl Default for LinearOctree {
     fn default() -> Self {
         Self {
-            level: Level::new(),
+            level: level::best(),
             tick: 0,
             slot_of: Vec::new(),
             owners: Vec::new(),

@@ -15,6 +15,7 @@ use crate::{
         boxes::ProxyId,
         engine::{BroadPhase, BroadPhaseStats, Leaf, Visitor},
         group::Group,
+        level,
         linear_octree::LinearOctree,
         pairs::Pair,
         proxy::Proxies,
@@ -106,7 +107,7 @@ impl ObjectOctree {
                 PairSearch::Blocks => Some(LinearOctree::default()),
                 PairSearch::Leaves => None,
             },
-            level: Level::new(),
+            level: level::best(),
             group: Group::default(),
         }
     }

@@ -41,7 +41,8 @@ impl Measure for Height {
         let along =
             |axis: usize| block.side(simd, up[axis] >= 0.0, axis) * f32x8::splat(simd, up[axis]);
         let height = along(0) + along(1) + along(2);
-        let below = (f32x8::splat(simd, self.from) - height).max(f32x8::splat(simd, 0.0));
+        let zero = f32x8::splat(simd, 0.0);
+        let below = (f32x8::splat(simd, self.from) - height).max(zero) + zero;
         let within = below.simd_le(bound.splat(simd));
         // Lanes without a box are infinitely far below, or NaN.
         let is_box = block

@@ -1,6 +1,6 @@
 //! Where two convex solids touch that are on two sides of a plane.
 
-use bevy::math::Vec3A;
+use bevy::math::{Vec3A, ops};
 use smallvec::SmallVec;
 
 use crate::narrow_phase::frame::{closest, surface::border};
@@ -70,7 +70,7 @@ fn order_around(corners: &mut Foremost, normal: Vec3A) {
     let (x, y) = normal.any_orthonormal_pair();
     let angle = |corner: &Vec3A| {
         let offset = *corner - middle;
-        offset.dot(y).atan2(offset.dot(x))
+        ops::atan2(offset.dot(y), offset.dot(x))
     };
     corners.sort_by(|one, other| angle(one).total_cmp(&angle(other)));
 }

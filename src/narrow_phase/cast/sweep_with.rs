@@ -135,7 +135,7 @@ impl NarrowPhase {
         // How much nearer it is to what is ahead, by that.
         let ahead = (lifted.translation - moving.transform.translation).dot(*direction);
         let now = Placed::new(moving.shape, &lifted);
-        let met = sweep(now, max_distance - ahead, workspace)?;
+        let met = sweep(now, (max_distance - ahead).max(0.0), workspace)?;
         Some(Impact {
             distance: if met.distance > 0.0 {
                 (met.distance + ahead).max(0.0)

@@ -86,8 +86,8 @@ mod tests {
     use bevy::math::Vec3;
 
     use super::*;
-    use crate::narrow_phase::frame::closest::point_triangle_squared;
-    use fearless_simd::{Level, dispatch};
+    use crate::{broad_phase::levels, narrow_phase::frame::closest::point_triangle_squared};
+    use fearless_simd::dispatch;
 
     #[test]
     fn eight_at_once_are_as_far_as_one_by_one() {
@@ -100,11 +100,19 @@ mod tests {
         assert_eq!(blocks.len(), 2);
         for point in (100..300).map(|i| Vec3A::from(at(i)) * 2.0) {
             for (first, block) in blocks.iter().enumerate() {
-                let level = Level::new();
-                let found: [f32; 8] = dispatch!(level, simd => {
-                    let found = squared_distances(simd, block, point, f32::INFINITY);
-                    found.unwrap().into()
-                });
+                let found = |level| -> [f32; 8] {
+                    dispatch!(level, simd => {
+                        let found = squared_distances(simd, block, point, f32::INFINITY);
+                        found.unwrap().into()
+                    })
+                };
+                let levels = levels::all();
+                let same = found(levels[0].1);
+                for (name, level) in levels {
+                    let bits = |found: [f32; 8]| found.map(f32::to_bits);
+                    assert_eq!(bits(found(level)), bits(same), "{name}");
+                }
+                let found = same;
                 for (lane, found) in found.into_iter().enumerate() {
                     let corners = triangle((8 * first + lane).min(12)).map(Vec3A::from);
                     let single = point_triangle_squared(point, corners);

@@ -1,6 +1,6 @@
 //! A polygon mesh put in place: what the last stage computes with.
 
-use bevy::math::Vec3A;
+use bevy::math::{Vec3A, ops};
 
 use super::closest;
 use super::local_aabb::LocalAabb;
@@ -408,7 +408,7 @@ pub fn winds_around(mesh: &PolygonMesh, way_to: impl Fn(u32) -> Vec3A) -> bool {
         for pair in corners[1..].windows(2) {
             let (b, c) = (seen(pair[0]), seen(pair[1]));
             let cosines = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
-            half_angles += a.dot(b.cross(c)).atan2(cosines);
+            half_angles += ops::atan2(a.dot(b.cross(c)), cosines);
         }
     });
     // Once around is 4π, or 2π in half angles.
