@@ -142,7 +142,7 @@ fn spawn_of_level(app: &mut App, number: u64) {
             block(app, Vec3::new(2.0, 1.0, 2.0), at);
         }
         // Walls across, of blocks beside each other, with gaps.
-        64..88 if number % 7 != 0 => {
+        64..88 if !number.is_multiple_of(7) => {
             let at = grid(number - 64, 12) * Vec3::new(1.0, 0.0, 5.0);
             block(
                 app,
