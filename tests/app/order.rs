@@ -8,6 +8,12 @@ use crate::common::{self, fnv::Fnv};
 /// The number of no entity.
 const NOTHING: u64 = u64::MAX - 1;
 
+/// Where somebody is, how turned, and how fast.
+type Place = (u64, [u32; 3], [u32; 4], [u32; 3]);
+
+/// On what somebody stands, and what was met when.
+type Walker = (u64, u64, Vec<(u64, u32)>);
+
 /// What somebody sees of a scene, by the numbers of its entities.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Seen {
@@ -16,16 +22,16 @@ pub struct Seen {
     pub ended: Vec<(u64, u64)>,
     pub events: Vec<(u64, u64)>,
     bodies: Vec<(u64, u64)>,
-    places: Vec<(u64, [u32; 3], [u32; 4], [u32; 3])>,
+    places: Vec<Place>,
     /// Who walks, on what, and against what.
-    walkers: Vec<(u64, u64, Vec<(u64, u32)>)>,
+    walkers: Vec<Walker>,
     nearest: Vec<u64>,
 }
 
 impl Seen {
     /// How many of those who walk stand on something.
     pub fn walking(&self) -> usize {
-        let stands = |(_, ground, _): &&(u64, u64, _)| *ground != NOTHING;
+        let stands = |(_, ground, _): &&Walker| *ground != NOTHING;
         self.walkers.iter().filter(stands).count()
     }
 
@@ -44,26 +50,25 @@ impl Seen {
         for list in [contacts, started] {
             hash.add(list.len() as u64);
             for (a, b, time) in list {
-                [*a, *b, u64::from(*time)].map(|word| hash.add(word));
+                hash.add_all([*a, *b, u64::from(*time)]);
             }
         }
         for list in [ended, events, bodies] {
             hash.add(list.len() as u64);
-            list.iter()
-                .for_each(|(a, b)| _ = [*a, *b].map(|word| hash.add(word)));
+            list.iter().for_each(|(a, b)| hash.add_all([*a, *b]));
         }
         for (number, at, turn, velocity) in places {
             hash.add(*number);
             let words = at.iter().chain(turn).chain(velocity);
-            words.for_each(|word| hash.add(u64::from(*word)));
+            hash.add_all(words.copied().map(u64::from));
         }
         for (number, ground, hits) in walkers {
-            [*number, *ground, hits.len() as u64].map(|word| hash.add(word));
-            hits.iter().for_each(|(other, time)| {
-                _ = [*other, u64::from(*time)].map(|word| hash.add(word))
-            });
+            hash.add_all([*number, *ground, hits.len() as u64]);
+            for (other, time) in hits {
+                hash.add_all([*other, u64::from(*time)]);
+            }
         }
-        nearest.iter().for_each(|number| hash.add(*number));
+        hash.add_all(nearest.iter().copied());
     }
 }
 
