@@ -177,7 +177,7 @@ fn ask(index: &SpatialIndex, all: &[Aabb3d], found: &mut Found) {
             index.cast(&moving).into_iter().for_each(&mut add);
         }
     }
-    let is_member = |id: ProxyId| id.get() % 3 != 0;
+    let is_member = |id: ProxyId| !id.get().is_multiple_of(3);
     index.for_each_pair_among(0.05, is_member, |a, b, distance| {
         found.add((a, b, distance.to_bits()));
     });
