@@ -19,6 +19,7 @@ mod contacts;
 mod debug_draw;
 mod detectors;
 mod diagnostics;
+mod disabling;
 mod documentation;
 mod extremes;
 mod faults;
