@@ -20,8 +20,9 @@ use crate::{
 /// which they are known in the network, when they are spawned; then they are told, and answer, in the
 /// order of these numbers, whatever they were spawned in.
 ///
-/// Who has none stands where its index would be. Of two with the same number, the one with the lower
-/// `Entity` comes first: so give each its own. One with another number leaves the index and enters it anew: what it
+/// Who has none comes after all whose numbers have 32 bits, by its `Entity`. Of two with the same number, contacts take the one
+/// with the lower `Entity` first, and queries the one that came into the index first, on each machine another, perhaps: so
+/// give each its own. One with another number leaves the index and enters it anew: what it
 /// is in contact with ends, and starts.
 ///
 /// ```

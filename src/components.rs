@@ -12,7 +12,7 @@ use bevy::{
 
 use crate::{
     broad_phase::{EVERYWHERE, PairFilter, ProxyId},
-    collision_index::{CollisionIndex, Upkeep},
+    collision_index::{CollisionIndex, upkeep::Upkeep},
     narrow_phase::{Fit, Placed, Shape, ShapeError},
     regroup,
     way::SweptWay,

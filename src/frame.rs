@@ -1,12 +1,11 @@
 //! The space that a velocity is in, and the way from there to the world and back.
 
 use bevy::{
-    ecs::entity_disabling::Disabled,
     math::{DAffine3, DMat3, DVec3},
     prelude::*,
 };
 
-use crate::{ancestors, motion::Velocity};
+use crate::{ancestors, disabled::is_entity_disabled, motion::Velocity};
 
 /// What an entity hangs on: where its parent is in the world, how it is turned and stretched, and
 /// how fast it moves.
@@ -33,7 +32,7 @@ impl Ancestor {
         let entity = world.get_entity(entity).ok()?;
         let velocity = entity
             .get::<Velocity>()
-            .filter(|_| !entity.contains::<Disabled>());
+            .filter(|_| !is_entity_disabled(entity, world));
         Some(Self {
             transform: *entity.get()?,
             velocity: velocity.map_or(Vec3::ZERO, |velocity| velocity.0),

@@ -7,13 +7,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use bevy::{
-    ecs::{
-        archetype::Archetype,
-        entity_disabling::{DefaultQueryFilters, Disabled},
-        query::{QueryData, QueryFilter},
-        system::System,
-        world::DeferredWorld,
-    },
+    ecs::{entity_disabling::Disabled, world::DeferredWorld},
     math::{DAffine3, DQuat},
     prelude::*,
 };
@@ -21,6 +15,7 @@ use bevy::{
 use crate::{
     ancestors,
     components::{self, BroadPhaseProxy, CollisionShape, WorldAabb},
+    disabled::Unfiltered,
 };
 
 /// An ancestor of entities with a shape. It stays one when the last of them is gone: that costs a
@@ -63,7 +58,7 @@ pub(crate) type Link<'a> = (&'a Transform, Option<&'a ChildOf>);
 /// Where an entity is in the world; `None` if it is its own ancestor. A parent without a
 /// [`Transform`] ends the walk.
 ///
-/// Walks up all ancestors. For the systems that [`see_disabled`] entities: a disabled parent is
+/// Walks up all ancestors. For the systems that [see](crate::disabled::see_disabled) disabled entities: a disabled parent is
 /// still where it is.
 pub(crate) fn pose_in_world(
     entity: Entity,
@@ -81,38 +76,6 @@ pub(crate) fn pose_in_world(
             .rev()
             .fold(DAffine3::IDENTITY, |world, local| world * local),
     )
-}
-
-/// Makes the queries of a system see entities that are disabled too, by whatever component.
-pub(crate) fn see_disabled<S: IntoSystem<(), Out, M>, Out: 'static, M>(
-    world: &mut World,
-    system: S,
-) -> S::System {
-    let mut system = IntoSystem::into_system(system);
-    without_filters(world, |world| {
-        system.initialize(world);
-    });
-    system
-}
-
-/// Is an entity of this archetype disabled? For systems that [`see_disabled`] entities.
-pub(crate) fn is_disabled(archetype: &Archetype, filters: Option<&DefaultQueryFilters>) -> bool {
-    filters.is_some_and(|filters| filters.disabling_ids().any(|id| archetype.contains(id)))
-}
-
-/// Queries that are made while there are no filters never have any.
-fn without_filters<T>(world: &mut World, mut make: impl FnMut(&mut World) -> T) -> T {
-    let made = world.try_resource_scope(|world, _: Mut<DefaultQueryFilters>| make(world));
-    made.unwrap_or_else(|| make(world))
-}
-
-/// A query that sees disabled entities too.
-struct Unfiltered<D: QueryData + 'static, F: QueryFilter + 'static>(QueryState<D, F>);
-
-impl<D: QueryData + 'static, F: QueryFilter + 'static> FromWorld for Unfiltered<D, F> {
-    fn from_world(world: &mut World) -> Self {
-        Self(without_filters(world, QueryState::new))
-    }
 }
 
 type Moved = Or<(Changed<Transform>, Changed<ChildOf>)>;

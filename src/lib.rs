@@ -315,6 +315,7 @@ pub mod counters;
 #[cfg(feature = "debug_draw")]
 pub mod debug_draw;
 pub mod diagnostics;
+mod disabled;
 pub mod filters;
 mod frame;
 pub mod guide;

@@ -11,7 +11,7 @@ use bevy::{
 use crate::{
     broad_phase::ProxyId,
     collision_index::{
-        Body, CandidatePairs, CollisionIndex, Extent, Seen, Upkeep, follow::Following,
+        Body, CandidatePairs, CollisionIndex, Extent, Seen, follow::Following, upkeep::Upkeep,
     },
     collision_order::CollisionOrder,
     components::{self, BroadPhaseProxy, WorldAabb},

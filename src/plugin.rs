@@ -162,6 +162,7 @@ impl Plugin for CollisionCorePlugin {
         counters::register(app);
         motion::register(app);
         collision_index::register(app);
+        collision_index::upkeep::register(app);
         components::register(app);
         collision_order::register(app);
         shape_data::register(app);

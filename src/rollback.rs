@@ -38,16 +38,17 @@
 //! [`CollisionOrder`], and the order of things is the same everywhere.
 
 use bevy::{
-    ecs::entity::{EntityMapper, MapEntities},
+    ecs::entity::{EntityHashMap, EntityMapper, MapEntities},
     prelude::*,
 };
 
 use crate::{
+    broad_phase::ProxyId,
     collision_index::CollisionIndex,
     collision_order::CollisionOrder,
     components::BroadPhaseProxy,
     contacts::{Contacts, Places, SavedContacts},
-    hierarchy,
+    disabled,
     maintenance::maintain,
     motion::CollisionClock,
     schedule::{CollisionSystems, add_to_tick, expect_ticks},
@@ -72,13 +73,15 @@ impl Plugin for RollbackPlugin {
                 .in_set(RestoreSystems)
                 .before(CollisionSystems::First);
             // By then, all who are there have their handles. Whoever is disabled may have been in contact.
-            let restore_contacts = hierarchy::see_disabled(app.world_mut(), restore_contacts)
+            let restore_contacts = disabled::see_disabled(app.world_mut(), restore_contacts)
                 .in_set(CollisionSystems::Maintenance)
                 .after(maintain)
-                .run_if(|restoring: Res<Restoring>| restoring.0);
+                .run_if(|restoring: Res<Restoring>| restoring.is_due);
             let take = take_snapshot
                 .after(CollisionSystems::Last)
-                .after(CollisionClock::advance);
+                .after(CollisionClock::advance)
+                // In a tick that leaves maintenance out, what is to be restored stays.
+                .run_if(|restoring: Res<Restoring>| !restoring.is_due);
             app.add_systems(schedule, (restore_state, restore_contacts, take));
         });
     }
@@ -163,9 +166,15 @@ impl MapEntities for CollisionSnapshot {
     }
 }
 
-/// Are the contacts those of another time, until they are restored?
+/// Contacts are those of another time until they are restored.
 #[derive(Resource, Debug, Default)]
-struct Restoring(bool);
+struct Restoring {
+    is_due: bool,
+    /// Those in the snapshot that were in the index when it was put back, by which handles; of which index. Who has another
+    /// by the time contacts are restored, has left in between, which ends them.
+    handles: EntityHashMap<ProxyId>,
+    index: u64,
+}
 
 /// Goes back, if somebody has put another snapshot in place of the one that was taken.
 fn restore_state(
@@ -173,6 +182,7 @@ fn restore_state(
     mut clock: ResMut<CollisionClock>,
     mut restoring: ResMut<Restoring>,
     mut ways: Query<(Entity, &mut SweptWay)>,
+    (proxies, index): (Query<&BroadPhaseProxy>, Option<Res<CollisionIndex>>),
     mut is_known: Local<bool>,
 ) {
     // That it is there at all is no change.
@@ -180,7 +190,16 @@ fn restore_state(
     if !snapshot.is_changed() || (is_new && *snapshot == CollisionSnapshot::default()) {
         return;
     }
-    restoring.0 = true;
+    restoring.is_due = true;
+    restoring.handles.clear();
+    if let Some(index) = index {
+        restoring.index = index.number();
+        let entities = snapshot.contacts.entities();
+        restoring.handles.extend(entities.filter_map(|entity| {
+            let id = proxies.get(entity).ok()?.id()?;
+            index.is_entry_of(id, entity).then_some((entity, id))
+        }));
+    }
     clock.set_tick(snapshot.tick);
     for (_, mut way) in &mut ways {
         way.forget();
@@ -195,16 +214,19 @@ fn restore_state(
 fn restore_contacts(
     snapshot: Res<CollisionSnapshot>,
     (mut contacts, mut index): (ResMut<Contacts>, ResMut<CollisionIndex>),
-    (proxies, orders): (Query<&BroadPhaseProxy>, Query<&CollisionOrder>),
+    (proxies, orders): (Query<&BroadPhaseProxy>, Query<Option<&CollisionOrder>>),
     mut restoring: ResMut<Restoring>,
 ) {
-    restoring.0 = false;
+    restoring.is_due = false;
+    let is_same_index = restoring.index == index.number();
     let id_of = |entity: Entity| {
         let id = proxies.get(entity).ok()?.id()?;
-        index.is_entry_of(id, entity).then_some(id)
+        let before = restoring.handles.get(&entity).filter(|_| is_same_index);
+        let has_stayed = before.is_none_or(|before| *before == id);
+        (has_stayed && index.is_entry_of(id, entity)).then_some(id)
     };
     let places = Places {
-        of_body: &|body| orders.get(body).ok().map(|order| order.0),
+        of_body: &|body| Some(orders.get(body).ok()?.map(|order| order.0)),
         index: &index,
     };
     contacts.restore(&snapshot.contacts, &index, id_of, &places);

@@ -152,6 +152,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     bounds,
     components::{self, BroadPhaseProxy, CollisionShape, WorldAabb},
+    disabled::{self, Unfiltered},
     hierarchy::{self, Link},
     narrow_phase::{Moving, NarrowPhase, Placed},
     parts::{BodyParts, CollisionBody, PartOf, RegroupSystems},
@@ -307,8 +308,8 @@ impl Plugin for SweptPlugin {
                 .run_if(|regroup: Res<Regroup>| regroup.is_sweep_due())
                 .after(RegroupSystems)
                 .before(CollisionSystems::Motion);
-            let begin_ways = hierarchy::see_disabled(app.world_mut(), begin_ways);
-            let begin_way = hierarchy::see_disabled(app.world_mut(), begin_ways_of_bodies);
+            let begin_ways = disabled::see_disabled(app.world_mut(), begin_ways);
+            let begin_way = disabled::see_disabled(app.world_mut(), begin_ways_of_bodies);
             let begin = (begin_ways, begin_way)
                 .after(CollisionSystems::First)
                 .after(sweep_parts)
@@ -316,7 +317,7 @@ impl Plugin for SweptPlugin {
             let stretch = stretch_boxes
                 .in_set(CollisionSystems::Bounds)
                 .after(bounds::update_children);
-            let end_way = hierarchy::see_disabled(app.world_mut(), end_ways_of_bodies);
+            let end_way = disabled::see_disabled(app.world_mut(), end_ways_of_bodies);
             let end = (end_ways, end_way)
                 .after(CollisionSystems::Response)
                 .before(CollisionSystems::Report);
@@ -402,10 +403,9 @@ fn end_ways_of_bodies(
 fn sweep_parts(world: &mut World) {
     let Due { mut entities, all } = world.resource_mut::<Regroup>().take_to_sweep();
     if all {
-        let mut parts = world.query_filtered::<Entity, (With<PartOf>, Allow<Disabled>)>();
-        entities.extend(parts.iter(world));
-        let mut swept = world.query_filtered::<Entity, (With<SweptWithBody>, Allow<Disabled>)>();
-        entities.extend(swept.iter(world));
+        let mut parts =
+            Unfiltered::<Entity, Or<(With<PartOf>, With<SweptWithBody>)>>::from_world(world);
+        entities.extend(parts.0.iter(world));
     }
     entities.sort_unstable();
     entities.dedup();

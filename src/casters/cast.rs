@@ -13,7 +13,7 @@ use bevy::{
 
 use super::{filter::CasterFilter, hits::Hits};
 use crate::{
-    ancestors,
+    ancestors, disabled,
     hierarchy::{self, Link},
     parallel,
     parts::CollisionBody,
@@ -50,7 +50,7 @@ type Parts<'a, C> = (
 type Item<'a, 'w, 's, C> = <Parts<'a, C> as QueryData>::Item<'w, 's>;
 
 /// A disabled entity meets nothing, and its hits say so. For a system that [sees
-/// it](hierarchy::see_disabled).
+/// it](disabled::see_disabled).
 pub(super) fn cast<C: Caster>(
     mut casters: Query<Parts<C>, Allow<Disabled>>,
     links: Query<Link, Allow<Disabled>>,
@@ -71,7 +71,7 @@ pub(super) fn cast<C: Caster>(
     let renew = |caster: Item<'_, '_, '_, C>| {
         let (entity, caster, mut hits, world, archetype) = caster;
         let has_changed = hits.bypass_change_detection().renew(|hits| {
-            let is_disabled = hierarchy::is_disabled(archetype, filters.as_deref());
+            let is_disabled = disabled::is_disabled(archetype, filters.as_deref());
             let filter = caster.filter().filter(|_| !is_disabled);
             if let Some(filter) = filter
                 && let Some(pose) = pose(entity, &links)

@@ -57,7 +57,7 @@ pub use ray::RayCaster;
 pub use shape::ShapeCaster;
 
 use crate::{
-    hierarchy::see_disabled,
+    disabled::see_disabled,
     schedule::{CollisionSystems, add_to_tick},
 };
 

@@ -81,6 +81,7 @@ pub use walk::{Walked, walk};
 
 use crate::{
     bounds,
+    disabled::see_disabled,
     move_and_slide::{MoveEnd, MoveHit},
     schedule::{CollisionSystems, add_to_tick},
     swept,
@@ -113,10 +114,10 @@ impl Plugin for CharacterPlugin {
                 .after(bounds::update_children)
                 .after(swept::stretch_boxes)
                 .run_if(some);
-            let walk = (systems::walk, systems::settle)
-                .chain()
-                .in_set(CharacterSystems)
-                .run_if(some);
+            let world = app.world_mut();
+            let walk = see_disabled(world, systems::walk);
+            let settle = see_disabled(world, systems::settle);
+            let walk = (walk, settle).chain().in_set(CharacterSystems).run_if(some);
             app.configure_sets(schedule, place)
                 .add_systems(schedule, (reach, walk));
         });

@@ -213,7 +213,7 @@ type Both<'w, 's> = ParamSet<
     ),
 >;
 
-/// Puts all where they have come to: in their own spaces, and in the index.
+/// Puts all where they have come to: in their own spaces, and in the index. What is disabled is not in that, and stays.
 pub(super) fn settle(
     mut both: Both,
     mut index: ResMut<CollisionIndex>,

@@ -161,8 +161,8 @@ pub(super) type Order = ([Place; 2], bool);
 
 /// Who has a place of its own in the order of all.
 pub(crate) struct Places<'a> {
-    /// That of a body, if it has one.
-    pub(crate) of_body: &'a dyn Fn(Entity) -> Option<u64>,
+    /// That of a body, if it has one; `None` if it is gone.
+    pub(crate) of_body: &'a dyn Fn(Entity) -> Option<Option<u64>>,
     /// For the places of parts.
     pub(crate) index: &'a CollisionIndex,
 }
@@ -170,7 +170,7 @@ pub(crate) struct Places<'a> {
 impl Places<'_> {
     fn of(&self, body: Entity) -> Place {
         let rank = rank(body);
-        let own = (self.of_body)(body).or_else(|| self.index.order_of_gone(body));
+        let own = (self.of_body)(body).unwrap_or_else(|| self.index.order_of_gone(body));
         (own.unwrap_or(rank), rank)
     }
 
@@ -199,7 +199,8 @@ pub(super) struct BodyContacts {
 
 impl BodyContacts {
     pub(super) const fn is_empty(&self) -> bool {
-        self.contacts.is_empty()
+        // Of those that were restored, what is part of itself alone is in no list of contacts.
+        self.contacts.is_empty() && self.pairs.is_empty()
     }
 
     /// Those that were saved: the bodies of contacts, in the order of keys, and the pairs of bodies.

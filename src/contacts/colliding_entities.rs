@@ -10,7 +10,7 @@ use bevy::{
 };
 
 use super::list::Contacts;
-use crate::{components::BroadPhaseProxy, hierarchy, parts::CollisionBody};
+use crate::{components::BroadPhaseProxy, disabled, parts::CollisionBody};
 
 /// The entities that this entity is in contact with, as far as it hears of them (see
 /// [`Detector`](crate::filters::Detector)). Add it to entities that are to have it; it is
@@ -49,14 +49,14 @@ pub(super) fn is_in_use(lists: Query<(), (With<CollidingEntities>, Allow<Disable
 }
 
 /// A disabled entity touches nothing, and its list says so. For a system that [sees
-/// it](hierarchy::see_disabled).
+/// it](disabled::see_disabled).
 pub(super) fn follow_contacts(
     contacts: Res<Contacts>,
     filters: Option<Res<DefaultQueryFilters>>,
     mut lists: Query<Lists, Allow<Disabled>>,
 ) {
     for (entity, mut list, proxy, is_body, archetype) in &mut lists {
-        if hierarchy::is_disabled(archetype, filters.as_deref()) {
+        if disabled::is_disabled(archetype, filters.as_deref()) {
             update(&mut list, std::iter::empty);
             continue;
         }

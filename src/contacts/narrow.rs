@@ -256,7 +256,11 @@ fn merge_verdicts(
     index: Res<CollisionIndex>,
     tests: Res<NarrowPhase>,
     (mut contacts, mut verdicts): (ResMut<Contacts>, ResMut<Verdicts>),
-    (parts, sensors, orders): (Query<Part>, Query<(), With<Sensor>>, Query<&CollisionOrder>),
+    (parts, sensors, orders): (
+        Query<Part>,
+        Query<(), With<Sensor>>,
+        Query<Option<&CollisionOrder>>,
+    ),
     (event_settings, enabled): (
         Res<CollisionEventSettings>,
         Query<(), With<CollisionEventsEnabled>>,
@@ -279,7 +283,7 @@ fn merge_verdicts(
             events_for_all: event_settings.observers == EventScope::All,
         };
         let places = Places {
-            of_body: &|body| orders.get(body).ok().map(|order| order.0),
+            of_body: &|body| Some(orders.get(body).ok()?.map(|order| order.0)),
             index: &index,
         };
         contacts.merge_bodies(&owners, |part| sensors.contains(part), &places, &audience);

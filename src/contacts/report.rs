@@ -21,7 +21,7 @@ use super::{
 use crate::{
     collision_index::CollisionIndex,
     counters::CollisionCounters,
-    hierarchy::see_disabled,
+    disabled::see_disabled,
     schedule::{CollisionSystems, add_to_tick},
 };
 

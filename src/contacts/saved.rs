@@ -118,6 +118,13 @@ impl SavedBodies {
 }
 
 impl SavedContacts {
+    /// All that are or were in contact.
+    pub(crate) fn entities(&self) -> impl Iterator<Item = Entity> {
+        let reported = self.reported.iter().flatten();
+        let all = self.now.iter().chain(reported);
+        all.flat_map(|contact| contact.entities)
+    }
+
     /// The number of contacts.
     pub(crate) const fn len(&self) -> usize {
         self.now.len()
@@ -168,6 +175,8 @@ impl Restored {
         let find = |contact: &SavedContact| {
             let [a, b] = contact.entities;
             let (key, contact) = match contact.entities.map(id_of) {
+                // Mapped to one and the same.
+                [Some(id_a), Some(id_b)] if id_a == id_b => return None,
                 [Some(id_a), Some(id_b)] => {
                     let key = ContactKey::of(Pair::new(id_a, id_b), index);
                     let is_as_saved = key.a == a;

@@ -1,10 +1,7 @@
 //! Bodies and their parts, as components.
 
 use bevy::{
-    ecs::{
-        entity::EntityHashSet, entity_disabling::Disabled, lifecycle::HookContext,
-        world::DeferredWorld,
-    },
+    ecs::{entity::EntityHashSet, lifecycle::HookContext, world::DeferredWorld},
     prelude::*,
 };
 use serde::{Deserialize, Serialize};
@@ -12,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     broad_phase::PairFilter,
     components::change_filter,
+    disabled::Unfiltered,
     regroup::{self, Regroup},
 };
 
@@ -152,8 +150,8 @@ pub(super) fn register(app: &mut App) {
         .register_type::<BodyParts>();
     // Those that came before.
     let world = app.world_mut();
-    let bodies = world
-        .query_filtered::<(), (With<CollisionBody>, Allow<Disabled>)>()
+    let bodies = Unfiltered::<(), With<CollisionBody>>::from_world(world)
+        .0
         .iter(world)
         .count();
     world.resource_mut::<Regroup>().begin(bodies);

@@ -9,7 +9,7 @@ use bevy::{
 use bevy_rapier3d::geometry::{Collider, RapierColliderHandle};
 
 use crate::{
-    components::CollisionShape, hierarchy, narrow_phase::Shape, schedule::CollisionSystems,
+    components::CollisionShape, disabled, narrow_phase::Shape, schedule::CollisionSystems,
 };
 
 /// Gives an entity the shape of its Rapier `Collider`.
@@ -29,7 +29,7 @@ pub(super) fn register(app: &mut App) {
 }
 
 pub(super) fn add_systems(app: &mut App, schedule: InternedScheduleLabel) {
-    let follow = hierarchy::see_disabled(app.world_mut(), follow_colliders);
+    let follow = disabled::see_disabled(app.world_mut(), follow_colliders);
     app.add_systems(
         schedule,
         follow

@@ -1,12 +1,13 @@
 //! Who answers to what an entity meets: itself, or the body that it is a part of.
 
 use bevy::{
-    ecs::{entity_disabling::DefaultQueryFilters, system::SystemParam},
+    ecs::{archetype::Archetype, entity_disabling::DefaultQueryFilters, system::SystemParam},
     prelude::*,
 };
 
 use super::bounce::Bounce;
 use crate::{
+    disabled::{is_disabled, is_entity_disabled},
     parts::{CollisionBody, PartOf},
     swept::Swept,
 };
@@ -15,7 +16,8 @@ use crate::{
 #[derive(SystemParam)]
 pub(super) struct Answering<'w, 's> {
     parts: Query<'w, 's, &'static PartOf>,
-    bodies: Query<'w, 's, (), Answers>,
+    bodies: Query<'w, 's, &'static Archetype, Answers>,
+    filters: Option<Res<'w, DefaultQueryFilters>>,
 }
 
 /// A body that answers for its parts.
@@ -34,7 +36,10 @@ impl Answering<'_, '_> {
     pub(super) fn who(&self, entity: Entity) -> Entity {
         let body = self.parts.get(entity).map(PartOf::body);
         body.ok()
-            .filter(|body| self.bodies.contains(*body))
+            .filter(|body| {
+                let archetype = self.bodies.get(*body);
+                archetype.is_ok_and(|archetype| !is_disabled(archetype, self.filters.as_deref()))
+            })
             .unwrap_or(entity)
     }
 }
@@ -48,14 +53,10 @@ pub(super) fn lead_of(entity: Entity, world: &World) -> Option<Entity> {
 
 /// Does a body answer for its parts?
 pub(super) fn is_lead(body: Entity, world: &World) -> bool {
-    let is_disabled = |entity: EntityRef| {
-        let filters = world.get_resource::<DefaultQueryFilters>();
-        filters.is_some_and(|filters| filters.disabling_ids().any(|id| entity.contains_id(id)))
-    };
     world.get_entity(body).is_ok_and(|entity| {
         entity.contains::<CollisionBody>()
             && entity.contains::<Transform>()
             && (entity.contains::<Bounce>() || entity.contains::<Swept>())
-            && !is_disabled(entity)
+            && !is_entity_disabled(entity, world)
     })
 }

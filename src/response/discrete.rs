@@ -1,7 +1,7 @@
 //! Bounces of what is looked at where it is at the end of a tick.
 
 use bevy::{
-    ecs::{entity_disabling::Disabled, system::SystemParam},
+    ecs::{archetype::Archetype, entity_disabling::DefaultQueryFilters, system::SystemParam},
     prelude::*,
 };
 
@@ -14,6 +14,7 @@ use crate::{
     collision_index::CollisionIndex,
     contacts::{ContactPair, Contacts},
     counters::CollisionCounters,
+    disabled,
     filters::Sensor,
     frame::{Ancestor, Frame},
     motion::Velocity,
@@ -74,23 +75,39 @@ pub(super) fn reverse(
     }
 }
 
-/// What moves, and what it hangs on.
+/// What moves, and what it hangs on. For a system that [sees disabled entities](disabled::see_disabled): a disabled
+/// parent is still where it is, and moves no more.
 #[derive(SystemParam)]
 pub(super) struct Movers<'w, 's> {
-    moving: Query<'w, 's, (&'static mut Velocity, Option<&'static Bounce>)>,
-    // A disabled parent is still where it is.
-    places: Query<'w, 's, (&'static Transform, Option<&'static ChildOf>), Allow<Disabled>>,
+    moving: Query<
+        'w,
+        's,
+        (
+            &'static mut Velocity,
+            Option<&'static Bounce>,
+            &'static Archetype,
+        ),
+    >,
+    places: Query<'w, 's, (&'static Transform, Option<&'static ChildOf>)>,
+    filters: Option<Res<'w, DefaultQueryFilters>>,
 }
 
 impl Movers<'_, '_> {
     fn bounce(&self, entity: Entity) -> Option<Bounce> {
-        self.moving.get(entity).ok()?.1.copied()
+        let (_, bounce, archetype) = self.moving.get(entity).ok()?;
+        bounce.copied().filter(|_| self.moves(archetype))
     }
 
     /// In the space of its parent.
     fn velocity(&self, entity: Entity) -> Vec3 {
-        let moving = self.moving.get(entity);
-        moving.map_or(Vec3::ZERO, |(velocity, _)| velocity.0)
+        match self.moving.get(entity) {
+            Ok((velocity, _, archetype)) if self.moves(archetype) => velocity.0,
+            _ => Vec3::ZERO,
+        }
+    }
+
+    fn moves(&self, archetype: &Archetype) -> bool {
+        !disabled::is_disabled(archetype, self.filters.as_deref())
     }
 
     /// Leads from the space of an entity's parent to the world; `None` if it has none.
@@ -138,7 +155,7 @@ impl Movers<'_, '_> {
             Some(frame) => frame.own_velocity(velocity),
             None => Some(velocity),
         };
-        if let (Some(own), Ok((mut velocity, _))) = (own, self.moving.get_mut(entity)) {
+        if let (Some(own), Ok((mut velocity, ..))) = (own, self.moving.get_mut(entity)) {
             velocity.0 = own;
             return true;
         }

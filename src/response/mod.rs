@@ -11,6 +11,7 @@ use bevy::prelude::*;
 
 use crate::{
     contacts::Verdicts,
+    disabled::see_disabled,
     schedule::{CollisionSystems, ImpactSystems, add_to_tick},
     swept::{AtSolid, Swept},
 };
@@ -57,6 +58,7 @@ impl Plugin for BouncePlugin {
                 .in_set(ImpactSystems)
                 .run_if(some_impacts)
                 .run_if(something_bounces.or_else(something_stops));
+            let reflect = see_disabled(app.world_mut(), reflect);
             let at_rest = (reverse, reflect).chain().run_if(something_bounces);
             let answer = (
                 apply_outcomes.run_if(some_outcomes),

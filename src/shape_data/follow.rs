@@ -8,7 +8,7 @@ use bevy::{
 use super::description::{CoreDescription, PartDescription, ShapeDescription};
 use crate::{
     components::CollisionShape,
-    hierarchy,
+    disabled,
     narrow_phase::ShapeError,
     schedule::{CollisionSystems, add_to_tick},
 };
@@ -87,7 +87,7 @@ pub(crate) fn register(app: &mut App) {
         .register_type::<ShapeDescriptionError>();
     add_to_tick(app, |app, schedule| {
         // One that is disabled is to have the right shape when it no longer is.
-        let follow = hierarchy::see_disabled(app.world_mut(), follow);
+        let follow = disabled::see_disabled(app.world_mut(), follow);
         app.add_systems(schedule, follow.in_set(CollisionSystems::First));
     });
 }

@@ -13,7 +13,7 @@ use super::{
 use crate::{
     broad_phase::{Flow, ProxyId},
     collision_index::Body,
-    narrow_phase::{Placed, RayCastOptions, Shape, ShapeCastOptions},
+    narrow_phase::{BoundsError, Placed, RayCastOptions, Shape, ShapeCastOptions},
 };
 
 /// Asks as if some entities were elsewhere: see [`SpatialQuery::at`].
@@ -29,8 +29,10 @@ impl<'w, 's> SpatialQuery<'w, 's> {
     /// Returns what asks as if some entities were at other poses in the world, and all others where they are: where those
     /// who are shot at were when the shot was fired, as its owner saw them (*lag compensation*).
     ///
-    /// A game keeps where its players were in the last ticks. Their shapes are those of now. Who has no shape in the index is
-    /// not found, and neither is who is at a pose that is not finite; who is given twice is at the last.
+    /// A game keeps where its players were in the last ticks. Their shapes are those of now. Each is alone
+    /// elsewhere: what hangs on it, as the parts of a body, is given by itself, at its own pose in the world. Who has no shape
+    /// in the index is not found, and neither is who is at a pose that is not finite, or in no box there; who is given twice is
+    /// at the last.
     ///
     /// ```
     /// use std::collections::VecDeque;
@@ -65,7 +67,10 @@ impl<'w, 's> SpatialQuery<'w, 's> {
             .filter_map(|(entity, pose)| {
                 let id = self.id_of(entity)?;
                 let body = self.index.body(id)?.clone();
-                Some((id, Body { pose, ..body }))
+                let body = Body { pose, ..body };
+                // Who has no box is nowhere.
+                let bounds = self.tests().world_aabb(body.placed());
+                (bounds != Err(BoundsError::NonFinite)).then_some((id, body))
             })
             .collect();
         posed.sort_unstable_by_key(|(id, _)| self.proxies().order(*id));

@@ -20,6 +20,7 @@ mod debug_draw;
 mod detectors;
 mod determinism;
 mod diagnostics;
+mod disabling;
 mod documentation;
 mod extremes;
 mod faults;

@@ -438,3 +438,41 @@ fn another_number_is_another_contact() {
     app.update();
     assert_eq!(pair(&app).len(), 1);
 }
+
+/// A body that has lost its number stands where its entity does, at once and for good.
+#[test]
+fn a_number_that_a_body_has_lost_is_forgotten_at_once() {
+    let mut app = plain_app(BroadPhaseMethod::default());
+    let body = (
+        CollisionBody::default(),
+        CollisionOrder(5),
+        Transform::default(),
+    );
+    let body = app
+        .world_mut()
+        .spawn((body, children![CollisionShape::default()]))
+        .id();
+    app.world_mut().spawn(CollisionShape::default());
+    app.update();
+    app.world_mut().entity_mut(body).remove::<CollisionOrder>();
+    app.update();
+    let told = |app: &mut App| {
+        let world = app.world_mut();
+        let started = world
+            .resource_mut::<Messages<BodyCollisionStarted>>()
+            .drain()
+            .count();
+        (
+            started,
+            world
+                .resource_mut::<Messages<BodyCollisionEnded>>()
+                .drain()
+                .count(),
+        )
+    };
+    told(&mut app);
+    for tick in 0..1100 {
+        app.update();
+        assert_eq!(told(&mut app), (0, 0), "in tick {tick}");
+    }
+}

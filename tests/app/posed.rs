@@ -100,3 +100,20 @@ fn who_is_nowhere_is_not_found() {
     then.shape_intersections(&ball, &at, &SpatialQueryFilter::DEFAULT, &mut found);
     assert!(found.contains(&entity));
 }
+
+/// As it would be if it were there: what has no box is not in the index.
+#[test]
+fn who_is_in_no_box_there_is_not_found() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, OctreePlugins::new(Update)));
+    let capsule = app
+        .world_mut()
+        .spawn(CollisionShape::capsule(0.3, 0.8))
+        .id();
+    app.update();
+    let mut state = SystemState::<SpatialQuery>::new(app.world_mut());
+    let spatial = state.get(app.world()).unwrap();
+    let then = spatial.at([(capsule, Transform::from_scale(Vec3::splat(3e38)))]);
+    let ray = Ray3d::new(Vec3::NEG_X, Dir3::X);
+    assert_eq!(then.cast_ray(ray, 9.0, &SpatialQueryFilter::DEFAULT), None);
+}

@@ -281,3 +281,111 @@ fn what_is_saved_is_written_and_read() {
         character
     );
 }
+
+fn cube(app: &mut App, x: f32) -> Entity {
+    let at = Transform::from_xyz(x, 0.0, 0.0);
+    app.world_mut().spawn((CollisionShape::default(), at)).id()
+}
+
+/// What is told in a tick: contacts that started and ended, and those of bodies that ended.
+fn told(app: &mut App) -> [Vec<[Entity; 2]>; 3] {
+    app.update();
+    let world = app.world_mut();
+    let started = world
+        .resource_mut::<Messages<CollisionStarted>>()
+        .drain()
+        .map(|told| [told.a, told.b])
+        .collect();
+    let ended = world
+        .resource_mut::<Messages<CollisionEnded>>()
+        .drain()
+        .map(|told| [told.a, told.b])
+        .collect();
+    let bodies = world
+        .resource_mut::<Messages<BodyCollisionEnded>>()
+        .drain()
+        .map(|told| [told.a, told.b])
+        .collect();
+    [started, ended, bodies]
+}
+
+fn two_cubes() -> (App, [Entity; 2], CollisionSnapshot) {
+    let mut app = plain_app(BroadPhaseMethod::default());
+    app.add_plugins(RollbackPlugin);
+    let cubes = [0.0, 0.5].map(|x| cube(&mut app, x));
+    assert_eq!(told(&mut app), [vec![cubes], vec![], vec![]]);
+    let saved = app.world().resource::<CollisionSnapshot>().clone();
+    (app, cubes, saved)
+}
+
+/// Of a body that is its only part, the contact is one of bodies all the same.
+#[test]
+fn bodies_with_a_shape_of_their_own_are_told_of_ends() {
+    let (mut app, [body, wall], _) = two_cubes();
+    app.world_mut()
+        .entity_mut(body)
+        .insert(CollisionBody::default());
+    app.update();
+    let saved = app.world().resource::<CollisionSnapshot>().clone();
+    app.update();
+    app.insert_resource(saved);
+    app.world_mut()
+        .entity_mut(wall)
+        .insert(Transform::from_xyz(9.0, 0.0, 0.0));
+    let [_, ended, bodies] = told(&mut app);
+    assert_eq!((ended, bodies), (vec![[body, wall]], vec![[body, wall]]));
+}
+
+/// What leaves and comes back in the tick that is simulated again, ends and starts, as it did the first time.
+#[test]
+fn what_leaves_in_the_first_tick_ends_and_starts() {
+    let (mut app, [_, cube], saved) = two_cubes();
+    let leave = move |mut commands: Commands, clock: Res<bevy_octree::motion::CollisionClock>| {
+        if clock.tick() == 1 {
+            commands
+                .entity(cube)
+                .remove::<CollisionShape>()
+                .insert(CollisionShape::default());
+        }
+    };
+    app.add_systems(Update, leave.in_set(CollisionSystems::First));
+    let first = told(&mut app);
+    assert_eq!([first[0].len(), first[1].len()], [1, 1]);
+    app.insert_resource(saved);
+    assert_eq!(told(&mut app), first);
+}
+
+/// A snapshot that is put back during a pause is taken up when that is over.
+#[test]
+fn a_pause_loses_no_snapshot() {
+    #[derive(Resource)]
+    struct Paused(bool);
+
+    let (mut app, [_, cube], saved) = two_cubes();
+    app.insert_resource(Paused(false));
+    for set in crate::common::SETS {
+        app.configure_sets(Update, set.run_if(|paused: Res<Paused>| !paused.0));
+    }
+    let at = |x| Transform::from_xyz(x, 0.0, 0.0);
+    app.world_mut().entity_mut(cube).insert(at(5.0));
+    assert_eq!(told(&mut app)[1].len(), 1);
+    app.world_mut().entity_mut(cube).insert(at(0.5));
+    app.insert_resource(saved);
+    app.insert_resource(Paused(true));
+    (0..2).for_each(|_| app.update());
+    app.insert_resource(Paused(false));
+    assert!(told(&mut app).iter().all(Vec::is_empty));
+}
+
+/// Two that a map makes one are in contact with themselves no more.
+#[test]
+fn two_that_are_mapped_to_one_do_no_harm() {
+    let (mut app, [a, b], mut saved) = two_cubes();
+    let other = cube(&mut app, 9.0);
+    app.update();
+    saved.map_entities(&mut EntityHashMap::from_iter([(a, other), (b, other)]));
+    app.insert_resource(saved);
+    // It ends for the one, who knows nothing of it, or not at all: what is there, starts.
+    let [started, ..] = told(&mut app);
+    assert_eq!(started, [[a, b]]);
+}
