@@ -21,7 +21,7 @@ use crate::{
 /// order of these numbers, whatever they were spawned in.
 ///
 /// Who has none comes after all whose numbers have 32 bits, by its `Entity`. Of two with the same number, contacts take the one
-/// with the lower `Entity` first, and queries the one that came into the index first, on each machine another, perhaps: so
+/// with the lower `Entity` first, and queries the one with the lower handle in the index, which is up to who came and went: so
 /// give each its own. One with another number leaves the index and enters it anew: what it
 /// is in contact with ends, and starts.
 ///
