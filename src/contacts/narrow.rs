@@ -252,15 +252,14 @@ fn warn_of_unknown(index: &CollisionIndex, candidates: &CandidatePairs) {
 
 type Part<'a> = (&'a BroadPhaseProxy, &'a PartOf);
 
+/// The number of somebody who is there, if there is one.
+type Numbered = Option<&'static CollisionOrder>;
+
 fn merge_verdicts(
     index: Res<CollisionIndex>,
     tests: Res<NarrowPhase>,
     (mut contacts, mut verdicts): (ResMut<Contacts>, ResMut<Verdicts>),
-    (parts, sensors, orders): (
-        Query<Part>,
-        Query<(), With<Sensor>>,
-        Query<Option<&CollisionOrder>>,
-    ),
+    (parts, sensors, orders): (Query<Part>, Query<(), With<Sensor>>, Query<Numbered>),
     (event_settings, enabled): (
         Res<CollisionEventSettings>,
         Query<(), With<CollisionEventsEnabled>>,

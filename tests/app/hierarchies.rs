@@ -59,6 +59,9 @@ fn shortest(mut run: impl FnMut()) -> Duration {
 
 const MANY: usize = 4000;
 
+/// What is quadratic takes hundreds of times as long as what is linear; a machine that is busy, some times as long.
+const MUCH: u32 = 60;
+
 #[derive(Component, Clone, Copy)]
 struct Part;
 
@@ -87,7 +90,7 @@ fn deep_hierarchies_cost_what_flat_ones_do() {
     }
     let resting = [&mut flat, &mut deep].map(|app| shortest(|| tick(app, 1)));
     assert!(
-        resting[1] < resting[0] * 8 + Duration::from_micros(100),
+        resting[1] < resting[0] * MUCH + Duration::from_micros(100),
         "at rest: {resting:?}"
     );
 
@@ -104,7 +107,7 @@ fn deep_hierarchies_cost_what_flat_ones_do() {
     });
     assert_eq!(counters(&deep).moved, MANY as u64);
     assert!(
-        moving_deep < moving_flat * 8,
+        moving_deep < moving_flat * MUCH,
         "with the first: {moving_deep:?}, {moving_flat:?}"
     );
     let moving_all = shortest(|| {
@@ -114,7 +117,7 @@ fn deep_hierarchies_cost_what_flat_ones_do() {
         tick(&mut deep, 1);
     });
     assert!(
-        moving_all < moving_flat * 8,
+        moving_all < moving_flat * MUCH,
         "each by itself: {moving_all:?}, {moving_flat:?}"
     );
 }

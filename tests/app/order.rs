@@ -204,9 +204,7 @@ fn walk(mut walking: Query<(&Transform, &mut KinematicCharacter)>) {
 pub fn room(order: &[u64], method: BroadPhaseMethod) -> App {
     let mut app = plain_app(method);
     app.init_resource::<Events>();
-    let moves = (turn, walk)
-        .after(CollisionSystems::First)
-        .before(CollisionSystems::Motion);
+    let moves = (turn, walk).chain().before(CollisionSystems::First);
     app.add_systems(Update, moves);
     app.add_observer(|event: On<CollisionStarted>, mut events: ResMut<Events>| {
         events.0.push([event.a, event.b]);
