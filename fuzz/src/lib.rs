@@ -14,8 +14,15 @@ pub use libfuzzer_sys;
 
 #[path = "../../tests/common/brute_force.rs"]
 mod brute_force;
+#[expect(dead_code, reason = "tests share it, and ask it for more")]
+#[path = "../../tests/common/mod.rs"]
+mod common;
 mod data;
+pub mod meshes;
+pub mod operations;
+mod oracle;
 pub mod scene_files;
+pub mod shapes;
 pub mod source;
 pub mod traces;
 
@@ -29,10 +36,22 @@ pub struct Target {
 }
 
 /// All of them.
-pub const TARGETS: [Target; 2] = [
+pub const TARGETS: [Target; 5] = [
+    Target {
+        name: "meshes",
+        run: meshes::run,
+    },
+    Target {
+        name: "operations",
+        run: operations::run,
+    },
     Target {
         name: "scene_files",
         run: scene_files::run,
+    },
+    Target {
+        name: "shapes",
+        run: shapes::run,
     },
     Target {
         name: "traces",
