@@ -146,8 +146,9 @@ impl TestSet {
     /// Returns how many cubes there are: 2 · (2r + 1)².
     #[must_use]
     pub fn object_count(&self) -> usize {
-        let edge = 2 * self.rings as usize + 1;
-        2 * edge * edge
+        // More than the most is an error of `check`, and no more than a large number here.
+        let edge = (self.rings as usize).saturating_mul(2).saturating_add(1);
+        edge.saturating_mul(edge).saturating_mul(2)
     }
 
     /// Checks the parameters.

@@ -10,6 +10,8 @@ fn counts_are_the_reports() {
         assert_eq!(set.name(), format!("t{rings}"));
     }
     assert_eq!(TestSet::new(110).cubes().count(), 97_682);
+    let beyond = TestSet::new(u32::MAX);
+    assert!(beyond.check().is_err() && beyond.object_count() > TestSet::new(1000).object_count());
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod apply;
 mod machine;
 mod ops;
 mod oracle;
+mod random;
 
 use std::cell::Cell;
 
@@ -36,7 +37,7 @@ fn whatever_happens_follows_from_what_is_there() {
         ..ProptestConfig::default()
     });
     let seen = Cell::new(Seen::default());
-    let found = runner.run(&ops::history(60), |steps| {
+    let found = runner.run(&random::history(60), |steps| {
         seen.set(seen.get() + replay(&steps));
         Ok(())
     });
