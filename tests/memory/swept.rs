@@ -36,8 +36,7 @@ fn memory_stays_flat() {
         wall(&mut one, Vec3::X * x, Vec3::new(0.1, 5.0, 5.0));
     }
     ball(&mut one, Vec3::ZERO, Vec3::X * 2.0, Swept::default());
-    let [early, late] = early_and_late(&mut one, 5_000);
-    assert!(late <= early * 1.01, "one ball: {early} bytes, then {late}");
+    assert_stays_flat("one ball", &mut one, 5_000);
     drop(one);
 
     // A room of balls, a quarter of them swept.
@@ -61,9 +60,18 @@ fn memory_stays_flat() {
             _ => ball(&mut many, center, velocity, ()),
         }
     }
-    let [early, late] = early_and_late(&mut many, 2_500);
-    assert!(
-        late <= early * 1.01,
-        "a room of balls: {early} bytes, then {late}"
-    );
+    assert_stays_flat("a room of balls", &mut many, 2_500);
+}
+
+/// Three trials, one after the other: a list may be at its longest late, once. What leaks grows in each of them.
+fn assert_stays_flat(what: &str, app: &mut App, ticks: usize) {
+    let mut trials = Vec::new();
+    while trials.len() < 3 {
+        let [early, late] = early_and_late(app, ticks);
+        if late <= early * 1.01 {
+            return;
+        }
+        trials.push([early, late]);
+    }
+    panic!("{what}: bytes early and late: {trials:?}");
 }
