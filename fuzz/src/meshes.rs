@@ -283,7 +283,7 @@ fn check_queries(mesh: PolygonMesh, source: &mut Source, is_wild: bool) {
     }
     // At a corner, and along a side.
     let number = source.below(asked.triangles.len());
-    let [a, b, c] = asked.triangles[number].map(|corner| corner.as_vec3());
+    let [a, b, c] = asked.triangles[number].map(DVec3::as_vec3);
     asked.check_point(a);
     asked.check_point((a + b) * 0.5);
     let middle = (a + b + c) / 3.0;
@@ -461,7 +461,7 @@ impl Asked {
         const LENGTH: f32 = 12.0;
         let here = Transform::IDENTITY;
         for corners in &self.triangles {
-            let [a, b, c] = corners.map(|corner| corner.as_vec3());
+            let [a, b, c] = corners.map(DVec3::as_vec3);
             let triangle = Shape::triangle(a, b, c).expect("it is finite");
             let triangle = Placed::new(&triangle, &here);
             let near = tests
@@ -481,7 +481,7 @@ impl Asked {
         let point = near.points[1].as_dvec3();
         let is_inside = apart > self.exact
             && (found == 0.0 && !self.walls.is_empty())
-            && self.is_inside(Vec3::from(at.translation).as_dvec3()) != Some(false);
+            && self.is_inside(at.translation.as_dvec3()) != Some(false);
         assert!(
             is_inside || (found - apart).abs() <= 2.0 * self.exact,
             "{found} apart, not {apart} {point}\n{}",

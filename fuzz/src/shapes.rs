@@ -239,7 +239,7 @@ impl Pair<'_> {
             "{near:?} {contact:?}\n{}",
             self.what()
         );
-        let [from, to] = near.points.map(|point| point.as_dvec3());
+        let [from, to] = near.points.map(Vec3::as_dvec3);
         assert!(
             ((to - from).length() - distance).abs() <= exact,
             "{near:?}\n{}",

@@ -315,12 +315,12 @@ impl History {
         let length = source.size();
         let (index, ray) = (&self.index, RayCast3d::new(point, direction, length));
         self.check_first(index.cast(&ray), |visit| {
-            index.for_each_hit(&ray, |hit| visit(hit))
+            index.for_each_hit(&ray, visit);
         });
         if is_box && point.is_finite() && length >= 0.0 {
             let cast = AabbCast3d::new(region, point, direction, length);
             self.check_first(index.cast(&cast), |visit| {
-                index.for_each_hit(&cast, |hit| visit(hit))
+                index.for_each_hit(&cast, visit);
             });
             let mut seen = vec![];
             index.for_each_hit(&cast, |hit| seen.push(hit));
@@ -396,7 +396,7 @@ impl History {
         let first = self.index.nearest(point, f32::INFINITY);
         match (first, all.first()) {
             (Some(found), Some(first)) => {
-                assert!(near(found.distance, first.distance), "{found:?} {first:?}")
+                assert!(near(found.distance, first.distance), "{found:?} {first:?}");
             }
             (found, first) => assert!(found.is_none() && first.is_none(), "{found:?} {first:?}"),
         }
