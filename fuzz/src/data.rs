@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_octree::shape_data::{CoreDescription, PartDescription, ShapeDescription};
 
-use crate::source::Source;
+use crate::{common::SIDES, source::Source};
 
 /// Returns a shape; a compound is in so few compounds that it may be in others.
 pub fn description(source: &mut Source, depth: usize) -> ShapeDescription {
@@ -100,15 +100,7 @@ fn sides(min: Vec3, max: Vec3) -> (Vec<Vec3>, Vec<Vec<u32>>) {
             min,
         )
     };
-    let sides = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    ((0..8).map(corner).collect(), sides.map(Vec::from).into())
+    ((0..8).map(corner).collect(), SIDES.map(Vec::from).into())
 }
 
 /// Vertices and polygons of a mesh: those of boxes, of triangles, or any.

@@ -195,24 +195,9 @@ fn a_restore_without_a_change_tells_nothing() {
 fn what_is_gone_ends_and_what_began_since_never_was() {
     let mut app = plain_app(BroadPhaseMethod::default());
     app.add_plugins(RollbackPlugin);
-    let [a, b, c] = [0.0, 0.5, 9.0].map(|x| {
-        app.world_mut()
-            .spawn((CollisionShape::default(), Transform::from_xyz(x, 0.0, 0.0)))
-            .id()
-    });
+    let [a, b, c] = [0.0, 0.5, 9.0].map(|x| cube(&mut app, x));
     let tick = |app: &mut App| {
-        app.update();
-        let world = app.world_mut();
-        let started: Vec<_> = world
-            .resource_mut::<Messages<CollisionStarted>>()
-            .drain()
-            .map(|told| [told.a, told.b])
-            .collect();
-        let ended: Vec<_> = world
-            .resource_mut::<Messages<CollisionEnded>>()
-            .drain()
-            .map(|told| [told.a, told.b])
-            .collect();
+        let [started, ended, _] = told(app);
         (started, ended)
     };
     assert_eq!(tick(&mut app), (vec![[a, b]], vec![]));

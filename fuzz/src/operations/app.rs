@@ -16,41 +16,6 @@ use crate::source::Source;
 
 const MOST_STEPS: usize = 60;
 
-const PARTS: [Part; 21] = [
-    Part::Shape,
-    Part::Sensor,
-    Part::Detector,
-    Part::Static,
-    Part::Swept,
-    Part::SweptStopping,
-    Part::Reverse,
-    Part::Reflect,
-    Part::World(false),
-    Part::World(true),
-    Part::Ignored,
-    Part::Layers,
-    Part::Events,
-    Part::Manifolds,
-    Part::Colliding,
-    Part::Body,
-    Part::InnerBody,
-    Part::Velocity,
-    Part::Proxy,
-    Part::Box,
-    Part::Transform,
-];
-
-const ACTS: [Act; 8] = [
-    Act::DespawnOther,
-    Act::DespawnSelf,
-    Act::OptOut,
-    Act::DisableOther,
-    Act::PushOther,
-    Act::Reshape,
-    Act::Spawn,
-    Act::Adopt,
-];
-
 /// Has an app live through a history, and go to its end.
 pub fn run(source: &mut Source) {
     let mut machine = Machine::new();
@@ -78,14 +43,24 @@ fn place(source: &mut Source) -> Place {
     })
 }
 
+fn part(source: &mut Source) -> Part {
+    match source.below(21) {
+        0 => Part::World(false),
+        1 => Part::World(true),
+        2 => Part::Events,
+        3 => Part::Colliding,
+        _ => source.choose(&Part::PLAIN),
+    }
+}
+
 fn op(source: &mut Source) -> Op {
     let kind = |source: &mut Source| source.below(12) as u8;
     match source.below(40) {
         0..4 => Op::Spawn(kind(source), place(source)),
         4..8 => Op::SpawnMoving(kind(source), place(source), place(source)),
         8..10 => Op::Move(source.byte(), place(source)),
-        10..13 => Op::Give(source.byte(), source.choose(&PARTS)),
-        13..15 => Op::Take(source.byte(), source.choose(&PARTS)),
+        10..13 => Op::Give(source.byte(), part(source)),
+        13..15 => Op::Take(source.byte(), part(source)),
         15..17 => Op::Query(place(source), place(source)),
         17 => Op::Clone(source.byte()),
         18 => Op::Despawn(source.byte()),
@@ -102,7 +77,7 @@ fn op(source: &mut Source) -> Op {
         29 => Op::Ignore(source.byte(), source.byte()),
         30 => Op::Layers(source.byte(), source.below(8) as u8, source.below(8) as u8),
         31 => Op::Velocity(source.byte(), place(source)),
-        32 => Op::Watch(source.byte(), source.bit(), source.choose(&ACTS)),
+        32 => Op::Watch(source.byte(), source.bit(), source.choose(&Act::ALL)),
         33 => Op::Method(source.below(7) as u8),
         34 => Op::Kinds(source.below(8) as u8),
         35 => Op::Tolerance(source.bit()),

@@ -72,6 +72,29 @@ pub enum Part {
     Transform,
 }
 
+impl Part {
+    /// Those that are told of by nobody, and of one kind each.
+    pub const PLAIN: [Self; 17] = [
+        Self::Shape,
+        Self::Sensor,
+        Self::Detector,
+        Self::Static,
+        Self::Swept,
+        Self::SweptStopping,
+        Self::Reverse,
+        Self::Reflect,
+        Self::Ignored,
+        Self::Layers,
+        Self::Manifolds,
+        Self::Body,
+        Self::InnerBody,
+        Self::Velocity,
+        Self::Proxy,
+        Self::Box,
+        Self::Transform,
+    ];
+}
+
 /// What an observer does when it is told.
 #[derive(Clone, Copy, Debug)]
 pub enum Act {
@@ -83,6 +106,20 @@ pub enum Act {
     Reshape,
     Spawn,
     Adopt,
+}
+
+impl Act {
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::DespawnOther,
+        Self::DespawnSelf,
+        Self::OptOut,
+        Self::DisableOther,
+        Self::PushOther,
+        Self::Reshape,
+        Self::Spawn,
+        Self::Adopt,
+    ];
 }
 
 /// A step of a history.

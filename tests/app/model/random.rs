@@ -10,25 +10,7 @@ fn place() -> impl Strategy<Value = Place> {
 
 fn part() -> impl Strategy<Value = Part> {
     prop_oneof![
-        prop::sample::select(vec![
-            Part::Shape,
-            Part::Sensor,
-            Part::Detector,
-            Part::Static,
-            Part::Swept,
-            Part::SweptStopping,
-            Part::Reverse,
-            Part::Reflect,
-            Part::Ignored,
-            Part::Layers,
-            Part::Manifolds,
-            Part::Body,
-            Part::InnerBody,
-            Part::Velocity,
-            Part::Proxy,
-            Part::Box,
-            Part::Transform,
-        ]),
+        prop::sample::select(Part::PLAIN.to_vec()),
         any::<bool>().prop_map(Part::World),
         Just(Part::Events),
         Just(Part::Colliding),
@@ -36,16 +18,7 @@ fn part() -> impl Strategy<Value = Part> {
 }
 
 fn act() -> impl Strategy<Value = Act> {
-    prop::sample::select(vec![
-        Act::DespawnOther,
-        Act::DespawnSelf,
-        Act::OptOut,
-        Act::DisableOther,
-        Act::PushOther,
-        Act::Reshape,
-        Act::Spawn,
-        Act::Adopt,
-    ])
+    prop::sample::select(Act::ALL.to_vec())
 }
 
 pub fn op() -> impl Strategy<Value = Op> {

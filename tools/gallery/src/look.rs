@@ -65,6 +65,9 @@ impl State {
     }
 }
 
+/// The colour of the palette that stands for no state.
+pub const YELLOW: Color = Color::srgb(0.94, 0.89, 0.26);
+
 /// A material for each state.
 #[derive(Resource)]
 pub struct Palette([Handle<StandardMaterial>; State::ALL.len()]);

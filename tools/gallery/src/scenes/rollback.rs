@@ -9,7 +9,7 @@ use bevy_octree::{
 };
 
 use crate::{
-    look::OwnLook,
+    look::{OwnLook, State as Looks, YELLOW},
     play::{TICKS_PER_SECOND, Tick},
     scene::{AddScene as _, Scene, showing},
 };
@@ -23,9 +23,8 @@ const KEY: u64 = 16;
 const TABLE: Vec2 = Vec2::new(11.0, 7.0);
 const RADIUS: f32 = 0.4;
 const FASTEST: f32 = 14.0;
-const YELLOW: Color = Color::srgb(0.94, 0.89, 0.26);
-const BLUE: Color = Color::srgb(0.34, 0.71, 0.91);
-const RED: Color = Color::srgb(0.84, 0.27, 0.0);
+const BLUE: Color = Looks::Moving.color();
+const RED: Color = Looks::Hit.color();
 
 /// Adds the scene.
 pub fn plugin(app: &mut App) {

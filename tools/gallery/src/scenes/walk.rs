@@ -6,7 +6,7 @@ use course::Script;
 
 use crate::{
     camera::Eye,
-    look::OwnLook,
+    look::{OwnLook, YELLOW},
     play::{Play, TICKS_PER_SECOND, Tick},
     scene::{AddScene as _, Scene, showing},
 };
@@ -34,8 +34,6 @@ const TRAIL_STEP: u64 = 4;
 const TRAIL: usize = 1500;
 /// How fast the camera catches up: after so much of a second, a third of the way is left.
 const LAG: f32 = 0.15;
-/// The colour of the palette that stands for no state.
-const YELLOW: Color = Color::srgb(0.94, 0.89, 0.26);
 
 /// Adds the scene.
 pub fn plugin(app: &mut App) {
