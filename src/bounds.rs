@@ -83,7 +83,7 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     world.run_system_cached(update_children)
 }
 
-type Root<'a> = (
+pub(crate) type Root<'a> = (
     Entity,
     Ref<'a, CollisionShape>,
     Ref<'a, Transform>,
@@ -93,7 +93,7 @@ type Root<'a> = (
 
 /// Tables are gone through as slices, in which what rests costs a look at its change ticks, and on
 /// all threads.
-fn update_roots(
+pub(crate) fn update_roots(
     mut roots: Query<Root, Without<ChildOf>>,
     mut nowhere: Query<&mut WorldAabb, (With<CollisionShape>, Without<Transform>)>,
     tests: Res<NarrowPhase>,

@@ -9,6 +9,7 @@ use bevy::{
 };
 
 use crate::{
+    bounds,
     broad_phase::ProxyId,
     collision_index::{
         Body, CandidatePairs, CollisionIndex, Extent, Seen, follow::Following, upkeep::Upkeep,
@@ -39,11 +40,17 @@ impl Plugin for BroadPhasePlugin {
         add_to_tick(app, |app, schedule| {
             // What came or was hung elsewhere in this tick does not meet its own for a tick.
             let regroup = parts::regroup.run_if(parts::is_regroup_due);
-            let watch = watch_disabling.run_if(some_new_disabling);
-            let maintain = (regroup, watch, mend, maintain).chain();
+            let watch = || watch_disabling.run_if(some_new_disabling);
+            let maintain = (regroup, watch(), mend, maintain).chain();
             app.add_systems(
                 schedule,
                 (
+                    // Whose boxes are not computed while they are disabled, are heard of when they
+                    // come back.
+                    watch()
+                        .in_set(CollisionSystems::Bounds)
+                        .before(bounds::update_roots)
+                        .before(bounds::update_children),
                     maintain.in_set(CollisionSystems::Maintenance),
                     find_candidates.in_set(CollisionSystems::BroadPhase),
                 ),
@@ -58,7 +65,6 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
         index.keep_search();
     }
     parts::regroup(world);
-    world.run_system_cached(watch_disabling)?;
     world.run_system_cached(mend)?;
     world.run_system_cached(maintain)
 }
@@ -225,6 +231,11 @@ fn new_disabling(
 
 fn some_new_disabling(filters: Option<Res<DefaultQueryFilters>>, upkeep: Res<Upkeep>) -> bool {
     filters.is_some_and(|filters| new_disabling(&filters, &upkeep).next().is_some())
+}
+
+/// Has those observed that are in the world at this moment, before boxes are computed.
+pub(crate) fn begin_refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
+    world.run_system_cached(watch_disabling)
 }
 
 /// Has them observed. What they disable already, maintenance deals with.

@@ -42,6 +42,7 @@ use crate::{bounds, filters, maintenance, swept};
 /// Does nothing without the plugins.
 pub fn update_spatial_index(world: &mut World) {
     let stages = [
+        maintenance::begin_refresh,
         bounds::refresh,
         swept::refresh,
         filters::refresh,

@@ -75,3 +75,20 @@ fn the_list_of_what_a_component_of_ones_own_disables_is_empty() {
         Step::Do(Disable(0, true)),
     ]);
 }
+
+/// Who was disabled before the first tick, which computed boxes and did no more, and was enabled
+/// before the second, came into no index.
+#[test]
+fn who_is_disabled_during_half_of_the_first_tick() {
+    use ops::Op::*;
+    // All sets but the first two.
+    for skipped in 0..1 << 5 {
+        replay(&[
+            Step::Do(Spawn(0, [0; 3])),
+            Step::Do(Spawn(0, [0; 3])),
+            Step::Do(Disable(1, false)),
+            Step::TickWithout(skipped << 2),
+            Step::Do(Enable(1)),
+        ]);
+    }
+}
