@@ -2,9 +2,13 @@
 //! holds what the world holds, and as much work per tick.
 //!
 //! `BEVY_OCTREE_SOAK_TICKS` is the number of ticks with 50 objects; of those with many there are a
-//! hundredth of it: 200 objects, or 50 000 from 100 000 ticks on.
+//! hundredth of it: 200 objects, or 50 000 from 100 000 ticks on. What a tick takes is printed, by tenths of the run:
+//! `cargo test --release --test memory -- soak:: --nocapture`.
 
-use std::collections::VecDeque;
+use std::{
+    collections::VecDeque,
+    time::{Duration, Instant},
+};
 
 use bevy::prelude::*;
 use bevy_octree::{collision_index::CollisionIndex, prelude::*};
@@ -20,8 +24,27 @@ fn ticks() -> usize {
     asked.map_or(4000, |number| number.parse().expect("a number of ticks"))
 }
 
+/// A tenth of a run.
+#[derive(Clone, Copy, Default)]
+struct Tenth {
+    ticks: u32,
+    time: Duration,
+    /// Objects that moved, pairs of boxes that were compared, and candidates.
+    work: u64,
+}
+
+impl Tenth {
+    fn work_per_tick(&self) -> f64 {
+        self.work as f64 / f64::from(self.ticks)
+    }
+}
+
 struct Soak {
     app: App,
+    /// The ticks that are to come, and have been.
+    ticks: usize,
+    ticked: usize,
+    tenths: [Tenth; 10],
     rng: Rng,
     alive: VecDeque<Entity>,
     side: f32,
@@ -29,9 +52,12 @@ struct Soak {
 }
 
 impl Soak {
-    fn new(count: usize) -> Self {
+    fn new(count: usize, ticks: usize) -> Self {
         let mut soak = Self {
             app: app(1.0 / 64.0),
+            ticks,
+            ticked: 0,
+            tenths: [Tenth::default(); 10],
             rng: Rng::with_seed(1),
             alive: VecDeque::new(),
             side: (count as f32).cbrt() * 1.5,
@@ -88,12 +114,20 @@ impl Soak {
             .world_mut()
             .entity_mut(other)
             .take::<CollisionShape>();
+        let started = Instant::now();
         self.app.update();
+        let time = started.elapsed();
         if let Some(shape) = shape {
             self.app.world_mut().entity_mut(other).insert(shape);
         }
-        let counters = self.app.world().resource::<CollisionCounters>();
-        self.contacts += counters.tick.contacts;
+        let counters = self.app.world().resource::<CollisionCounters>().tick;
+        self.contacts += counters.contacts;
+        // Whatever is tried once more belongs to the last.
+        let tenth = &mut self.tenths[(self.ticked * 10 / self.ticks).min(9)];
+        tenth.ticks += 1;
+        tenth.time += time;
+        tenth.work += counters.moved + counters.pairs_tested + counters.candidates;
+        self.ticked += 1;
     }
 
     /// The index holds what the world holds.
@@ -108,14 +142,29 @@ impl Soak {
         let counters = world.resource::<CollisionCounters>();
         let open = counters.total.started - counters.total.ended;
         assert_eq!(open as usize, world.resource::<Contacts>().len());
+        for (number, tenth) in self.tenths.iter().enumerate() {
+            let micros = tenth.time.as_secs_f64() * 1e6 / f64::from(tenth.ticks);
+            println!(
+                "tenth {number}: {} ticks, {micros:.1} microseconds and {:.1} steps of work per tick",
+                tenth.ticks,
+                tenth.work_per_tick()
+            );
+        }
+        // The first is that in which lists are filled and things come to move.
+        let [early, late] = [1, 9].map(|tenth| self.tenths[tenth].work_per_tick());
+        assert!(
+            (late - early).abs() < 0.25 * early,
+            "{early} steps of work per tick at first, {late} at last"
+        );
     }
 }
 
 #[test]
 fn fifty_objects_that_come_and_go() {
     let _alone = alone();
-    let mut soak = Soak::new(50);
-    assert_flat("50 objects", ticks() / 2, ticks(), || soak.tick(1));
+    let (warm_up, rounds) = (ticks() / 2, ticks());
+    let mut soak = Soak::new(50, warm_up + rounds);
+    assert_flat("50 objects", warm_up, rounds, || soak.tick(1));
     soak.check();
 }
 
@@ -124,9 +173,10 @@ fn many_objects_that_come_and_go() {
     let _alone = alone();
     // Fewer of them where the run is short.
     let count = if ticks() >= 100_000 { 50_000 } else { 200 };
-    let mut soak = Soak::new(count);
     let changes = count / 100;
-    let (warm_up, rounds) = (ticks() * 3 / 20, ticks() / 100);
+    // A hundred ticks are a generation.
+    let (warm_up, rounds) = ((ticks() * 3 / 20).min(2000), ticks() / 100);
+    let mut soak = Soak::new(count, warm_up + rounds);
     assert_flat("many objects", warm_up, rounds, || soak.tick(changes));
     soak.check();
 }
