@@ -109,23 +109,24 @@ pub fn winding(triangles: &[Triangle], point: DVec3) -> f64 {
     angles.sum::<f64>() / (4.0 * std::f64::consts::PI)
 }
 
-/// Does an edge of one triangle pass through another?
+/// Does an edge of one triangle pass through another with which it shares no corner, or touch it?
 pub fn cross(triangles: &[Triangle]) -> bool {
+    const TOUCH: f64 = 1e-6;
     let volume = |a: DVec3, b: DVec3, c: DVec3, d: DVec3| (b - a).cross(c - a).dot(d - a);
-    let passes = |from: DVec3, to: DVec3, [a, b, c]: Triangle| {
-        let sides = [volume(a, b, c, from), volume(a, b, c, to)];
-        let turns = [
-            volume(from, to, a, b),
-            volume(from, to, b, c),
-            volume(from, to, c, a),
-        ];
-        sides[0] * sides[1] < 0.0
-            && (turns.iter().all(|turn| *turn > 0.0) || turns.iter().all(|turn| *turn < 0.0))
+    let passes = |from: DVec3, to: DVec3, other: &Triangle| {
+        let [a, b, c] = *other;
+        let ends = [volume(a, b, c, from), volume(a, b, c, to)];
+        let turns = [(a, b), (b, c), (c, a)].map(|(one, next)| volume(from, to, one, next));
+        let is_between =
+            ends.iter().any(|end| *end >= -TOUCH) && ends.iter().any(|end| *end <= TOUCH);
+        let is_within =
+            turns.iter().all(|turn| *turn >= -TOUCH) || turns.iter().all(|turn| *turn <= TOUCH);
+        is_between && is_within && !other.contains(&from) && !other.contains(&to)
     };
     triangles.iter().any(|[a, b, c]| {
         let edges = [(*a, *b), (*b, *c), (*c, *a)];
         edges
             .iter()
-            .any(|(from, to)| triangles.iter().any(|other| passes(*from, *to, *other)))
+            .any(|(from, to)| triangles.iter().any(|other| passes(*from, *to, other)))
     })
 }

@@ -180,6 +180,14 @@ fn is_nothing(shape: &Shape) -> bool {
     }
 }
 
+/// Nowhere, and so far aside of a way, all around: what grazes may be met or not.
+fn around(way: Vec3, far: f32) -> impl Iterator<Item = Vec3> {
+    let (aside, across) = way.any_orthonormal_pair();
+    [Vec3::ZERO, aside, across, -aside, -across]
+        .into_iter()
+        .map(move |by| by * far)
+}
+
 /// Two in their places.
 struct Pair<'a> {
     placed: [Placed<'a>; 2],
@@ -456,9 +464,10 @@ impl Pair<'_> {
         for step in 0..12 {
             let distance = until * (step as f32 / 12.0);
             if distance < until - 100.0 * exact {
-                let there = self.distance_at(direction * distance);
+                let is_met = around(*direction, 20.0 * exact)
+                    .all(|by| self.distance_at(direction * distance + by) <= 0.0);
                 assert!(
-                    there > 0.0,
+                    !is_met,
                     "met before {until}, at {distance} {direction:?}\n{}",
                     self.what()
                 );
@@ -476,8 +485,8 @@ impl Pair<'_> {
         let most = 2.0 * length;
         let mut workspace = Workspace::default();
         let hit = self.tests.cast_ray(b, origin, direction, most);
-        let mut off = |distance: f32| {
-            let point = origin + direction * distance;
+        let mut off = |distance: f32, by: Vec3| {
+            let point = origin + direction * distance + by;
             let closest = self.tests.closest_point(b, point, &mut workspace);
             closest.map_or(f32::INFINITY, |closest| closest.distance(point))
         };
@@ -485,7 +494,7 @@ impl Pair<'_> {
         // Where a mesh crosses itself, a ray may be wrong about the side on which it starts.
         let is_mesh = matches!(b.shape, Shape::Mesh(_) | Shape::Compound(_));
         if let Some(hit) = hit.filter(|hit| hit.distance > 0.0 || !is_mesh) {
-            let off = off(hit.distance);
+            let off = off(hit.distance, Vec3::ZERO);
             assert!(
                 off <= 4.0 * exact,
                 "{off} off, {hit:?} {direction:?}\n{}",
@@ -495,8 +504,9 @@ impl Pair<'_> {
         for step in 0..12 {
             let distance = until * (step as f32 / 12.0);
             if distance < until - 20.0 * exact && !is_mesh {
+                let is_met = around(*direction, 20.0 * exact).all(|by| off(distance, by) <= 0.0);
                 assert!(
-                    off(distance) > 0.0,
+                    !is_met,
                     "met before {until}, at {distance} of {direction:?} from {origin}\n{}",
                     self.what()
                 );
