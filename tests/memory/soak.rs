@@ -24,11 +24,20 @@ fn ticks() -> usize {
     asked.map_or(4000, |number| number.parse().expect("a number of ticks"))
 }
 
+/// How long this thread has been at work, where the system tells; else, how late it is.
+fn time_at_work(since: Instant) -> Duration {
+    let at_work = || {
+        let line = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+        line.split(' ').next()?.parse().ok()
+    };
+    at_work().map_or_else(|| since.elapsed(), Duration::from_nanos)
+}
+
 /// A tenth of a run.
 #[derive(Clone, Copy, Default)]
 struct Tenth {
     ticks: u32,
-    time: Duration,
+    began: Duration,
     /// Objects that moved, pairs of boxes that were compared, and candidates.
     work: u64,
 }
@@ -44,6 +53,7 @@ struct Soak {
     /// The ticks that are to come, and have been.
     ticks: usize,
     ticked: usize,
+    since: Instant,
     tenths: [Tenth; 10],
     rng: Rng,
     alive: VecDeque<Entity>,
@@ -57,6 +67,7 @@ impl Soak {
             app: app(1.0 / 64.0),
             ticks,
             ticked: 0,
+            since: Instant::now(),
             tenths: [Tenth::default(); 10],
             rng: Rng::with_seed(1),
             alive: VecDeque::new(),
@@ -114,9 +125,7 @@ impl Soak {
             .world_mut()
             .entity_mut(other)
             .take::<CollisionShape>();
-        let started = Instant::now();
         self.app.update();
-        let time = started.elapsed();
         if let Some(shape) = shape {
             self.app.world_mut().entity_mut(other).insert(shape);
         }
@@ -124,8 +133,10 @@ impl Soak {
         self.contacts += counters.contacts;
         // Whatever is tried once more belongs to the last.
         let tenth = &mut self.tenths[(self.ticked * 10 / self.ticks).min(9)];
+        if tenth.ticks == 0 {
+            tenth.began = time_at_work(self.since);
+        }
         tenth.ticks += 1;
-        tenth.time += time;
         tenth.work += counters.moved + counters.pairs_tested + counters.candidates;
         self.ticked += 1;
     }
@@ -142,8 +153,11 @@ impl Soak {
         let counters = world.resource::<CollisionCounters>();
         let open = counters.total.started - counters.total.ended;
         assert_eq!(open as usize, world.resource::<Contacts>().len());
-        for (number, tenth) in self.tenths.iter().enumerate() {
-            let micros = tenth.time.as_secs_f64() * 1e6 / f64::from(tenth.ticks);
+        let ended = time_at_work(self.since);
+        let ends = self.tenths[1..].iter().map(|next| next.began);
+        let tenths = self.tenths.iter().zip(ends.chain([ended]));
+        for (number, (tenth, ended)) in tenths.enumerate() {
+            let micros = (ended - tenth.began).as_secs_f64() * 1e6 / f64::from(tenth.ticks);
             println!(
                 "tenth {number}: {} ticks, {micros:.1} microseconds and {:.1} steps of work per tick",
                 tenth.ticks,
