@@ -1,6 +1,9 @@
 //! The exact tests of all candidate pairs.
 
-use bevy::prelude::*;
+use bevy::{
+    ecs::{archetype::Archetype, entity_disabling::DefaultQueryFilters},
+    prelude::*,
+};
 
 use super::{
     bodies::{Audience, Owners, Places},
@@ -18,6 +21,7 @@ use crate::{
     collision_order::CollisionOrder,
     components::BroadPhaseProxy,
     counters::CollisionCounters,
+    disabled::{is_disabled, see_disabled},
     filters::Sensor,
     maintenance::find_candidates,
     narrow_phase::{Fit, NarrowPhase, StageCounters, Workspace},
@@ -33,6 +37,7 @@ pub struct NarrowPhasePlugin;
 impl Plugin for NarrowPhasePlugin {
     fn build(&self, app: &mut App) {
         add_to_tick(app, |app, schedule| {
+            let merge_verdicts = see_disabled(app.world_mut(), merge_verdicts);
             app.add_systems(
                 schedule,
                 (
@@ -255,14 +260,17 @@ type Part<'a> = (&'a BroadPhaseProxy, &'a PartOf);
 /// The number of somebody who is there, if there is one.
 type Numbered = Option<&'static CollisionOrder>;
 
+/// A body may be disabled while its parts are not: it keeps its place, and hears of nothing. For a system that [sees
+/// it](see_disabled).
 fn merge_verdicts(
     index: Res<CollisionIndex>,
     tests: Res<NarrowPhase>,
     (mut contacts, mut verdicts): (ResMut<Contacts>, ResMut<Verdicts>),
     (parts, sensors, orders): (Query<Part>, Query<(), With<Sensor>>, Query<Numbered>),
-    (event_settings, enabled): (
+    (event_settings, enabled, filters): (
         Res<CollisionEventSettings>,
-        Query<(), With<CollisionEventsEnabled>>,
+        Query<&Archetype, With<CollisionEventsEnabled>>,
+        Option<Res<DefaultQueryFilters>>,
     ),
     mut counters: ResMut<CollisionCounters>,
     (mut workspace, mut owners): (Local<Workspace>, Local<Owners>),
@@ -277,7 +285,10 @@ fn merge_verdicts(
         let parts = parts.iter();
         owners.refresh(parts.filter_map(|(proxy, part)| Some((proxy.id()?, part.body()))));
         let audience = Audience {
-            is_enabled: &|body| enabled.contains(body),
+            is_enabled: &|body| {
+                let archetype = enabled.get(body);
+                archetype.is_ok_and(|archetype| !is_disabled(archetype, filters.as_deref()))
+            },
             messages_for_all: event_settings.messages == EventScope::All,
             events_for_all: event_settings.observers == EventScope::All,
         };

@@ -97,6 +97,7 @@ mod relation;
 use bevy::prelude::*;
 
 pub(crate) use group::{RegroupSystems, is_regroup_due, regroup};
+pub(crate) use relation::KnownParts;
 pub use relation::{BodyParts, CollisionBody, PartOf};
 
 /// What others read though nothing is in contact.

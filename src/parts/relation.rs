@@ -1,7 +1,11 @@
 //! Bodies and their parts, as components.
 
 use bevy::{
-    ecs::{entity::EntityHashSet, lifecycle::HookContext, world::DeferredWorld},
+    ecs::{
+        entity::{EntityHashMap, EntityHashSet},
+        lifecycle::HookContext,
+        world::DeferredWorld,
+    },
     prelude::*,
 };
 use serde::{Deserialize, Serialize};
@@ -96,17 +100,35 @@ impl BodyParts {
     }
 }
 
+/// The bodies of all parts, for queries that see nothing of what is disabled, by whatever component: such parts are parts
+/// all the same.
+#[derive(Resource, Debug, Default)]
+pub(crate) struct KnownParts(EntityHashMap<Entity>);
+
+impl KnownParts {
+    /// The body that an entity is a part of; what is part of none is its own.
+    pub(crate) fn body_of(&self, entity: Entity) -> Entity {
+        self.0.get(&entity).copied().unwrap_or(entity)
+    }
+}
+
 fn join(mut world: DeferredWorld, context: HookContext) {
     regroup::note_written(&mut world, context.entity);
     let Some(part) = world.get::<PartOf>(context.entity) else {
         return;
     };
-    let number = part.number();
+    let (body, number) = (part.body(), part.number());
+    if let Some(mut known) = world.get_resource_mut::<KnownParts>() {
+        known.0.insert(context.entity, body);
+    }
     change_filter(world, context, |filter| filter.body = number);
 }
 
 fn leave(mut world: DeferredWorld, context: HookContext) {
     regroup::note_written(&mut world, context.entity);
+    if let Some(mut known) = world.get_resource_mut::<KnownParts>() {
+        known.0.remove(&context.entity);
+    }
     change_filter(world, context, |filter| filter.body = PairFilter::NO_BODY);
 }
 
@@ -150,6 +172,13 @@ pub(super) fn register(app: &mut App) {
         .register_type::<BodyParts>();
     // Those that came before.
     let world = app.world_mut();
+    let mut parts = Unfiltered::<(Entity, &PartOf), ()>::from_world(world);
+    let known = parts
+        .0
+        .iter(world)
+        .map(|(entity, part)| (entity, part.body()));
+    let known = KnownParts(known.collect());
+    world.insert_resource(known);
     let bodies = Unfiltered::<(), With<CollisionBody>>::from_world(world)
         .0
         .iter(world)

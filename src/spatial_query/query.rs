@@ -2,11 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use bevy::{
-    ecs::{entity_disabling::Disabled, system::SystemParam},
-    math::bounding::Aabb3d,
-    prelude::*,
-};
+use bevy::{ecs::system::SystemParam, math::bounding::Aabb3d, prelude::*};
 
 use super::filter::SpatialQueryFilter;
 use crate::{
@@ -15,7 +11,7 @@ use crate::{
     components::BroadPhaseProxy,
     filters::Sensor,
     narrow_phase::{NarrowPhase, Shape},
-    parts::PartOf,
+    parts::KnownParts,
 };
 
 /// Asks about entities with a [`CollisionShape`](crate::components::CollisionShape): what a ray or
@@ -160,7 +156,7 @@ pub struct SpatialQuery<'w, 's> {
     entries: Query<'w, 's, &'static BroadPhaseProxy>,
     sensors: Query<'w, 's, (), With<Sensor>>,
     // What is disabled is not found, but may ask.
-    parts: Query<'w, 's, &'static PartOf, Allow<Disabled>>,
+    parts: Res<'w, KnownParts>,
 }
 
 impl SpatialQuery<'_, '_> {
@@ -184,7 +180,7 @@ impl SpatialQuery<'_, '_> {
     /// ```
     #[must_use]
     pub fn body_of(&self, entity: Entity) -> Entity {
-        self.parts.get(entity).map_or(entity, PartOf::body)
+        self.parts.body_of(entity)
     }
 
     /// Returns the filter that lets pass what an entity may come into contact with, by its layers and theirs, its world and

@@ -2,12 +2,13 @@
 //! entity, and harms nobody.
 
 use bevy::{
+    ecs::system::SystemState,
     math::{Dir3, Isometry3d},
     prelude::*,
 };
 use bevy_octree::{
     components::WorldAabb,
-    narrow_phase::{Moving, NarrowPhase, Placed, Shape, Workspace},
+    narrow_phase::{BoundsError, Moving, NarrowPhase, Placed, Shape, Workspace},
     prelude::*,
     shape_data::{CoreDescription, PartDescription, ShapeDescription},
 };
@@ -542,4 +543,98 @@ fn what_is_empty_or_of_one_row_is_told_of() {
     let nested = Shape::compound([(Isometry3d::IDENTITY, Shape::sphere(1.0))]).unwrap();
     let around = Shape::compound([(Isometry3d::IDENTITY, nested)]).unwrap();
     assert!(matches!(around, Shape::Compound(parts) if parts.len() == 1));
+}
+
+/// A scale of which one number is none is no scale, whichever numbers a shape goes by: it is told of, and each question has
+/// the same answer. So is a turn.
+#[test]
+fn what_is_partly_no_number_is_found_by_no_question() {
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    let convex = Shape::convex_hull(corners).unwrap();
+    let part = (Isometry3d::IDENTITY, Shape::sphere(0.5));
+    let shapes = [
+        Shape::cuboid(1.0, 1.0, 1.0),
+        Shape::sphere(0.5),
+        Shape::capsule(0.5, 1.0),
+        Shape::cylinder(0.5, 1.0),
+        Shape::half_space(Vec3::Y).unwrap(),
+        Shape::compound([part]).unwrap(),
+        Shape::rounded(&Shape::cuboid(1.0, 1.0, 1.0), 0.1).unwrap(),
+        convex,
+        #[cfg(feature = "rapier")]
+        Shape::from(&bevy_rapier3d::prelude::Collider::ball(0.5)),
+        #[cfg(feature = "rapier")]
+        Shape::from(&bevy_rapier3d::prelude::Collider::cuboid(0.5, 0.5, 0.5)),
+        #[cfg(feature = "rapier")]
+        Shape::from(&bevy_rapier3d::prelude::Collider::triangle(Vec3::X, Vec3::Y, Vec3::Z)),
+    ];
+    let mut bad = Vec::new();
+    for number in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+            let scale = Vec3::select(axis.cmpgt(Vec3::ZERO), Vec3::splat(number), Vec3::ONE);
+            bad.push(Transform::from_scale(scale));
+        }
+        for place in 0..4 {
+            let mut turn = [0.0, 0.0, 0.0, 1.0];
+            turn[place] = number;
+            bad.push(Transform::from_rotation(Quat::from_array(turn)));
+        }
+    }
+    let tests = NarrowPhase::default();
+    let here = Transform::IDENTITY;
+    for (shape, at) in shapes.iter().flat_map(|shape| bad.iter().map(move |at| (shape, *at))) {
+        let what = || format!("{shape:?} at {at:?}");
+        let (bad, ball) = (Placed::new(shape, &at), Shape::sphere(2.0));
+        let (good, far) = (Placed::new(&ball, &here), Transform::from_xyz(0.0, 9.0, 0.0));
+        let far = Placed::new(&ball, &far);
+        let workspace = &mut Workspace::default();
+        assert!(tests.world_aabb(bad).is_err_and(|error| error == BoundsError::NonFinite), "{}", what());
+        for [a, b] in [[bad, good], [good, bad]] {
+            assert!(!tests.intersects(a, b, workspace), "{}", what());
+            assert_eq!(tests.contact(a, b, workspace), None, "{}", what());
+            assert_eq!(tests.manifold(a, b, workspace), None, "{}", what());
+            assert_eq!(tests.closest_points(a, b, workspace), None, "{}", what());
+            let [a, b] = [a, b].map(|placed| Moving::resting(placed));
+            assert!(tests.time_of_impact(&a, &b, workspace).is_none(), "{}", what());
+        }
+        assert_eq!(tests.cast_ray(bad, Vec3::Y * 9.0, Dir3::NEG_Y, 20.0), None, "{}", what());
+        assert_eq!(tests.cast_ray_through(bad, Vec3::Y * 9.0, Dir3::NEG_Y, 20.0), None, "{}", what());
+        assert_eq!(tests.closest_point(bad, Vec3::Y * 9.0, workspace), None, "{}", what());
+        assert_eq!(tests.sweep(far, Dir3::NEG_Y, 20.0, bad, workspace), None, "{}", what());
+        assert_eq!(tests.sweep(bad, Dir3::Y, 20.0, far, workspace), None, "{}", what());
+        for hangs in [false, true] {
+            let mut app = app();
+            let mut entity = app.world_mut().spawn((CollisionShape(shape.clone()), at));
+            if hangs {
+                // It is the parent that is nowhere.
+                entity.insert(Transform::IDENTITY);
+                let entity = entity.id();
+                app.world_mut().spawn(at).add_child(entity);
+            }
+            assert_eq!(told(|| app.update()).len(), 1, "{}", what());
+            let mut state = SystemState::<SpatialQuery>::new(app.world_mut());
+            let spatial = state.get(app.world()).unwrap();
+            let all = &SpatialQueryFilter::DEFAULT;
+            let mut found = Vec::new();
+            spatial.shape_intersections(&ball, &here, all, &mut found);
+            let ray = Ray3d::new(Vec3::Y * 9.0, Dir3::NEG_Y);
+            assert_eq!(found, [], "{}", what());
+            assert_eq!(spatial.cast_ray(ray, 20.0, all), None, "{}", what());
+            assert_eq!(spatial.cast_sphere(ray.origin, 0.5, ray.direction, 20.0, all), None, "{}", what());
+            assert_eq!(spatial.nearest(Vec3::ZERO, 20.0, all), None, "{}", what());
+            assert_eq!(spatial.index().index().proxies().len(), 0, "{}", what());
+        }
+        // What asks is refused alike.
+        let mut app = app();
+        app.world_mut().spawn(CollisionShape::sphere(2.0));
+        app.update();
+        let mut state = SystemState::<SpatialQuery>::new(app.world_mut());
+        let spatial = state.get(app.world()).unwrap();
+        let all = &SpatialQueryFilter::DEFAULT;
+        let (mut found, mut contacts) = (Vec::new(), Vec::new());
+        spatial.shape_intersections(shape, &at, all, &mut found);
+        spatial.shape_contacts(shape, &at, all, &mut contacts);
+        assert_eq!((found.len(), contacts.len()), (0, 0), "{}", what());
+        assert_eq!(spatial.cast_shape(shape, &at, Dir3::X, 9.0, all), None, "{}", what());
+    }
 }

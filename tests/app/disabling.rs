@@ -9,7 +9,7 @@ use bevy::{
 };
 use bevy_octree::{broad_phase::BroadPhaseMethod, prelude::*};
 
-use crate::order::plain_app;
+use crate::{common::EntityPair, order::plain_app};
 
 #[derive(Component, Default)]
 struct Asleep;
@@ -77,4 +77,146 @@ fn bodies_that_came_before_the_plugins_are_counted() {
     app.update();
     let mut state = SystemState::<SpatialQuery>::new(app.world_mut());
     assert_eq!(state.get(app.world()).unwrap().body_of(part), body);
+}
+
+type Stop = fn(EntityWorldMut);
+
+const STOPS: [Stop; 2] = [
+    |mut entity| _ = entity.insert(Disabled),
+    |mut entity| _ = entity.insert(Asleep),
+];
+
+/// A part that is disabled is still one: it may ask what is in the way of its body, and passes by the rest of it.
+#[test]
+fn a_disabled_part_knows_its_body() {
+    for stop in STOPS {
+        let mut app = plain_app(BroadPhaseMethod::default());
+        let_asleep_disable(&mut app);
+        let mut shape = |x, bundle: Option<ChildOf>| {
+            let at = Transform::from_xyz(x, 0.0, 0.0);
+            let mut shape = app.world_mut().spawn((CollisionShape::default(), at));
+            bundle.map(|parent| _ = shape.insert(parent));
+            shape.id()
+        };
+        let body = shape(0.0, None);
+        let [eye, hull] = [-1.0, 1.0].map(|x| shape(x, Some(ChildOf(body))));
+        let wall = shape(5.0, None);
+        app.world_mut()
+            .entity_mut(body)
+            .insert(CollisionBody::default());
+        app.update();
+        stop(app.world_mut().entity_mut(eye));
+        app.update();
+        let mut state = SystemState::<SpatialQuery>::new(app.world_mut());
+        let spatial = state.get(app.world()).unwrap();
+        assert_eq!(
+            [eye, hull, body].map(|part| spatial.body_of(part)),
+            [body; 3]
+        );
+        let filter = SpatialQueryFilter::DEFAULT.without_body(eye);
+        let ray = Ray3d::new(Vec3::X * -3.0, Dir3::X);
+        let first = |hit: Option<RayHit>| hit.map(|hit| hit.entity);
+        assert_eq!(first(spatial.cast_ray(ray, 100.0, &filter)), Some(wall));
+        let then = spatial.at([(wall, Transform::from_xyz(7.0, 0.0, 0.0))]);
+        assert_eq!(first(then.cast_ray(ray, 100.0, &filter)), Some(wall));
+        // Once it is despawned, it is part of nothing.
+        app.world_mut().despawn(eye);
+        let spatial = state.get(app.world()).unwrap();
+        assert_eq!(spatial.body_of(eye), eye);
+    }
+}
+
+/// What bodies were told: those that came together, and those that parted.
+fn told_of_bodies(app: &mut App) -> [Vec<EntityPair>; 2] {
+    app.update();
+    let world = app.world_mut();
+    let mut started = world.resource_mut::<Messages<BodyCollisionStarted>>();
+    let started = started.drain().map(|told| [told.a, told.b]).collect();
+    let mut ended = world.resource_mut::<Messages<BodyCollisionEnded>>();
+    let ended = ended.drain().map(|told| [told.a, told.b]).collect();
+    [started, ended]
+}
+
+/// Bodies have their place in the order of all, whether or not they are disabled; their parts are what is in contact.
+#[test]
+fn a_disabled_body_keeps_its_place() {
+    for stop in STOPS {
+        let mut app = plain_app(BroadPhaseMethod::default());
+        let_asleep_disable(&mut app);
+        let mut body = |number, x| {
+            let at = Transform::from_xyz(x, 0.0, 0.0);
+            let body = (CollisionBody::default(), CollisionOrder(number), at);
+            let body = app.world_mut().spawn((body, CollisionEventsEnabled)).id();
+            let part = (CollisionShape::default(), CollisionOrder(number + 10));
+            app.world_mut().spawn((part, ChildOf(body)));
+            body
+        };
+        // The later, the earlier in their order.
+        let [c, b, a] = [3, 2, 1].map(|number| body(number, number as f32 * 0.75));
+        assert_eq!(told_of_bodies(&mut app), [vec![[a, b], [b, c]], vec![]]);
+        let pairs = |app: &App| {
+            let contacts = app.world().resource::<Contacts>();
+            let pairs = contacts.body_pairs().map(|pair| [pair.a, pair.b]);
+            pairs.collect::<Vec<_>>()
+        };
+        stop(app.world_mut().entity_mut(a));
+        stop(app.world_mut().entity_mut(b));
+        for tick in 0..3 {
+            let told = told_of_bodies(&mut app);
+            assert!(told.iter().all(Vec::is_empty), "in tick {tick}: {told:?}");
+            assert_eq!(pairs(&app), [[a, b], [b, c]]);
+        }
+        app.world_mut().entity_mut(b).remove::<(Disabled, Asleep)>();
+        assert!(told_of_bodies(&mut app).iter().all(Vec::is_empty));
+        // One that is gone is told of by its place, too.
+        app.world_mut().despawn(a);
+        assert_eq!(told_of_bodies(&mut app), [vec![], vec![[a, b]]]);
+    }
+}
+
+/// Who is disabled hears of nothing: what it has heard of ends for it, and starts again once it is enabled.
+#[test]
+fn a_disabled_body_hears_of_nothing() {
+    #[derive(Resource, Default)]
+    struct Heard(Vec<(bool, Entity)>);
+
+    for stop in STOPS {
+        let mut app = plain_app(BroadPhaseMethod::default());
+        let_asleep_disable(&mut app);
+        app.init_resource::<Heard>();
+        app.add_observer(
+            |event: On<BodyCollisionStarted>, mut heard: ResMut<Heard>| {
+                heard.0.push((true, event.a));
+            },
+        );
+        app.add_observer(|event: On<BodyCollisionEnded>, mut heard: ResMut<Heard>| {
+            heard.0.push((false, event.a));
+        });
+        let body = (
+            CollisionBody::default(),
+            CollisionEventsEnabled,
+            CollidingEntities::default(),
+        );
+        let body = app
+            .world_mut()
+            .spawn((body, children![CollisionShape::default()]))
+            .id();
+        let wall = app.world_mut().spawn(CollisionShape::default()).id();
+        let heard = |app: &mut App| {
+            app.update();
+            let touched = app.world().get::<CollidingEntities>(body).unwrap().len();
+            let heard = std::mem::take(&mut app.world_mut().resource_mut::<Heard>().0);
+            (heard, touched)
+        };
+        assert_eq!(heard(&mut app), (vec![(true, body)], 1));
+        stop(app.world_mut().entity_mut(body));
+        assert_eq!(heard(&mut app), (vec![(false, body)], 0));
+        assert_eq!(heard(&mut app), (vec![], 0));
+        let contacts = app.world().resource::<Contacts>();
+        assert_eq!(contacts.body_pairs().count(), 1, "with {wall}");
+        app.world_mut()
+            .entity_mut(body)
+            .remove::<(Disabled, Asleep)>();
+        assert_eq!(heard(&mut app), (vec![(true, body)], 1));
+    }
 }

@@ -7,6 +7,7 @@ use bevy::{
 };
 use bevy_octree::{
     broad_phase::BroadPhaseMethod,
+    collision_index::CollisionIndex,
     prelude::*,
     rollback::{CollisionSnapshot, RollbackPlugin},
 };
@@ -373,4 +374,175 @@ fn two_that_are_mapped_to_one_do_no_harm() {
     // It ends for the one, who knows nothing of it, or not at all: what is there, starts.
     let [started, ..] = told(&mut app);
     assert_eq!(started, [[a, b]]);
+}
+
+/// The sets that are left out of the tick to come.
+#[derive(Resource, Default)]
+struct LeftOut(Vec<CollisionSystems>);
+
+/// What is told, and which bodies are in contact by which parts, in a tick without these sets.
+fn told_without(app: &mut App, sets: &[CollisionSystems]) -> impl PartialEq + std::fmt::Debug + use<> {
+    app.world_mut().resource_mut::<LeftOut>().0 = sets.to_vec();
+    let told = told(app);
+    let contacts = app.world().resource::<Contacts>();
+    let bodies: Vec<_> = contacts.body_pairs().collect();
+    let parts = |pair: &BodyCollision| {
+        let parts = contacts.between_bodies(pair.a, pair.b);
+        let all = parts.chain(contacts.of_body(pair.a));
+        all.map(|part| (part.a, part.b, part.bodies)).collect::<Vec<_>>()
+    };
+    let parts: Vec<_> = bodies.iter().map(parts).collect();
+    let all: Vec<_> = contacts.iter().collect();
+    (told, bodies, parts, all)
+}
+
+/// Where the exact tests are left out of the tick that is simulated again, it is as without going back: nothing ends that
+/// did not end, and what is yet to be told is told.
+#[test]
+fn a_tick_without_exact_tests_is_as_it_was() {
+    let at = |x: f32| Transform::from_xyz(x, 0.0, 0.0);
+    // Is there anything yet to be told when the snapshot is taken? Does one go back?
+    let run = |is_pending: bool, goes_back: bool| {
+        let mut app = plain_app(BroadPhaseMethod::default());
+        app.add_plugins(RollbackPlugin).init_resource::<LeftOut>();
+        for set in crate::common::SETS {
+            let is_in = move |left_out: Res<LeftOut>| !left_out.0.contains(&set);
+            app.configure_sets(Update, set.run_if(is_in));
+        }
+        let sensor = (CollisionShape::default(), Sensor, at(1.0));
+        let parts = children![CollisionShape::default(), sensor];
+        let body = (CollisionBody::default(), at(0.0), parts);
+        let body = app.world_mut().spawn(body).id();
+        let own = (CollisionBody::default(), CollisionShape::default(), at(5.0));
+        let own = app.world_mut().spawn(own).id();
+        let [wall, other, one, two] = [0.5, 5.5, 20.0, 20.5].map(|x| cube(&mut app, x));
+        let late = cube(&mut app, 30.0);
+        told(&mut app);
+        if is_pending {
+            app.world_mut().entity_mut(late).insert(at(-0.5));
+            app.world_mut().entity_mut(other).insert(at(9.0));
+            drop(told_without(&mut app, &[CollisionSystems::Report]));
+        }
+        let saved = app.world().resource::<CollisionSnapshot>().clone();
+        if goes_back {
+            let places = [body, own, wall].map(|entity| *app.world().get::<Transform>(entity).unwrap());
+            for (number, entity) in [body, own, wall].into_iter().enumerate() {
+                app.world_mut().entity_mut(entity).insert(at(100.0 * number as f32));
+            }
+            drop(told_without(&mut app, &[]));
+            for (entity, place) in [body, own, wall].into_iter().zip(places) {
+                app.world_mut().entity_mut(entity).insert(place);
+            }
+            app.insert_resource(saved);
+        }
+        app.world_mut().despawn(two);
+        let ticks: [&[CollisionSystems]; 3] = [&[CollisionSystems::NarrowPhase], &[], &[]];
+        (one, ticks.map(|sets| told_without(&mut app, sets)))
+    };
+    for is_pending in [false, true] {
+        assert_eq!(run(is_pending, true), run(is_pending, false), "{is_pending}");
+    }
+}
+
+/// Cubes in a row, each in touch with the next, some of them parts: by their numbers, and the numbers by them.
+fn row(app: &mut App, numbers: impl IntoIterator<Item = u64>) -> HashMap<u64, Entity> {
+    let mut row = HashMap::default();
+    for number in numbers {
+        let own = (
+            CollisionOrder(number),
+            CollisionEventsEnabled,
+            Transform::from_xyz(number as f32 * 0.75, 0.0, 0.0),
+        );
+        let entity = app.world_mut().spawn(own).id();
+        row.insert(number, entity);
+        if number % 3 == 0 {
+            app.world_mut()
+                .entity_mut(entity)
+                .insert(CollisionBody::default());
+            let part = (CollisionShape::default(), CollisionOrder(100 + number));
+            let part = app.world_mut().spawn((part, ChildOf(entity))).id();
+            row.insert(100 + number, part);
+        } else {
+            app.world_mut()
+                .entity_mut(entity)
+                .insert(CollisionShape::default());
+        }
+    }
+    row
+}
+
+/// Ends are told in the order of numbers, those of who is gone included, though the index has never known them.
+#[test]
+fn ends_have_an_order_in_another_app() {
+    #[derive(Resource, Default)]
+    struct Heard(Vec<[Entity; 2]>);
+
+    const ROW: u64 = 12;
+    let is_left = |number: &u64| number % 4 == 1;
+    let client = || {
+        let mut app = plain_app(BroadPhaseMethod::default());
+        app.add_plugins(RollbackPlugin).init_resource::<Heard>();
+        app.add_observer(|event: On<CollisionEnded>, mut heard: ResMut<Heard>| {
+            heard.0.push([event.a, event.b]);
+        });
+        app.add_observer(|event: On<BodyCollisionEnded>, mut heard: ResMut<Heard>| {
+            heard.0.push([event.a, event.b]);
+        });
+        app
+    };
+    // All that is told, by numbers.
+    let told = |app: &mut App, row: &HashMap<u64, Entity>| {
+        let numbers: EntityHashMap<u64> = row.iter().map(|(number, entity)| (*entity, *number)).collect();
+        let [started, ended, bodies] = told(app);
+        let heard = std::mem::take(&mut app.world_mut().resource_mut::<Heard>().0);
+        [started, ended, bodies, heard]
+            .map(|told| told.iter().map(|two| two.map(|entity| numbers[&entity])).collect::<Vec<_>>())
+    };
+    let mut app = client();
+    let known = row(&mut app, 0..ROW);
+    assert_eq!(told(&mut app, &known)[0].len(), ROW as usize - 1);
+    let saved = app.world().resource::<CollisionSnapshot>().clone();
+    let go = |app: &mut App| {
+        for number in (0..ROW).filter(|number| !is_left(number)) {
+            app.world_mut().despawn(known[&number]);
+        }
+    };
+    // In the same app, with the index that has known them all, and with another.
+    let mut another = client();
+    let same = row(&mut another, 0..ROW);
+    assert_eq!(same, known);
+    told(&mut another, &same);
+    go(&mut app);
+    let expected = told(&mut app, &known);
+    assert_eq!(expected.each_ref().map(Vec::len), [0, 11, 7, 20]);
+    go(&mut another);
+    another.insert_resource(CollisionIndex::default());
+    another.insert_resource(saved.clone());
+    assert_eq!(told(&mut another, &same), expected);
+    // In one in which nobody was who is gone, and others have other names.
+    for seed in 0..8 {
+        let mut other = client();
+        let mut numbers: Vec<_> = known.keys().copied().collect();
+        numbers.sort_unstable();
+        fastrand::Rng::with_seed(seed).shuffle(&mut numbers);
+        let mut there = HashMap::default();
+        for number in numbers {
+            let is_part = number >= ROW;
+            if !is_left(&(number % 100)) {
+                there.insert(number, other.world_mut().spawn_empty().id());
+            } else if !is_part {
+                there.extend(row(&mut other, [number]));
+            }
+        }
+        for (number, entity) in &there {
+            if other.world().get::<CollisionOrder>(*entity).is_none() {
+                other.world_mut().despawn(there[number]);
+            }
+        }
+        let mut names: EntityHashMap<Entity> = known.iter().map(|(number, entity)| (*entity, there[number])).collect();
+        let mut mapped = saved.clone();
+        mapped.map_entities(&mut names);
+        other.insert_resource(mapped);
+        assert_eq!(told(&mut other, &there), expected, "{seed}");
+    }
 }
