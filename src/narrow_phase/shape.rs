@@ -294,14 +294,17 @@ impl Shape {
     #[inline]
     pub(super) fn effective_scale(&self, scale: Vec3) -> Vec3A {
         match self {
-            Self::Sphere { .. } => Vec3A::splat(scale.abs().max_element()),
+            Self::Sphere { .. } => {
+                let Vec3 { x, y, z } = scale.abs();
+                Vec3A::splat(larger(larger(x, y), z))
+            }
             Self::Capsule { .. } => {
                 let Vec3 { x, y, z } = scale.abs();
-                let across = x.max(z);
+                let across = larger(x, z);
                 Vec3A::new(across, y, across)
             }
             #[cfg(feature = "rapier")]
-            Self::Rapier(_) => Vec3A::ONE,
+            Self::Rapier(_) => without_scale(scale).into(),
             _ => scale.into(),
         }
     }
@@ -456,6 +459,22 @@ impl Compound {
         }
         let half = half * size + stray;
         (center * scale, half, length(half))
+    }
+}
+
+/// The larger of two sizes; no number, if one of the two is none. `f32::max` would pass over that.
+#[inline]
+pub(super) const fn larger(a: f32, b: f32) -> f32 {
+    if a >= b || a.is_nan() { a } else { b }
+}
+
+/// A scale that has no effect; what is no scale is none all the same.
+#[cfg(feature = "rapier")]
+pub(super) fn without_scale(scale: Vec3) -> Vec3 {
+    if scale.is_finite() {
+        Vec3::ONE
+    } else {
+        Vec3::NAN
     }
 }
 

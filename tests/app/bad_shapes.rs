@@ -566,7 +566,11 @@ fn what_is_partly_no_number_is_found_by_no_question() {
         #[cfg(feature = "rapier")]
         Shape::from(&bevy_rapier3d::prelude::Collider::cuboid(0.5, 0.5, 0.5)),
         #[cfg(feature = "rapier")]
-        Shape::from(&bevy_rapier3d::prelude::Collider::triangle(Vec3::X, Vec3::Y, Vec3::Z)),
+        Shape::from(&bevy_rapier3d::prelude::Collider::triangle(
+            Vec3::X,
+            Vec3::Y,
+            Vec3::Z,
+        )),
     ];
     let mut bad = Vec::new();
     for number in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
@@ -582,59 +586,103 @@ fn what_is_partly_no_number_is_found_by_no_question() {
     }
     let tests = NarrowPhase::default();
     let here = Transform::IDENTITY;
-    for (shape, at) in shapes.iter().flat_map(|shape| bad.iter().map(move |at| (shape, *at))) {
+    let ball = Shape::sphere(2.0);
+    for (shape, at) in shapes
+        .iter()
+        .flat_map(|shape| bad.iter().map(move |at| (shape, *at)))
+    {
         let what = || format!("{shape:?} at {at:?}");
-        let (bad, ball) = (Placed::new(shape, &at), Shape::sphere(2.0));
-        let (good, far) = (Placed::new(&ball, &here), Transform::from_xyz(0.0, 9.0, 0.0));
+        let bad = Placed::new(shape, &at);
+        let (good, far) = (
+            Placed::new(&ball, &here),
+            Transform::from_xyz(0.0, 9.0, 0.0),
+        );
         let far = Placed::new(&ball, &far);
         let workspace = &mut Workspace::default();
-        assert!(tests.world_aabb(bad).is_err_and(|error| error == BoundsError::NonFinite), "{}", what());
+        assert!(
+            tests
+                .world_aabb(bad)
+                .is_err_and(|error| error == BoundsError::NonFinite),
+            "{}",
+            what()
+        );
         for [a, b] in [[bad, good], [good, bad]] {
             assert!(!tests.intersects(a, b, workspace), "{}", what());
             assert_eq!(tests.contact(a, b, workspace), None, "{}", what());
             assert_eq!(tests.manifold(a, b, workspace), None, "{}", what());
             assert_eq!(tests.closest_points(a, b, workspace), None, "{}", what());
-            let [a, b] = [a, b].map(|placed| Moving::resting(placed));
-            assert!(tests.time_of_impact(&a, &b, workspace).is_none(), "{}", what());
+            let [a, b] = [a, b].map(Moving::resting);
+            assert!(
+                tests.time_of_impact(&a, &b, workspace).is_none(),
+                "{}",
+                what()
+            );
         }
-        assert_eq!(tests.cast_ray(bad, Vec3::Y * 9.0, Dir3::NEG_Y, 20.0), None, "{}", what());
-        assert_eq!(tests.cast_ray_through(bad, Vec3::Y * 9.0, Dir3::NEG_Y, 20.0), None, "{}", what());
-        assert_eq!(tests.closest_point(bad, Vec3::Y * 9.0, workspace), None, "{}", what());
-        assert_eq!(tests.sweep(far, Dir3::NEG_Y, 20.0, bad, workspace), None, "{}", what());
-        assert_eq!(tests.sweep(bad, Dir3::Y, 20.0, far, workspace), None, "{}", what());
-        for hangs in [false, true] {
-            let mut app = app();
-            let mut entity = app.world_mut().spawn((CollisionShape(shape.clone()), at));
-            if hangs {
-                // It is the parent that is nowhere.
-                entity.insert(Transform::IDENTITY);
-                let entity = entity.id();
-                app.world_mut().spawn(at).add_child(entity);
-            }
-            assert_eq!(told(|| app.update()).len(), 1, "{}", what());
-            let mut state = SystemState::<SpatialQuery>::new(app.world_mut());
-            let spatial = state.get(app.world()).unwrap();
-            let all = &SpatialQueryFilter::DEFAULT;
-            let mut found = Vec::new();
-            spatial.shape_intersections(&ball, &here, all, &mut found);
-            let ray = Ray3d::new(Vec3::Y * 9.0, Dir3::NEG_Y);
-            assert_eq!(found, [], "{}", what());
-            assert_eq!(spatial.cast_ray(ray, 20.0, all), None, "{}", what());
-            assert_eq!(spatial.cast_sphere(ray.origin, 0.5, ray.direction, 20.0, all), None, "{}", what());
-            assert_eq!(spatial.nearest(Vec3::ZERO, 20.0, all), None, "{}", what());
-            assert_eq!(spatial.index().index().proxies().len(), 0, "{}", what());
-        }
-        // What asks is refused alike.
+        assert_eq!(
+            tests.cast_ray(bad, Vec3::Y * 9.0, Dir3::NEG_Y, 20.0),
+            None,
+            "{}",
+            what()
+        );
+        assert_eq!(
+            tests.cast_ray_through(bad, Vec3::Y * 9.0, Dir3::NEG_Y, 20.0),
+            None,
+            "{}",
+            what()
+        );
+        assert_eq!(
+            tests.closest_point(bad, Vec3::Y * 9.0, workspace),
+            None,
+            "{}",
+            what()
+        );
+        assert_eq!(
+            tests.sweep(far, Dir3::NEG_Y, 20.0, bad, workspace),
+            None,
+            "{}",
+            what()
+        );
+        assert_eq!(
+            tests.sweep(bad, Dir3::Y, 20.0, far, workspace),
+            None,
+            "{}",
+            what()
+        );
+    }
+    let all = &SpatialQueryFilter::DEFAULT;
+    for at in bad {
+        // On some it is their own, on others that of a parent.
         let mut app = app();
-        app.world_mut().spawn(CollisionShape::sphere(2.0));
-        app.update();
+        for shape in &shapes {
+            let shape = CollisionShape(shape.clone());
+            app.world_mut().spawn((shape.clone(), at));
+            app.world_mut().spawn((at, children![shape]));
+        }
+        let lines = told(|| app.update());
+        assert_eq!(lines.len(), 2 * shapes.len(), "{at:?}: {lines:?}");
         let mut state = SystemState::<SpatialQuery>::new(app.world_mut());
         let spatial = state.get(app.world()).unwrap();
-        let all = &SpatialQueryFilter::DEFAULT;
         let (mut found, mut contacts) = (Vec::new(), Vec::new());
-        spatial.shape_intersections(shape, &at, all, &mut found);
-        spatial.shape_contacts(shape, &at, all, &mut contacts);
-        assert_eq!((found.len(), contacts.len()), (0, 0), "{}", what());
-        assert_eq!(spatial.cast_shape(shape, &at, Dir3::X, 9.0, all), None, "{}", what());
+        spatial.shape_intersections(&ball, &here, all, &mut found);
+        let ray = Ray3d::new(Vec3::Y * 9.0, Dir3::NEG_Y);
+        assert_eq!(found, [], "{at:?}");
+        assert_eq!(spatial.cast_ray(ray, 20.0, all), None, "{at:?}");
+        let hit = spatial.cast_sphere(ray.origin, 0.5, ray.direction, 20.0, all);
+        assert_eq!(hit, None, "{at:?}");
+        assert_eq!(spatial.nearest(Vec3::ZERO, 20.0, all), None, "{at:?}");
+        assert_eq!(spatial.index().index().proxies().len(), 0, "{at:?}");
+        // What asks is refused alike.
+        let cube = app.world_mut().spawn(CollisionShape::default()).id();
+        app.update();
+        let spatial = state.get(app.world()).unwrap();
+        for shape in &shapes {
+            spatial.shape_intersections(shape, &at, all, &mut found);
+            spatial.shape_contacts(shape, &at, all, &mut contacts);
+            assert_eq!((found.len(), contacts.len()), (0, 0), "{shape:?} {at:?}");
+            let hit = spatial.cast_shape(shape, &at, Dir3::X, 9.0, all);
+            assert_eq!(hit, None, "{shape:?} {at:?}");
+            let then = spatial.at([(cube, at)]);
+            assert_eq!(then.cast_ray(ray, 20.0, all), None, "{at:?}");
+        }
     }
 }

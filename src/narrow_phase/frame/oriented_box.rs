@@ -4,7 +4,10 @@ use bevy::math::bounding::{Aabb3d, BoundingSphere};
 use bevy::math::{Mat3A, Quat, Vec3, Vec3A};
 use bevy::transform::components::Transform;
 
-use crate::narrow_phase::{error::BoundsError, shape::Shape};
+use crate::narrow_phase::{
+    error::BoundsError,
+    shape::{Shape, larger},
+};
 
 /// The box around a placed shape, turned with it; the shape itself, if that is a cuboid.
 ///
@@ -83,6 +86,13 @@ impl OrientedBox {
     }
 }
 
+/// Is there a turn left when it is normalised? In doubt, it is looked at with care.
+#[inline]
+fn is_rotation(rotation: Quat) -> bool {
+    let share = rotation.length_recip();
+    share > 0.0 && share.is_finite()
+}
+
 impl Shape {
     /// Returns an axis-aligned box around the shape in the world, in constant time. It is the
     /// smallest one for cuboids and spheres, up to rounding; for all others, it is the
@@ -125,8 +135,9 @@ impl Shape {
                 }
             }
             // However it is turned, as long as that is a rotation.
-            Self::Sphere { radius } if transform.rotation.length_recip().is_finite() => {
-                let radius = radius.abs() * scale.abs().max_element();
+            Self::Sphere { radius } if is_rotation(transform.rotation) => {
+                let Vec3 { x, y, z } = scale.abs();
+                let radius = radius.abs() * larger(larger(x, y), z);
                 (at, Vec3A::splat(radius))
             }
             Self::Capsule {
@@ -136,7 +147,7 @@ impl Shape {
                 let Vec3 { x, y, z } = scale.abs();
                 let end = Vec3A::from(transform.rotation.normalize() * Vec3::Y);
                 let reach = end.abs() * (half_length.abs() * y);
-                (at, reach + radius.abs() * x.max(z))
+                (at, reach + radius.abs() * larger(x, z))
             }
             Self::Convex(_) | Self::Mesh(_) if transform.rotation == Quat::IDENTITY => {
                 let (center, half, _) = self.own_mesh()?.local_bounds();

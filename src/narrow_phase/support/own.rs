@@ -2,6 +2,8 @@
 
 use bevy::transform::components::Transform;
 
+#[cfg(feature = "rapier")]
+use crate::narrow_phase::shape::without_scale;
 use crate::narrow_phase::{
     frame::{case::Case, placed::Placed},
     shape::Shape,
@@ -14,7 +16,8 @@ pub fn as_own(placed: Placed) -> Option<(Shape, Transform)> {
         return None;
     };
     // Its scale is in it.
-    let transform = placed.transform.with_scale(bevy::math::Vec3::ONE);
+    let scale = without_scale(placed.transform.scale);
+    let transform = placed.transform.with_scale(scale);
     Some((shape.own()?.clone(), transform))
 }
 

@@ -167,7 +167,10 @@ impl<'a> From<ForeignPart<'a>> for PosedShape<'a> {
 /// parry knows no more of than its name.
 pub fn posed<'a>(placed: Placed<'a>, origin: Vec3) -> Option<PosedShape<'a>> {
     let at = Isometry::of(placed.transform, origin);
-    posed_at(placed.shape, placed.transform.scale.as_dvec3(), at)
+    // If one of three numbers is none, so is the largest.
+    let scale = placed.transform.scale.as_dvec3();
+    let scale = if scale.is_finite() { scale } else { DVec3::NAN };
+    posed_at(placed.shape, scale, at)
 }
 
 /// The same, of a shape at a scale.
