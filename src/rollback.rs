@@ -195,7 +195,7 @@ fn restore_state(
     if let Some(index) = index {
         restoring.index = index.number();
         let entities = snapshot.contacts.entities();
-        restoring.handles.extend(entities.filter_map(|entity| {
+        restoring.handles.extend(entities.filter_map(|(entity, _)| {
             let id = proxies.get(entity).ok()?.id()?;
             index.is_entry_of(id, entity).then_some((entity, id))
         }));
@@ -219,17 +219,33 @@ fn restore_contacts(
 ) {
     restoring.is_due = false;
     let is_same_index = restoring.index == index.number();
-    let id_of = |entity: Entity| {
+    let id_of = |entity: Entity, index: &CollisionIndex| {
         let id = proxies.get(entity).ok()?.id()?;
         let before = restoring.handles.get(&entity).filter(|_| is_same_index);
         let has_stayed = before.is_none_or(|before| *before == id);
         (has_stayed && index.is_entry_of(id, entity)).then_some(id)
     };
+    let saved = &snapshot.contacts;
+    // This index may never have known those who are gone.
+    for (entity, order) in saved.entities() {
+        if let Some(order) = order
+            && id_of(entity, &index).is_none()
+        {
+            index.restore_order(entity, order);
+        }
+    }
+    for (body, order) in saved.bodies() {
+        if let Some(order) = order
+            && !orders.contains(body)
+        {
+            index.remember_order(body, order);
+        }
+    }
     let places = Places {
         of_body: &|body| Some(orders.get(body).ok()?.map(|order| order.0)),
         index: &index,
     };
-    contacts.restore(&snapshot.contacts, &index, id_of, &places);
+    contacts.restore(saved, |entity| id_of(entity, &index), &places);
     // What rests was at rest at another time.
     index.search_all();
 }
@@ -237,14 +253,14 @@ fn restore_contacts(
 /// Writes down how things are at the end of the tick.
 fn take_snapshot(
     mut snapshot: ResMut<CollisionSnapshot>,
-    contacts: Res<Contacts>,
+    (contacts, index): (Res<Contacts>, Option<Res<CollisionIndex>>),
     clock: Res<CollisionClock>,
     ways: Query<(Entity, &SweptWay), swept::IsSwept>,
 ) {
     // Only others who write to it have something restored.
     let snapshot = snapshot.bypass_change_detection();
     snapshot.tick = clock.tick();
-    contacts.save(&mut snapshot.contacts);
+    contacts.save(&mut snapshot.contacts, index.as_deref());
     snapshot.ways.clear();
     let ways = ways.iter().filter(|(_, way)| way.has_begun());
     snapshot.ways.extend(ways.map(|(entity, way)| SavedWay {

@@ -24,6 +24,18 @@ impl CollisionIndex {
         }
     }
 
+    /// Its own place in the order of all, if it has one.
+    pub(crate) fn own_order_of(&self, id: ProxyId, entity: Entity) -> Option<u64> {
+        let order = self.is_ordered.then(|| self.order_of(id, entity));
+        order.filter(|order| *order != rank(entity))
+    }
+
+    /// Takes note of the place of an entity that was in another index.
+    pub(crate) fn restore_order(&mut self, entity: Entity, order: u64) {
+        self.is_ordered = true;
+        self.remember_order(entity, order);
+    }
+
     /// Takes note of the place of an entity that may be gone soon.
     pub(crate) fn remember_order(&mut self, entity: Entity, order: u64) {
         self.gone[0].insert(entity, order);

@@ -1,6 +1,10 @@
 //! The contacts of each object.
 
-use super::{arrangement::Arrangement, ledger::Ledger, pair::ContactPair};
+use super::{
+    arrangement::Arrangement,
+    ledger::Ledger,
+    pair::{ContactPair, GONE},
+};
 use crate::broad_phase::ProxyId;
 
 /// For each object, the numbers of its contacts among all: one array, cut into a range for each
@@ -13,9 +17,12 @@ pub(super) struct Adjacency {
 }
 
 impl Adjacency {
-    /// By counting: O(contacts + objects). The contacts of an object come in the order of all.
+    /// By counting: O(contacts + objects). The contacts of an object come in the order of all. Who is gone has none.
     pub(super) fn new(contacts: &Ledger, arrangement: &Arrangement) -> Self {
-        let both = |contact: &ContactPair| contact.key.ids.map(ProxyId::index);
+        let both = |contact: &ContactPair| {
+            let there = contact.key.ids.into_iter().filter(|id| *id != GONE);
+            there.map(ProxyId::index)
+        };
         let handles = contacts
             .iter()
             .flat_map(both)
@@ -30,7 +37,7 @@ impl Adjacency {
         for handle in 2..starts.len() {
             starts[handle] += starts[handle - 1];
         }
-        let mut slots = vec![0; 2 * contacts.len()];
+        let mut slots = vec![0; starts[handles + 1] as usize];
         for (number, contact) in arrangement.numbered(contacts) {
             for handle in both(contact) {
                 let next = &mut starts[handle + 1];

@@ -26,7 +26,7 @@ impl Arrangement {
         self.sorted.clear();
         let places = contacts
             .numbered()
-            .map(|(number, contact)| (place(contact, index), contact.key, number));
+            .map(|(number, contact)| (place(&contact.key, index), contact.key, number));
         self.sorted.extend(places);
         self.sorted.sort_unstable();
         let numbers = self.sorted.iter().map(|(.., number)| *number);
@@ -62,8 +62,8 @@ impl Arrangement {
 }
 
 /// Where a contact stands among others, if entities have places of their own.
-pub(super) fn place(contact: &ContactPair, index: &CollisionIndex) -> [u64; 2] {
-    let ContactKey { a, b, ids } = contact.key;
+pub(super) fn place(key: &ContactKey, index: &CollisionIndex) -> [u64; 2] {
+    let ContactKey { a, b, ids } = *key;
     if index.is_ordered() {
         [index.order_of(ids[0], a), index.order_of(ids[1], b)]
     } else {

@@ -106,9 +106,11 @@ pub(super) struct Audience<'a> {
 
 /// A contact of which one is a part of a body.
 #[derive(Clone, Copy, Debug)]
-struct PartContact {
-    key: ContactKey,
-    bodies: [Entity; 2],
+pub(super) struct PartContact {
+    pub(super) key: ContactKey,
+    pub(super) bodies: [Entity; 2],
+    /// Is one of the two a sensor?
+    pub(super) is_sensor: bool,
 }
 
 /// Two bodies in contact, and who is told.
@@ -130,6 +132,12 @@ impl BodyPair {
         self.order
     }
 
+    /// The places of its own that each of the two has in the order of all.
+    pub(super) fn own_places(&self) -> [Option<u64>; 2] {
+        let (bodies, _) = self.order;
+        bodies.map(|(place, rank)| (place != rank).then_some(place))
+    }
+
     /// One that was saved.
     pub(super) fn restored(
         collision: BodyCollision,
@@ -137,7 +145,7 @@ impl BodyPair {
         observed: [bool; 2],
         places: &Places,
     ) -> Self {
-        let (order, side) = places.order(&collision);
+        let (order, side) = places.order([collision.a, collision.b], collision.is_sensor);
         Self {
             collision: collision.seen_from(side),
             is_told,
@@ -175,11 +183,11 @@ impl Places<'_> {
     }
 
     /// Where two stand among others, and from which of their sides they are seen.
-    fn order(&self, collision: &BodyCollision) -> (Order, usize) {
-        let [a, b] = [collision.a, collision.b].map(|body| self.of(body));
+    fn order(&self, bodies: [Entity; 2], is_sensor: bool) -> (Order, usize) {
+        let [a, b] = bodies.map(|body| self.of(body));
         let in_order = a <= b;
         let bodies = if in_order { [a, b] } else { [b, a] };
-        ((bodies, collision.is_sensor), usize::from(!in_order))
+        ((bodies, is_sensor), usize::from(!in_order))
     }
 }
 
@@ -199,25 +207,38 @@ pub(super) struct BodyContacts {
 
 impl BodyContacts {
     pub(super) const fn is_empty(&self) -> bool {
-        // Of those that were restored, what is part of itself alone is in no list of contacts.
-        self.contacts.is_empty() && self.pairs.is_empty()
+        self.contacts.is_empty()
     }
 
-    /// Those that were saved: the bodies of contacts, in the order of keys, and the pairs of bodies.
+    /// Those that were saved: contacts in the order of keys, and the pairs of bodies.
     pub(super) fn restored(
-        contacts: Vec<(ContactKey, [Entity; 2])>,
+        contacts: Vec<PartContact>,
         pairs: impl Iterator<Item = BodyPair>,
+        places: &Places,
     ) -> Self {
-        let contacts = contacts.into_iter();
-        let mut restored = Self {
-            contacts: contacts
-                .map(|(key, bodies)| PartContact { key, bodies })
-                .collect(),
-            pairs: pairs.collect(),
-            ..Self::default()
+        let mut pairs: Vec<_> = pairs.collect();
+        pairs.sort_unstable_by_key(BodyPair::order);
+        // Two that were mapped to one are one.
+        pairs.dedup_by_key(|pair| pair.order);
+        let of_two = |contact: &&PartContact| contact.bodies[0] != contact.bodies[1];
+        let order = |contact: &PartContact| {
+            let (order, _) = places.order(contact.bodies, contact.is_sensor);
+            (order, place(&contact.key, places.index), contact.key)
         };
-        restored.pairs.sort_unstable_by_key(BodyPair::order);
-        restored
+        let mut sorted: Vec<_> = contacts.iter().filter(of_two).map(order).collect();
+        sorted.sort_unstable();
+        for pair in &mut pairs {
+            let first = sorted.partition_point(|(order, ..)| *order < pair.order);
+            let end = sorted.partition_point(|(order, ..)| *order <= pair.order);
+            pair.first = first as u32;
+            pair.collision.contacts = (end - first) as u32;
+        }
+        Self {
+            by_pair: sorted.into_iter().map(|(.., key)| key).collect(),
+            contacts,
+            pairs,
+            ..Self::default()
+        }
     }
 
     /// Makes this a copy of another one.
@@ -248,8 +269,13 @@ impl BodyContacts {
                 continue;
             };
             let key = contact.key;
+            let is_sensor = contact.entities().into_iter().any(&is_sensor);
             let number = self.contacts.len() as u32;
-            self.contacts.push(PartContact { key, bodies });
+            self.contacts.push(PartContact {
+                key,
+                bodies,
+                is_sensor,
+            });
             let [a, b] = bodies;
             if a == b {
                 continue;
@@ -257,15 +283,15 @@ impl BodyContacts {
             let collision = BodyCollision {
                 a,
                 b,
-                is_sensor: contact.entities().into_iter().any(&is_sensor),
+                is_sensor,
                 parts: contact.entities(),
                 contacts: 1,
                 hears: contact.hears(),
                 time: contact.time,
             };
-            let (order, side) = places.order(&collision);
+            let (order, side) = places.order(bodies, is_sensor);
             let collision = collision.seen_from(side);
-            let place = place(contact, places.index);
+            let place = place(&key, places.index);
             self.sorted.push((order, (place, number), collision));
         }
         self.sorted
@@ -297,10 +323,15 @@ impl BodyContacts {
 
     #[inline(never)]
     fn seek_bodies(&self, key: &ContactKey) -> [Entity; 2] {
+        self.part(key).map_or([key.a, key.b], |part| part.bodies)
+    }
+
+    /// What is known of a contact, if one of the two is a part. O(log n).
+    pub(super) fn part(&self, key: &ContactKey) -> Option<&PartContact> {
         let place = self
             .contacts
             .binary_search_by_key(key, |contact| contact.key);
-        place.map_or([key.a, key.b], |index| self.contacts[index].bodies)
+        Some(&self.contacts[place.ok()?])
     }
 
     /// The same, for one contact after the other in the order of keys.

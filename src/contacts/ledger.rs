@@ -250,10 +250,16 @@ impl Ledger {
         }
     }
 
-    /// Has the contacts be those of another time, in the order of keys, after a report of those before.
-    pub(super) fn replace(&mut self, reported: &[ContactPair], now: Vec<ContactPair>) {
+    /// Has the contacts be those of another time, in the order of keys, after a report of those before; another report may
+    /// be due.
+    pub(super) fn replace(
+        &mut self,
+        reported: &[ContactPair],
+        now: Vec<ContactPair>,
+        has_news: bool,
+    ) {
         tell_apart(&now, reported, &mut self.started, &mut self.ended);
-        self.has_news = !(self.started.is_empty() && self.ended.is_empty());
+        self.has_news = has_news;
         self.moving = now;
         self.resting.clear();
         // Some of them rest.

@@ -471,22 +471,23 @@ impl Contacts {
         self.scope_reported
     }
 
-    /// Has all be as it was at another time: the contacts of the report before it, and those of then,
-    /// each in the order of keys, and what is known of them.
+    /// Has all be as it was at another time: what was known then, and what was known at the last report, if another was due.
     pub(super) fn replace(
         &mut self,
-        (before, now): (Vec<ContactPair>, Vec<ContactPair>),
-        (watched_before, watched): (Vec<WatchedContact>, Vec<WatchedContact>),
-        (bodies_before, bodies): (BodyContacts, BodyContacts),
+        reported: Option<Known>,
+        now: Known,
         scope_reported: Option<EventScope>,
+        index: &CollisionIndex,
     ) {
-        self.all.replace(&before, now);
-        self.arrangement = Arrangement::default();
+        let has_news = reported.is_some();
+        let reported = reported.unwrap_or_else(|| now.clone());
+        self.all.replace(&reported.contacts, now.contacts, has_news);
+        self.arrangement.renew(&self.all, index);
         self.state = None;
         self.watched_unreported.clear();
         // With news to come, those of the last tick are the unreported ones of the next.
-        (self.watched_before, self.watched) = (watched_before, watched);
-        (self.bodies_before, self.bodies) = (bodies_before, bodies);
+        (self.watched_before, self.watched) = (reported.watched, now.watched);
+        (self.bodies_before, self.bodies) = (reported.bodies, now.bodies);
         self.manifolds = Manifolds::default();
         self.impacts.clear();
         self.scope_reported = scope_reported;
@@ -514,6 +515,14 @@ impl Contacts {
     pub(super) fn watched(&self) -> &[WatchedContact] {
         &self.watched
     }
+}
+
+/// All contacts at some moment, in the order of keys, and what is known of them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Known {
+    pub(super) contacts: Vec<ContactPair>,
+    pub(super) watched: Vec<WatchedContact>,
+    pub(super) bodies: BodyContacts,
 }
 
 /// Makes room in `now` for what is known in a new tick, and returns what was known in the last one:

@@ -31,6 +31,9 @@ pub(crate) struct ContactKey {
     pub(crate) ids: [ProxyId; 2],
 }
 
+/// The handle of who is not in the index any more.
+pub(super) const GONE: ProxyId = ProxyId::new(u32::MAX);
+
 impl ContactKey {
     /// That of the two of a pair, in the order of all.
     ///

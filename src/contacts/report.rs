@@ -123,8 +123,8 @@ fn write_messages(
             }
         }
         if let Some(index) = ordering {
-            ends.sort_by_cached_key(|contact| place(contact, index));
-            starts.sort_by_cached_key(|contact| place(contact, index));
+            ends.sort_by_cached_key(|contact| place(&contact.key, index));
+            starts.sort_by_cached_key(|contact| place(&contact.key, index));
         }
         ended.write_batch(ends.drain(..).map(|old| before_with(&old).heard().into()));
         let starts = starts.drain(..);
@@ -198,7 +198,7 @@ fn trigger_events(
     let contacts = world.resource::<Contacts>();
     let index = world.get_resource::<CollisionIndex>();
     let place =
-        |contact: &WatchedContact| index.map_or([0; 2], |index| place(&contact.contact, index));
+        |contact: &WatchedContact| index.map_or([0; 2], |index| place(&contact.key(), index));
     let (before, now) = (contacts.watched_before(), contacts.watched());
     let (bodies_before, bodies) = contacts.bodies_before_and_now();
     for (old, new) in compare(before, now, WatchedContact::key) {
