@@ -7,7 +7,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use bevy::{
-    ecs::{entity_disabling::Disabled, world::DeferredWorld},
+    ecs::world::DeferredWorld,
     math::{DAffine3, DQuat},
     prelude::*,
 };
@@ -60,10 +60,7 @@ pub(crate) type Link<'a> = (&'a Transform, Option<&'a ChildOf>);
 ///
 /// Walks up all ancestors. For the systems that [see](crate::disabled::see_disabled) disabled entities: a disabled parent is
 /// still where it is.
-pub(crate) fn pose_in_world(
-    entity: Entity,
-    links: &Query<Link, Allow<Disabled>>,
-) -> Option<DAffine3> {
+pub(crate) fn pose_in_world(entity: Entity, links: &Query<Link>) -> Option<DAffine3> {
     let look = |entity| {
         let (transform, parent) = links.get(entity).ok()?;
         Some((local(transform), parent.map(ChildOf::parent)))

@@ -141,7 +141,7 @@
 
 use bevy::{
     ecs::{
-        entity_disabling::Disabled, lifecycle::HookContext, message::signal_message_update_system,
+        lifecycle::HookContext, message::signal_message_update_system,
         system::RegisteredSystemError, world::DeferredWorld,
     },
     math::primitives::HalfSpace,
@@ -345,7 +345,7 @@ type Beginning<'a> = (
 );
 
 /// The way of an entity that is new begins where it is before it first moves.
-fn begin_ways(mut swept: Query<Beginning, SweptShape>, links: Query<Link, Allow<Disabled>>) {
+fn begin_ways(mut swept: Query<Beginning, SweptShape>, links: Query<Link>) {
     for (entity, transform, has_parent, (shape, sheared), proxy, mut way) in &mut swept {
         if way.belongs_to(entity, proxy.id()) && way.has_begun() {
             continue;
@@ -366,10 +366,7 @@ fn begin_ways(mut swept: Query<Beginning, SweptShape>, links: Query<Link, Allow<
 type Shaped<'a> = (&'a CollisionShape, Option<&'a Sheared>);
 
 /// As [`begin_ways`], of bodies without a shape of their own: of these, only the position counts.
-fn begin_ways_of_bodies(
-    mut bodies: Query<(Entity, &mut SweptWay), SweptBody>,
-    links: Query<Link, Allow<Disabled>>,
-) {
+fn begin_ways_of_bodies(mut bodies: Query<(Entity, &mut SweptWay), SweptBody>, links: Query<Link>) {
     for (entity, mut way) in &mut bodies {
         if !(way.belongs_to(entity, None) && way.has_begun()) {
             let pose = position_in_world(entity, &links);
@@ -379,16 +376,13 @@ fn begin_ways_of_bodies(
 }
 
 /// Where an entity is, turned in no way.
-fn position_in_world(entity: Entity, links: &Query<Link, Allow<Disabled>>) -> Option<Transform> {
+fn position_in_world(entity: Entity, links: &Query<Link>) -> Option<Transform> {
     let pose = hierarchy::pose_in_world(entity, links)?;
     Some(Transform::from_translation(pose.translation.as_vec3()))
 }
 
 /// As [`end_ways`], of bodies without a shape of their own.
-fn end_ways_of_bodies(
-    mut bodies: Query<(Entity, &mut SweptWay), SweptBody>,
-    links: Query<Link, Allow<Disabled>>,
-) {
+fn end_ways_of_bodies(mut bodies: Query<(Entity, &mut SweptWay), SweptBody>, links: Query<Link>) {
     for (entity, mut way) in &mut bodies {
         if way.has_begun()
             && way.belongs_to(entity, None)

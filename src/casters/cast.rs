@@ -4,7 +4,7 @@ use bevy::{
     ecs::{
         archetype::Archetype,
         component::Mutable,
-        entity_disabling::{DefaultQueryFilters, Disabled},
+        entity_disabling::DefaultQueryFilters,
         query::{QueryData, QueryFilter},
     },
     math::DAffine3,
@@ -52,10 +52,10 @@ type Item<'a, 'w, 's, C> = <Parts<'a, C> as QueryData>::Item<'w, 's>;
 /// A disabled entity meets nothing, and its hits say so. For a system that [sees
 /// it](disabled::see_disabled).
 pub(super) fn cast<C: Caster>(
-    mut casters: Query<Parts<C>, Allow<Disabled>>,
-    links: Query<Link, Allow<Disabled>>,
-    parents: Query<&ChildOf, Allow<Disabled>>,
-    bodies: Query<(), (With<CollisionBody>, Allow<Disabled>)>,
+    mut casters: Query<Parts<C>>,
+    links: Query<Link>,
+    parents: Query<&ChildOf>,
+    bodies: Query<(), With<CollisionBody>>,
     filters: Option<Res<DefaultQueryFilters>>,
     spatial: SpatialQuery,
 ) {

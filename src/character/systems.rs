@@ -1,7 +1,7 @@
 //! All characters walk, side by side.
 
 use bevy::{
-    ecs::{entity::EntityHashMap, entity_disabling::Disabled, query::QueryData},
+    ecs::{entity::EntityHashMap, query::QueryData},
     math::DAffine3,
     prelude::*,
 };
@@ -109,7 +109,7 @@ pub(super) fn walk(
     mut characters: Query<Walking>,
     spatial: SpatialQuery,
     ignored: Query<&IgnoreCollisions>,
-    parents: Query<&ChildOf, Allow<Disabled>>,
+    parents: Query<&ChildOf>,
     settings: Res<MotionSettings>,
     time: Option<Res<Time>>,
     mut others: Local<Others>,
@@ -186,7 +186,7 @@ pub(super) fn walk(
 type WalkingItem<'a, 'w, 's> = <Walking<'a> as QueryData>::Item<'w, 's>;
 
 /// Is one of the ancestors of an entity that one?
-fn hangs_on(entity: Entity, ancestor: Entity, parents: &Query<&ChildOf, Allow<Disabled>>) -> bool {
+fn hangs_on(entity: Entity, ancestor: Entity, parents: &Query<&ChildOf>) -> bool {
     let parent = |entity| parents.get(entity).ok().map(ChildOf::parent);
     let look = |entity| Some((entity, parent(entity)));
     parent(entity).is_some_and(|first| {
@@ -208,7 +208,7 @@ type Both<'w, 's> = ParamSet<
     'w,
     's,
     (
-        Query<'static, 'static, Link<'static>, Allow<Disabled>>,
+        Query<'static, 'static, Link<'static>>,
         Query<'static, 'static, Settled<'static>>,
     ),
 >;

@@ -1,11 +1,7 @@
 //! The entities that an entity is in contact with, as a component of its own.
 
 use bevy::{
-    ecs::{
-        archetype::Archetype,
-        entity::EntityHashSet,
-        entity_disabling::{DefaultQueryFilters, Disabled},
-    },
+    ecs::{archetype::Archetype, entity::EntityHashSet, entity_disabling::DefaultQueryFilters},
     prelude::*,
 };
 
@@ -44,7 +40,7 @@ type Lists<'a> = (
     &'a Archetype,
 );
 
-pub(super) fn is_in_use(lists: Query<(), (With<CollidingEntities>, Allow<Disabled>)>) -> bool {
+pub(super) fn is_in_use(lists: Query<(), With<CollidingEntities>>) -> bool {
     !lists.is_empty()
 }
 
@@ -53,7 +49,7 @@ pub(super) fn is_in_use(lists: Query<(), (With<CollidingEntities>, Allow<Disable
 pub(super) fn follow_contacts(
     contacts: Res<Contacts>,
     filters: Option<Res<DefaultQueryFilters>>,
-    mut lists: Query<Lists, Allow<Disabled>>,
+    mut lists: Query<Lists>,
 ) {
     for (entity, mut list, proxy, is_body, archetype) in &mut lists {
         if disabled::is_disabled(archetype, filters.as_deref()) {

@@ -1,6 +1,9 @@
 //! Casters, and what they met.
 
-use bevy::{ecs::entity_disabling::Disabled, prelude::*};
+use bevy::{
+    ecs::{archetype::Archetype, entity_disabling::DefaultQueryFilters},
+    prelude::*,
+};
 
 use super::{
     boxes::DebugDraw,
@@ -10,6 +13,7 @@ use super::{
 };
 use crate::{
     casters::{self, RayCaster, RayHits, ShapeCaster, ShapeHits},
+    disabled,
     hierarchy::Link,
 };
 
@@ -23,13 +27,21 @@ fn reach(length: f32, most: u32, met: usize, last: Option<f32>, drawn: f32) -> f
     }
 }
 
-type Rays<'a> = (Entity, &'a RayCaster, &'a RayHits, Option<&'a DebugDraw>);
+type Rays<'a> = (
+    Entity,
+    &'a RayCaster,
+    &'a RayHits,
+    Option<&'a DebugDraw>,
+    &'a Archetype,
+);
 
-/// Draws the rays of all casters, as far as they reach, and where they met something.
+/// Draws the rays of all casters, as far as they reach, and where they met something. For a system that [sees disabled
+/// entities](disabled::see_disabled): a disabled parent is still where it is.
 pub(super) fn draw_rays(
     mut gizmos: Gizmos<CollisionGizmos>,
     all: Query<Rays>,
-    links: Query<Link, Allow<Disabled>>,
+    links: Query<Link>,
+    filters: Option<Res<DefaultQueryFilters>>,
 ) {
     let CollisionGizmos {
         rays: color @ Some(_),
@@ -39,8 +51,9 @@ pub(super) fn draw_rays(
     else {
         return;
     };
-    for (entity, caster, hits, own) in &all {
-        if !caster.enabled || caster.max_hits == 0 {
+    for (entity, caster, hits, own, archetype) in &all {
+        let is_disabled = disabled::is_disabled(archetype, filters.as_deref());
+        if is_disabled || !caster.enabled || caster.max_hits == 0 {
             continue;
         }
         if let Some(color) = DebugDraw::color(own, color)
@@ -62,14 +75,16 @@ type Shapes<'a> = (
     &'a ShapeCaster,
     &'a ShapeHits,
     Option<&'a DebugDraw>,
+    &'a Archetype,
 );
 
 /// Draws the ways of all shapes that are cast, the shapes where they touch something, and where that
-/// is.
+/// is. As [`draw_rays`].
 pub(super) fn draw_shapes(
     mut gizmos: Gizmos<CollisionGizmos>,
     all: Query<Shapes>,
-    links: Query<Link, Allow<Disabled>>,
+    links: Query<Link>,
+    filters: Option<Res<DefaultQueryFilters>>,
 ) {
     let CollisionGizmos {
         sweeps: color @ Some(_),
@@ -79,8 +94,9 @@ pub(super) fn draw_shapes(
     else {
         return;
     };
-    for (entity, caster, hits, own) in &all {
-        if !caster.enabled || caster.max_hits == 0 {
+    for (entity, caster, hits, own, archetype) in &all {
+        let is_disabled = disabled::is_disabled(archetype, filters.as_deref());
+        if is_disabled || !caster.enabled || caster.max_hits == 0 {
             continue;
         }
         let Some(color) = DebugDraw::color(own, color) else {

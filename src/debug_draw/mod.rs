@@ -45,7 +45,7 @@ pub use boxes::DebugDraw;
 pub use gizmos::{CollisionGizmos, LeafColors};
 pub use queries::QueryGizmos;
 
-use crate::schedule::CollisionSystems;
+use crate::{disabled::see_disabled, schedule::CollisionSystems};
 
 /// Draws by the gizmo group [`CollisionGizmos`], at the end of each frame, what the last tick
 /// found. Not part of [`OctreePlugins`](crate::OctreePlugins): add it after them and after Bevy's
@@ -67,6 +67,8 @@ impl Plugin for CollisionDebugPlugin {
         }
         boxes::register(app);
         gizmos::register(app);
+        let draw_rays = see_disabled(app.world_mut(), casters::draw_rays);
+        let draw_casts = see_disabled(app.world_mut(), casters::draw_shapes);
         app.add_systems(
             Last,
             (
@@ -74,8 +76,8 @@ impl Plugin for CollisionDebugPlugin {
                 boxes::draw_boxes,
                 shapes::draw_shapes,
                 sweep::draw_ways,
-                casters::draw_rays,
-                casters::draw_shapes,
+                draw_rays,
+                draw_casts,
                 contacts::draw_contacts,
             )
                 .chain()

@@ -6,6 +6,7 @@ mod gizmo_lines;
 
 use bevy::{
     color::palettes::css,
+    ecs::entity_disabling::{DefaultQueryFilters, Disabled},
     gizmos::GizmoPlugin,
     math::bounding::{Aabb3d, BoundingVolume},
     mesh::MeshPlugin,
@@ -418,6 +419,50 @@ fn a_ray_is_drawn_to_what_it_hits() {
 }
 
 /// As far as they reach, with what they met; those of an entity that hangs on another where that is.
+/// What hangs on something that is disabled, by whatever component, is drawn where it is; what is disabled, is not.
+#[test]
+fn casters_are_drawn_where_they_are() {
+    #[derive(Component, Default)]
+    struct Asleep;
+
+    let stops: [fn(EntityWorldMut); 2] = [
+        |mut entity| _ = entity.insert(Disabled),
+        |mut entity| _ = entity.insert(Asleep),
+    ];
+    for stop in stops {
+        let mut app = drawing(BroadPhaseMethod::default());
+        let id = app.world_mut().register_component::<Asleep>();
+        app.world_mut()
+            .resource_mut::<DefaultQueryFilters>()
+            .register_disabling_component(id);
+        let casters = (
+            RayCaster::new(Vec3::ZERO, Dir3::Y).with_length(2.0),
+            ShapeCaster::new(Sphere::new(0.25), Vec3::ZERO, Dir3::Y).with_length(2.0),
+        );
+        let mast = app
+            .world_mut()
+            .spawn(Transform::from_xyz(5.0, 0.0, 0.0))
+            .id();
+        let eye = app.world_mut().spawn((casters, ChildOf(mast))).id();
+        let gizmos = CollisionGizmos {
+            rays: Some(RAYS),
+            sweeps: Some(SWEEPS),
+            ..NOTHING
+        };
+        let starts = |app: &mut App| {
+            tick(app, 1);
+            draw(app, gizmos);
+            [RAYS, SWEEPS].map(|color| lines(app, color).first().map(|line| line[0]))
+        };
+        let expected = [Some(Vec3::X * 5.0); 2];
+        assert_eq!(starts(&mut app), expected);
+        stop(app.world_mut().entity_mut(mast));
+        assert_eq!(starts(&mut app), expected);
+        stop(app.world_mut().entity_mut(eye));
+        assert_eq!(starts(&mut app), [None; 2]);
+    }
+}
+
 #[test]
 fn casters_are_drawn_with_what_they_met() {
     let mut app = drawing(BroadPhaseMethod::default());
