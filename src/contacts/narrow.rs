@@ -264,13 +264,12 @@ type Numbered = Option<&'static CollisionOrder>;
 /// it](see_disabled).
 fn merge_verdicts(
     index: Res<CollisionIndex>,
-    tests: Res<NarrowPhase>,
+    (tests, filters): (Res<NarrowPhase>, Option<Res<DefaultQueryFilters>>),
     (mut contacts, mut verdicts): (ResMut<Contacts>, ResMut<Verdicts>),
     (parts, sensors, orders): (Query<Part>, Query<(), With<Sensor>>, Query<Numbered>),
-    (event_settings, enabled, filters): (
+    (event_settings, enabled): (
         Res<CollisionEventSettings>,
         Query<&Archetype, With<CollisionEventsEnabled>>,
-        Option<Res<DefaultQueryFilters>>,
     ),
     mut counters: ResMut<CollisionCounters>,
     (mut workspace, mut owners): (Local<Workspace>, Local<Owners>),
