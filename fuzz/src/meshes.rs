@@ -376,7 +376,7 @@ impl Asked {
             None => found <= surface + self.exact,
         };
         assert!(
-            agrees || oracle::cross(&self.walls),
+            agrees,
             "{point}: {found} off, meets: {meets}, but {:?} inside and {surface} off\n{}",
             self.is_inside(point),
             self.what()
@@ -386,15 +386,6 @@ impl Asked {
             "{closest} is not on it\n{}",
             self.what()
         );
-    }
-
-    /// Is it known that answers may be wrong about where a ray starts? Of a solid in one piece, the face that is
-    /// met or nearest is taken to tell the side, as it does not where the surface crosses itself; and none does that
-    /// a ray passes along the outline.
-    fn is_doubtful(&self, from: DVec3, way: DVec3) -> bool {
-        let margin = 10.0 * self.exact;
-        let is_near = |corners: &Triangle| oracle::passes_by(*corners, from, way) <= margin;
-        self.walls.iter().any(is_near) || oracle::cross(&self.walls)
     }
 
     fn check_ray(&self, origin: Vec3, direction: Dir3, length: f32) {
@@ -410,11 +401,7 @@ impl Asked {
         let until = hit.map_or(f64::from(length), |hit| f64::from(hit.distance));
         let is_inside = self.is_inside(from);
         if is_inside == Some(true) {
-            return assert!(
-                until == 0.0 || self.is_doubtful(from, way),
-                "{origin} is inside\n{}",
-                self.what()
-            );
+            return assert!(until == 0.0, "{origin} is inside\n{}", self.what());
         }
         assert!(
             first >= until - 20.0 * self.exact,
@@ -427,8 +414,7 @@ impl Asked {
         let met = from + way * until;
         let off = self.surface(met);
         assert!(
-            off <= 4.0 * self.exact
-                || until == 0.0 && (is_inside.is_none() || self.is_doubtful(from, way)),
+            off <= 4.0 * self.exact || until == 0.0 && is_inside.is_none(),
             "{hit:?} of {direction:?} from {origin} is {off} off\n{}",
             self.what()
         );

@@ -87,16 +87,6 @@ pub fn meets(triangle: Triangle, origin: DVec3, direction: DVec3) -> Option<f64>
     (is_within && along >= 0.0).then_some(along)
 }
 
-/// How far the line of a ray passes from the sides of a triangle.
-pub fn passes_by([a, b, c]: Triangle, origin: DVec3, direction: DVec3) -> f64 {
-    let aside = |point: DVec3| (point - origin).reject_from_normalized(direction);
-    let [a, b, c] = [a, b, c].map(aside);
-    [(a, b), (b, c), (c, a)]
-        .iter()
-        .map(|(from, to)| on_segment(*from, *to, DVec3::ZERO).length())
-        .fold(f64::INFINITY, f64::min)
-}
-
 /// How often triangles wind around a point.
 pub fn winding(triangles: &[Triangle], point: DVec3) -> f64 {
     let angles = triangles.iter().map(|corners| {
@@ -107,26 +97,4 @@ pub fn winding(triangles: &[Triangle], point: DVec3) -> f64 {
         2.0 * above.atan2(below)
     });
     angles.sum::<f64>() / (4.0 * std::f64::consts::PI)
-}
-
-/// Does an edge of one triangle pass through another with which it shares no corner, or touch it?
-pub fn cross(triangles: &[Triangle]) -> bool {
-    const TOUCH: f64 = 1e-6;
-    let volume = |a: DVec3, b: DVec3, c: DVec3, d: DVec3| (b - a).cross(c - a).dot(d - a);
-    let passes = |from: DVec3, to: DVec3, other: &Triangle| {
-        let [a, b, c] = *other;
-        let ends = [volume(a, b, c, from), volume(a, b, c, to)];
-        let turns = [(a, b), (b, c), (c, a)].map(|(one, next)| volume(from, to, one, next));
-        let is_between =
-            ends.iter().any(|end| *end >= -TOUCH) && ends.iter().any(|end| *end <= TOUCH);
-        let is_within =
-            turns.iter().all(|turn| *turn >= -TOUCH) || turns.iter().all(|turn| *turn <= TOUCH);
-        is_between && is_within && !other.contains(&from) && !other.contains(&to)
-    };
-    triangles.iter().any(|[a, b, c]| {
-        let edges = [(*a, *b), (*b, *c), (*c, *a)];
-        edges
-            .iter()
-            .any(|(from, to)| triangles.iter().any(|other| passes(*from, *to, other)))
-    })
 }

@@ -503,9 +503,7 @@ impl Pair<'_> {
             closest.map_or(f32::INFINITY, |closest| closest.distance(point))
         };
         let until = hit.map_or(most, |hit| hit.distance);
-        // Where a mesh crosses itself, a ray may be wrong about the side on which it starts.
-        let is_mesh = matches!(b.shape, Shape::Mesh(_) | Shape::Compound(_));
-        if let Some(hit) = hit.filter(|hit| hit.distance > 0.0 || !is_mesh) {
+        if let Some(hit) = hit {
             let off = off(hit.distance, Vec3::ZERO);
             assert!(
                 off <= 4.0 * exact,
@@ -515,7 +513,7 @@ impl Pair<'_> {
         }
         for step in 0..12 {
             let distance = until * (step as f32 / 12.0);
-            if distance < until - 20.0 * exact && !is_mesh {
+            if distance < until - 20.0 * exact {
                 let is_met = around(*direction, 20.0 * exact).all(|by| off(distance, by) <= 0.0);
                 assert!(
                     !is_met,

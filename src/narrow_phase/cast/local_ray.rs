@@ -192,6 +192,16 @@ pub fn vertex(mesh: &PolygonMesh, index: u32) -> DVec3 {
     mesh.vertices()[index as usize].as_dvec3()
 }
 
+/// The normal of a triangle, not of unit length and as exact as its corners, or else none: where a ray
+/// meets its plane by the normal as 32-bit floats, it may pass between two that join.
+pub fn exact_normal(mesh: &PolygonMesh, corners: &[u32]) -> Option<DVec3> {
+    let &[a, b, c] = corners else {
+        return None;
+    };
+    let [a, b, c] = [a, b, c].map(|corner| vertex(mesh, corner));
+    Some((b - a).cross(c - a))
+}
+
 /// Is a point in the plane of a polygon inside its border, by the even-odd rule, or on it?
 pub fn is_on_polygon(
     mesh: &PolygonMesh,

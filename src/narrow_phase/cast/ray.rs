@@ -4,21 +4,23 @@ use std::ops::ControlFlow;
 
 use bevy::math::{DVec3, Dir3, Vec3, Vec3A};
 
-use super::local_ray::{BORDER, LocalRay, ROUGHLY, is_on_polygon, limit, vertex};
+use super::local_ray::{BORDER, LocalRay, ROUGHLY, exact_normal, is_on_polygon, limit, vertex};
 use crate::broad_phase::Sweep;
 use crate::narrow_phase::{
     answer::Impact,
     cast_options::RayCastOptions,
-    frame::{chord::Met, placed::Placed},
+    frame::{apart, chord::Met, placed::Placed},
     mesh::polygon_mesh::PolygonMesh,
     settings::NarrowPhase,
     shape::Shape,
     support,
 };
 
-/// How close to each other two polygons are met, as a share of the distance, that may be met where
-/// they join.
-const TOGETHER: f64 = 1e-6;
+/// How near to its border a polygon is met that does not tell from which side, as a share of the size of
+/// the mesh: where it joins another, the numbers do not say for sure which of the two is met first.
+const BESIDE: f64 = 1e-5;
+/// The sine of the angle below which the same holds for what is met.
+const GRAZING: f64 = 0.02;
 /// The sine of the angle below which a ray counts as along a plane.
 pub const ALONG: f64 = 1e-12;
 
@@ -227,24 +229,26 @@ impl LocalRay {
         // A rounded box may leave out what is on its side.
         let slack = BORDER * (f64::from(radius) + from_center.abs().element_sum());
         let within = from_center.abs().cmple(half.as_dvec3() + slack).all();
-        // Of a solid in one piece, the face that is met says from which side it is.
-        let is_told = mesh.is_one_solid();
+        // The face that is met may say from which side it is. Of polygons that are not quite in one plane,
+        // a ray may pass between two.
+        let is_told = within && mesh.triangles().is_some() && apart::tells_sides(mesh);
         if within && !is_told && self.is_inside(mesh) {
             return Some(Met::INSIDE);
         }
-        let (met, is_shared) = self.surface(mesh, max_distance, slack);
-        if !(within && is_told) {
+        let (met, is_doubtful) = self.surface(mesh, max_distance, slack);
+        if !is_told {
             return met;
         }
-        if met.is_none() && !mesh.has_junctions() && self.leaves(mesh, max_distance) {
-            return None;
-        }
-        let clear = met.as_ref().filter(|_| !is_shared);
-        let is_inside = match clear.and_then(|met| self.is_from_inside(mesh, met)) {
-            Some(is_inside) => is_inside,
-            None => self.is_inside(mesh),
+        let side = match met {
+            _ if is_doubtful => None,
+            Some(met) => self.is_from_inside(mesh, &met),
+            None => self.leaves(mesh, max_distance).then_some(false),
         };
-        if is_inside { Some(Met::INSIDE) } else { met }
+        if side.unwrap_or_else(|| self.is_inside(mesh)) {
+            Some(Met::INSIDE)
+        } else {
+            met
+        }
     }
 
     /// Whether the ray, which starts in the box of a mesh, certainly ends beyond it.
@@ -255,14 +259,25 @@ impl LocalRay {
         max_distance * speed > 2.0 * f64::from(through) * (1.0 + f64::from(ROUGHLY))
     }
 
-    /// Whether a face of a solid is met from within; `None` if that is not certain.
+    /// Whether a triangle of a solid is met from within; `None` if that is not certain.
     fn is_from_inside(&self, mesh: &PolygonMesh, met: &Met) -> Option<bool> {
+        let corners = mesh.polygon(met.polygon? as usize).try_into().ok()?;
         let steep = met.face?.dot(self.direction);
-        let is_clear = met.crosses && steep != 0.0 && mesh.bounds_solid(met.polygon? as usize);
+        let (_, _, radius) = mesh.local_bounds();
+        let least = BESIDE * f64::from(radius) * self.direction.abs().element_sum();
+        let is_clear = met.crosses
+            && steep * steep > self.grazing()
+            && self.passes_within(mesh, corners, least) == Some(true);
         is_clear.then_some(steep > 0.0)
     }
 
-    /// Where the ray first meets the surface of a mesh, and whether two polygons are met there.
+    /// The square of how much the ray rises over a plane that it grazes, at most.
+    fn grazing(&self) -> f64 {
+        GRAZING * GRAZING * self.direction.length_squared()
+    }
+
+    /// Where the ray first meets the surface of a mesh, and whether it is uncertain that nothing of it is
+    /// met before.
     fn surface(&self, mesh: &PolygonMesh, max_distance: f64, slack: f64) -> (Option<Met>, bool) {
         let (center, _, radius) = mesh.local_bounds();
         let from_center = self.origin - center.as_dvec3();
@@ -275,7 +290,7 @@ impl LocalRay {
                     return (Some(start), false);
                 }
             }
-            return (first.met, first.is_shared);
+            return (first.met, first.is_doubtful);
         };
         // The tree's numbers are of 32 bits: from near the mesh, they are exact enough.
         let near = 2.0 * f64::from(radius);
@@ -309,7 +324,7 @@ impl LocalRay {
             }
             ControlFlow::Continue(limit)
         });
-        (start.or(first.met), first.is_shared)
+        (start.or(first.met), first.is_doubtful)
     }
 
     /// Meets a polygon, if it is the first so far; breaks if the ray starts on it.
@@ -339,13 +354,20 @@ impl LocalRay {
                 return ControlFlow::Continue(());
             }
         }
+        let passes = || match *corners {
+            [a, b, c] => self.passes_within(mesh, [a, b, c], doubt.volume),
+            _ => None,
+        };
+        // Where it is met may be far off then.
+        if steep * steep <= doubt.grazing && passes() != Some(false) {
+            first.is_doubtful = true;
+        }
         // Not for a ray within the plane, for which this is not a number, or infinite.
         if distance >= 0.0 && distance <= first.limit {
-            let is_on = match *corners {
-                [a, b, c] => self.passes_within(mesh, [a, b, c], doubt),
-                _ => None,
-            };
-            let is_on = is_on.unwrap_or_else(|| {
+            let is_on = passes().unwrap_or_else(|| {
+                let normal = exact_normal(mesh, corners).unwrap_or(normal);
+                let height = normal.dot(self.origin - vertex(mesh, corners[0]));
+                let distance = -height / normal.dot(self.direction);
                 let point = self.origin + self.direction * distance;
                 is_on_polygon(mesh, corners, normal, point, doubt.border)
             });
@@ -359,15 +381,16 @@ impl LocalRay {
     /// Whether the line of the ray passes through a triangle, if that is certain: further than is
     /// in doubt from all of its sides.
     ///
-    /// Which side of a segment it passes is the sign of the volume that the two span.
+    /// Which side of a segment it passes is the sign of the volume that the two span, if that is larger
+    /// than what is in doubt of the ray and a segment of length 1.
     #[inline]
-    fn passes_within(&self, mesh: &PolygonMesh, corners: [u32; 3], doubt: &Doubt) -> Option<bool> {
+    fn passes_within(&self, mesh: &PolygonMesh, corners: [u32; 3], doubt: f64) -> Option<bool> {
         let [a, b, c] = corners.map(|corner| vertex(mesh, corner) - self.origin);
         let volume = |from: DVec3, to: DVec3| self.direction.dot(from.cross(to));
         let volumes = [volume(a, b), volume(b, c), volume(c, a)];
         // No side is longer than the sum of two others.
         let (one, other) = ((b - a).abs(), (c - a).abs());
-        let least = doubt.volume * (one + other).element_sum();
+        let least = doubt * (one + other).element_sum();
         let [over, under] = [
             volumes.map(|volume| volume > least),
             volumes.map(|volume| volume < -least),
@@ -396,6 +419,7 @@ struct Doubt {
     plane: f64,
     /// How large a volume is certain, of the ray and a segment of length 1.
     volume: f64,
+    grazing: f64,
 }
 
 impl Doubt {
@@ -406,6 +430,7 @@ impl Doubt {
             start: border.max(ray.slack / scale.max_element()),
             plane: ray.slack / scale.min_element(),
             volume: border * ray.direction.abs().element_sum(),
+            grazing: ray.grazing(),
         }
     }
 }
@@ -414,8 +439,8 @@ impl Doubt {
 pub struct First {
     pub met: Option<Met>,
     pub limit: f64,
-    /// Is another polygon met at about the same distance?
-    is_shared: bool,
+    /// May something be met before that was not?
+    is_doubtful: bool,
 }
 
 impl First {
@@ -423,24 +448,17 @@ impl First {
         Self {
             met: None,
             limit,
-            is_shared: false,
+            is_doubtful: false,
         }
     }
 
     /// Of several at the same distance, the last in the order of the mesh counts, in whatever order
     /// they come.
     pub fn meet(&mut self, met: Met) {
-        // Two polygons that share a side are met there at the same distance, but for rounding.
-        let is_near = |first: &Met| {
-            (met.distance - first.distance).abs() <= TOGETHER * (met.distance + first.distance)
-        };
-        let is_shared = self.met.as_ref().is_some_and(is_near);
         let is_first = |first: Met| met.distance < self.limit || met.polygon > first.polygon;
         if self.met.is_none_or(is_first) {
             self.limit = met.distance;
-            (self.met, self.is_shared) = (Some(met), is_shared);
-        } else {
-            self.is_shared |= is_shared;
+            self.met = Some(met);
         }
     }
 }

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 
 use bevy::math::Vec3A;
 
+use super::apart;
 use super::cuboid_mesh::{self, CuboidMesh, Found};
 use super::local_aabb::LocalAabb;
 use super::near_faces::{Touching, for_each_near};
@@ -160,11 +161,11 @@ fn is_inside(
     surface: &Surface,
     closest: &ClosestPoint,
 ) -> bool {
-    if !mesh.has_inside() {
+    let center = pair.box_a.center;
+    if !mesh.has_inside() || surface.placing().is_beyond(center) {
         return false;
     }
-    let center = pair.box_a.center;
-    let is_told = mesh.is_one_solid() && !surface.placing().is_flat();
+    let is_told = surface.placing().is_even() && apart::tells_sides(mesh);
     is_told
         .then(|| outward::is_behind(mesh, surface.placing(), closest, center, pair.tolerance))
         .flatten()

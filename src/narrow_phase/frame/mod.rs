@@ -1,5 +1,6 @@
 //! Two placed shapes in a frame of their own, and what is computed in it.
 
+pub(super) mod apart;
 pub(super) mod approach;
 pub(super) mod case;
 pub(super) mod chord;

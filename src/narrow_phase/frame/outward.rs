@@ -21,12 +21,15 @@ const WITHIN: f32 = 1e-3;
 const AT_END: f32 = 1e-6;
 /// The least cosine of the angle between a sum of normals and a way that tells the side.
 const CLEAR: f32 = 0.02;
+/// How near to a side of a polygon its normal does not tell, as a share of the size of the mesh: there,
+/// rounding may have found it in place of the polygon across.
+const BESIDE: f32 = 1e-5;
 /// More polygons around a vertex are not looked at.
 const MOST_AROUND: usize = 32;
 
 /// Whether a point is on the inner side of a closed mesh, of which the closest point is known;
-/// `None` if the surface there does not tell. Of a solid in one piece, it tells whether the point is
-/// inside.
+/// `None` if the surface there does not tell. Of a mesh that [tells sides](super::apart::tells_sides), it
+/// tells whether the point is inside.
 pub fn is_behind(
     mesh: &PolygonMesh,
     placing: &Placing,
@@ -38,11 +41,11 @@ pub fn is_behind(
     if closest.distance <= tolerance {
         return None;
     }
+    let around = Around { mesh, placing };
     let height = offset.dot(closest.normal);
-    if height.abs() >= STRAIGHT * closest.distance {
+    if height.abs() >= STRAIGHT * closest.distance && around.is_well_within(closest) {
         return Some(height < 0.0);
     }
-    let around = Around { mesh, placing };
     let (outwards, most) = around.sum_of_normals(closest, offset.try_normalize()?)?;
     let height = offset.dot(outwards);
     (height.abs() >= CLEAR * most * closest.distance).then_some(height < 0.0)
@@ -54,6 +57,20 @@ struct Around<'a> {
 }
 
 impl Around<'_> {
+    /// Whether the closest point is not beside a side of its polygon.
+    fn is_well_within(&self, closest: &ClosestPoint) -> bool {
+        let corners = self.mesh.polygon(closest.polygon as usize);
+        let least = BESIDE * self.placing.size();
+        let mut from = self.at(corners[corners.len() - 1]);
+        corners.iter().all(|corner| {
+            let to = self.at(*corner);
+            let (side, start) = (to - from, from);
+            from = to;
+            let beside = side.cross(closest.point - start).length_squared();
+            beside > least * least * side.length_squared()
+        })
+    }
+
     /// The sum of the normals around the closest point, if it is on an edge or a vertex and the way
     /// from there is straight; and how long it can be.
     fn sum_of_normals(&self, closest: &ClosestPoint, way: Vec3A) -> Option<(Vec3A, f32)> {
@@ -97,17 +114,7 @@ impl Around<'_> {
             let angle = if is_reflex { TAU - angle } else { angle };
             sum += normal * angle;
             angles += angle;
-            // On to the polygon across the side that begins here, which ends there.
-            let other = self.mesh.across(polygon)[corner];
-            if other == NO_NEIGHBOR {
-                return None;
-            }
-            let others = self.mesh.polygon(other as usize);
-            let there = others.iter().position(|other| *other == vertex)?;
-            if others[(there + others.len() - 1) % others.len()] != neighbors[0] {
-                return None;
-            }
-            on = (other as usize, there);
+            on = self.mesh.next_around(on)?;
             if on == start {
                 return Some((sum, angles));
             }

@@ -61,6 +61,25 @@ impl Placing {
         scale.min_element() < 1e-3 * scale.max_element()
     }
 
+    /// Whether the mesh is not much thinner along one axis than along another for its scale, so that
+    /// what is apart in it is so in the frame.
+    pub fn is_even(&self) -> bool {
+        let scale = self.scale.abs();
+        scale.min_element() >= 0.25 * scale.max_element()
+    }
+
+    /// How large the mesh is along the axis along which it is largest, from its centre.
+    pub fn size(&self) -> f32 {
+        (self.half * self.scale.abs()).max_element()
+    }
+
+    /// Whether a point of the frame is certainly beyond the box of the mesh.
+    pub fn is_beyond(&self, point: Vec3A) -> bool {
+        let (_, around) = self.near(point);
+        let (min, max) = (self.middle - self.half, self.middle + self.half);
+        (around.min.cmpgt(max) | around.max.cmplt(min)).any()
+    }
+
     /// The box of the mesh in its own space.
     pub fn bounds(&self) -> Aabb3d {
         Aabb3d {

@@ -1,5 +1,7 @@
 //! Meshes of planar polygons, checked when they are built.
 
+use std::sync::OnceLock;
+
 use bevy::math::{DVec3, Vec3, Vec3A, bounding::Aabb3d};
 
 use super::{
@@ -15,6 +17,7 @@ use crate::{
 };
 
 mod outwards;
+mod pieces;
 mod winding;
 
 /// A mesh of so many polygons, or fewer, has no tree: they are looked at as quickly one by one.
@@ -40,6 +43,9 @@ const FEW: usize = 32;
 ///   [surface only](Self::surface_only).
 /// * A tree of the polygons is built with the mesh, where there are many: that takes less than the
 ///   checks do, and no test has to wait for it, or for others that build it.
+/// * Where the surface of a solid crosses itself, its inside is what it winds around all the same, but
+///   to ask for it takes longer. Whether it does is found out once, when a mesh in one piece is
+///   first asked about a point in its box.
 ///
 /// ```
 /// use bevy::math::Vec3;
@@ -72,6 +78,8 @@ pub struct PolygonMesh {
     sources: Option<Box<[u32]>>,
     open_edge: Option<[u32; 2]>,
     is_surface_only: bool,
+    /// Does the surface keep away from itself? Unknown until that is asked.
+    keeps_away: OnceLock<bool>,
     /// Polygons that were turned around to face outwards.
     inverted: Option<Bits>,
     center: Vec3A,
@@ -157,6 +165,7 @@ impl PolygonMesh {
             sources: sources.map(Vec::into_boxed_slice),
             open_edge: None,
             is_surface_only: false,
+            keeps_away: OnceLock::new(),
             inverted: None,
             center: Vec3A::ZERO,
             half_size: Vec3A::ZERO,
@@ -417,27 +426,6 @@ impl PolygonMesh {
         self.polygons.triangles()
     }
 
-    /// A vertex of each connected part of the surface.
-    pub(in crate::narrow_phase) fn shells(&self) -> impl ExactSizeIterator<Item = u32> {
-        let first = |polygon: &u32| self.polygon(*polygon as usize)[0];
-        self.shells.iter().map(first)
-    }
-
-    /// Whether the surface has parts that do not hang together.
-    pub(in crate::narrow_phase) fn is_in_parts(&self) -> bool {
-        self.shells.len() > 1
-    }
-
-    /// Whether the mesh is one solid, in one piece.
-    pub(in crate::narrow_phase) fn is_one_solid(&self) -> bool {
-        self.shells.len() == 1 && self.is_closed() && self.has_inside()
-    }
-
-    /// Whether a polygon stands for its connected part of the surface: each has one that does.
-    pub(in crate::narrow_phase) fn is_representative(&self, polygon: u32) -> bool {
-        self.shells.binary_search(&polygon).is_ok()
-    }
-
     pub(in crate::narrow_phase) fn local_bounds(&self) -> (Vec3A, Vec3A, f32) {
         (self.center, self.half_size, self.radius)
     }
@@ -461,6 +449,8 @@ impl PolygonMesh {
             shells: self.shells.clone(),
             solid: self.solid.clone(),
             inverted: self.inverted.clone(),
+            // Scaled, it may be another matter.
+            keeps_away: OnceLock::new(),
             junctions: self.junctions.clone(),
             ..*self
         };
