@@ -95,7 +95,9 @@ fn a_disabled_part_knows_its_body() {
         let mut shape = |x, bundle: Option<ChildOf>| {
             let at = Transform::from_xyz(x, 0.0, 0.0);
             let mut shape = app.world_mut().spawn((CollisionShape::default(), at));
-            bundle.map(|parent| _ = shape.insert(parent));
+            if let Some(parent) = bundle {
+                shape.insert(parent);
+            }
             shape.id()
         };
         let body = shape(0.0, None);
