@@ -105,7 +105,7 @@ fn polygons_of_more_corners_are_told_from_each_other() {
 }
 
 fn places(reach: f32) -> impl Iterator<Item = Vec3> {
-    (0..1000).map(move |i| {
+    (0..2000).map(move |i| {
         let place = |step: f32| (i as f32 * step).fract() * 2.0 - 1.0;
         Vec3::new(place(0.754_88), place(0.569_84), place(0.329_93)) * reach
     })
