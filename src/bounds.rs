@@ -68,7 +68,7 @@ impl Plugin for BoundsPlugin {
 }
 
 /// Boxes are grown by the tolerance: when that changes, so do all of them.
-fn outdate_all(mut proxies: Query<&mut BroadPhaseProxy>, tests: Res<NarrowPhase>) {
+pub(crate) fn outdate_all(mut proxies: Query<&mut BroadPhaseProxy>, tests: Res<NarrowPhase>) {
     if tests.is_changed() {
         proxies
             .iter_mut()
@@ -83,7 +83,7 @@ pub(crate) fn refresh(world: &mut World) -> Result<(), RegisteredSystemError> {
     world.run_system_cached(update_children)
 }
 
-pub(crate) type Root<'a> = (
+type Root<'a> = (
     Entity,
     Ref<'a, CollisionShape>,
     Ref<'a, Transform>,
@@ -93,7 +93,7 @@ pub(crate) type Root<'a> = (
 
 /// Tables are gone through as slices, in which what rests costs a look at its change ticks, and on
 /// all threads.
-pub(crate) fn update_roots(
+fn update_roots(
     mut roots: Query<Root, Without<ChildOf>>,
     mut nowhere: Query<&mut WorldAabb, (With<CollisionShape>, Without<Transform>)>,
     tests: Res<NarrowPhase>,

@@ -49,8 +49,7 @@ impl Plugin for BroadPhasePlugin {
                     // come back.
                     watch()
                         .in_set(CollisionSystems::Bounds)
-                        .before(bounds::update_roots)
-                        .before(bounds::update_children),
+                        .before(bounds::outdate_all),
                     maintain.in_set(CollisionSystems::Maintenance),
                     find_candidates.in_set(CollisionSystems::BroadPhase),
                 ),
