@@ -183,3 +183,33 @@ fn what_consists_of_parts_is_as_these_are() {
         "{touching} {hits} {sweeps}"
     );
 }
+
+/// The search for what is closest stopped short of it where the first of the two has no end.
+#[test]
+fn what_is_small_is_as_far_from_a_plane_as_it_is() {
+    let floor = Shape::half_space(Vec3::Y).unwrap();
+    let cells = [IVec3::ZERO, IVec3::new(1, 2, 24)];
+    let voxels = Shape::Voxels(Voxels::from_cells(0.0625, cells).unwrap().into());
+    let ball = (
+        Isometry3d::from_translation(Vec3::X * 0.1),
+        Shape::sphere(0.05),
+    );
+    let compound = Shape::compound([ball]).unwrap();
+    for (shape, lowest) in [(voxels, 0.0), (compound, -0.05)] {
+        for height in [0.1, 1.0, 100.0] {
+            let at = Transform::from_xyz(1.0, height, 2.0);
+            let pair = [
+                Placed::new(&shape, &at),
+                Placed::new(&floor, &Transform::IDENTITY),
+            ];
+            for [a, b] in [pair, [pair[1], pair[0]]] {
+                let near = NarrowPhase::default().closest_points(a, b, &mut Workspace::default());
+                let distance = near.expect("both are something").distance;
+                assert!(
+                    (distance - height - lowest).abs() < 1e-5,
+                    "{distance} {height}"
+                );
+            }
+        }
+    }
+}

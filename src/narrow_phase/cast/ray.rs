@@ -359,22 +359,31 @@ impl LocalRay {
             _ => None,
         };
         // Where it is met may be far off then.
-        if steep * steep <= doubt.grazing && passes() != Some(false) {
+        let is_grazed = steep * steep <= doubt.grazing;
+        if is_grazed && passes() != Some(false) {
             first.is_doubtful = true;
         }
         // Not for a ray within the plane, for which this is not a number, or infinite.
-        if distance >= 0.0 && distance <= first.limit {
-            let is_on = passes().unwrap_or_else(|| {
-                let normal = exact_normal(mesh, corners).unwrap_or(normal);
-                let height = normal.dot(self.origin - vertex(mesh, corners[0]));
-                let distance = -height / normal.dot(self.direction);
-                let point = self.origin + self.direction * distance;
-                is_on_polygon(mesh, corners, normal, point, doubt.border)
-            });
-            if is_on {
-                first.meet(Met::crossing(distance, normal, Some(polygon as u32)));
+        if !(distance >= 0.0 && distance <= first.limit) {
+            return ControlFlow::Continue(());
+        }
+        let passes = passes();
+        if passes == Some(false) {
+            return ControlFlow::Continue(());
+        }
+        let mut distance = distance;
+        if is_grazed || passes.is_none() {
+            let exact = exact_normal(mesh, corners).unwrap_or(normal);
+            let height = exact.dot(self.origin - vertex(mesh, corners[0]));
+            distance = -height / exact.dot(self.direction);
+            let point = self.origin + self.direction * distance;
+            let is_on =
+                || passes.is_some() || is_on_polygon(mesh, corners, exact, point, doubt.border);
+            if !(distance >= 0.0 && distance <= first.limit && is_on()) {
+                return ControlFlow::Continue(());
             }
         }
+        first.meet(Met::crossing(distance, normal, Some(polygon as u32)));
         ControlFlow::Continue(())
     }
 

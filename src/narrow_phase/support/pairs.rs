@@ -38,7 +38,15 @@ pub fn nearest(a: &PosedShape, b: &PosedShape) -> Option<Gap> {
         return gap(a, b, f64::INFINITY, false).ok()?;
     }
     let sizes = [a.size(), b.size()].map(|size| if size.is_finite() { size } else { 0.0 });
-    let apart = b.probe(a.isometry(), DVec3::ZERO).distance(a.local_box());
+    // As seen from one that has an end.
+    let [of, from] = if a.local_box().is_some() {
+        [a, b]
+    } else {
+        [b, a]
+    };
+    let apart = from
+        .probe(of.isometry(), DVec3::ZERO)
+        .distance(of.local_box());
     let everything = apart + 4.0 * (sizes[0] + sizes[1]);
     // What is found is the closest, if it is closer than where it was looked for: everywhere, where
     // near parts come first.
