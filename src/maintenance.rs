@@ -46,10 +46,11 @@ impl Plugin for BroadPhasePlugin {
                 schedule,
                 (
                     // Whose boxes are not computed while they are disabled, are heard of when they
-                    // come back.
+                    // come back. It does nothing to what others look at.
                     watch()
                         .in_set(CollisionSystems::Bounds)
-                        .before(bounds::outdate_all),
+                        .before(bounds::outdate_all)
+                        .ambiguous_with_all(),
                     maintain.in_set(CollisionSystems::Maintenance),
                     find_candidates.in_set(CollisionSystems::BroadPhase),
                 ),
