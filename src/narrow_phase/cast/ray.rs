@@ -354,21 +354,22 @@ impl LocalRay {
                 return ControlFlow::Continue(());
             }
         }
-        let passes = || match *corners {
+        // Not for a ray within the plane, for which this is not a number, or infinite.
+        let is_in_reach = distance >= 0.0 && distance <= first.limit;
+        let is_grazed = steep * steep <= doubt.grazing;
+        if !is_in_reach && !is_grazed {
+            return ControlFlow::Continue(());
+        }
+        let passes = match *corners {
             [a, b, c] => self.passes_within(mesh, [a, b, c], doubt.volume),
             _ => None,
         };
-        // Where it is met may be far off then.
-        let is_grazed = steep * steep <= doubt.grazing;
-        if is_grazed && passes() != Some(false) {
-            first.is_doubtful = true;
-        }
-        // Not for a ray within the plane, for which this is not a number, or infinite.
-        if !(distance >= 0.0 && distance <= first.limit) {
+        if passes == Some(false) {
             return ControlFlow::Continue(());
         }
-        let passes = passes();
-        if passes == Some(false) {
+        // Where it is met may be far off then.
+        first.is_doubtful |= is_grazed;
+        if !is_in_reach {
             return ControlFlow::Continue(());
         }
         let mut distance = distance;

@@ -132,4 +132,4 @@ impl Around<'_> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -4,7 +4,9 @@ use bevy::math::{DVec3, Dir3};
 use bevy::transform::components::Transform;
 
 use super::*;
-use crate::narrow_phase::frame::{placed::Placed, workspace::Workspace};
+use crate::narrow_phase::frame::{
+    outward::tests::ball_polygons, placed::Placed, workspace::Workspace,
+};
 use crate::narrow_phase::{settings::NarrowPhase, shape::Shape};
 
 /// A ball of so many columns and rows of triangles, whose vertices are moved.
@@ -18,19 +20,8 @@ fn ball(columns: u32, rows: u32, moved: impl Fn(Vec3) -> Vec3) -> PolygonMesh {
             vertices.push(ring * polar.sin() + Vec3::Y * polar.cos());
         }
     }
-    let at = |row: u32, column: u32| 2 + (row - 1) * columns + column % columns;
-    let mut polygons = Vec::new();
-    for column in 0..columns {
-        polygons.push([0, at(1, column), at(1, column + 1)]);
-        polygons.push([1, at(rows - 1, column + 1), at(rows - 1, column)]);
-        for row in 1..rows - 1 {
-            let quad = [(0, 0), (1, 0), (1, 1), (0, 1)];
-            let [a, b, c, d] = quad.map(|(down, right)| at(row + down, column + right));
-            polygons.extend([[a, b, c], [a, c, d]]);
-        }
-    }
     let vertices: Vec<Vec3> = vertices.into_iter().map(moved).collect();
-    PolygonMesh::new(vertices, &polygons).unwrap()
+    PolygonMesh::new(vertices, &ball_polygons(columns, rows)).unwrap()
 }
 
 /// One of its poles is moved through the ball and out on the other side.

@@ -11,6 +11,22 @@ use crate::narrow_phase::frame::{
 };
 use crate::narrow_phase::shape::Shape;
 
+/// The triangles of a ball of so many columns and rows: of its two poles, and of one row after the other.
+pub fn ball_polygons(columns: u32, rows: u32) -> Vec<[u32; 3]> {
+    let at = |row: u32, column: u32| 2 + (row - 1) * columns + column % columns;
+    let mut polygons = Vec::new();
+    for column in 0..columns {
+        polygons.push([0, at(1, column), at(1, column + 1)]);
+        polygons.push([1, at(rows - 1, column + 1), at(rows - 1, column)]);
+        for row in 1..rows - 1 {
+            let quad = [(0, 0), (1, 0), (1, 1), (0, 1)];
+            let [a, b, c, d] = quad.map(|(down, right)| at(row + down, column + right));
+            polygons.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    polygons
+}
+
 /// A ball of so many columns with bumps, none of its vertices quite in its place.
 fn bumpy_ball(columns: u32, rows: u32) -> PolygonMesh {
     let mut state = 1u32;
@@ -30,18 +46,7 @@ fn bumpy_ball(columns: u32, rows: u32) -> PolygonMesh {
             vertices.push((ring + Vec3::Y * polar.cos()) * bump);
         }
     }
-    let at = |row: u32, column: u32| 2 + (row - 1) * columns + column % columns;
-    let mut polygons = Vec::new();
-    for column in 0..columns {
-        polygons.push([0, at(1, column), at(1, column + 1)]);
-        polygons.push([1, at(rows - 1, column + 1), at(rows - 1, column)]);
-        for row in 1..rows - 1 {
-            let quad = [(0, 0), (1, 0), (1, 1), (0, 1)];
-            let [a, b, c, d] = quad.map(|(down, right)| at(row + down, column + right));
-            polygons.extend([[a, b, c], [a, c, d]]);
-        }
-    }
-    PolygonMesh::new(vertices, &polygons).unwrap()
+    PolygonMesh::new(vertices, &ball_polygons(columns, rows)).unwrap()
 }
 
 #[test]
