@@ -21,7 +21,7 @@ fn ball(columns: u32, rows: u32, moved: impl Fn(Vec3) -> Vec3) -> PolygonMesh {
         }
     }
     let vertices: Vec<Vec3> = vertices.into_iter().map(moved).collect();
-    PolygonMesh::new(vertices, &ball_polygons(columns, rows)).unwrap()
+    PolygonMesh::new(vertices, ball_polygons(columns, rows)).unwrap()
 }
 
 /// One of its poles is moved through the ball and out on the other side.

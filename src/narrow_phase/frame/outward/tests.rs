@@ -46,7 +46,7 @@ fn bumpy_ball(columns: u32, rows: u32) -> PolygonMesh {
             vertices.push((ring + Vec3::Y * polar.cos()) * bump);
         }
     }
-    PolygonMesh::new(vertices, &ball_polygons(columns, rows)).unwrap()
+    PolygonMesh::new(vertices, ball_polygons(columns, rows)).unwrap()
 }
 
 #[test]
