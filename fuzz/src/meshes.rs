@@ -454,7 +454,7 @@ impl Asked {
         let point = near.points[1].as_dvec3();
         let is_inside = apart > self.exact
             && (found == 0.0 && !self.walls.is_empty())
-            && self.is_inside(at.translation.as_dvec3()) != Some(false);
+            && self.is_inside(point) != Some(false);
         assert!(
             is_inside || (found - apart).abs() <= 2.0 * self.exact,
             "{found} apart, not {apart} {point}\n{}",

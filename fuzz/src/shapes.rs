@@ -451,6 +451,25 @@ impl Pair<'_> {
         near.map_or(f32::INFINITY, |near| near.distance)
     }
 
+    /// A point where the first, so much further on, and the second meet is one of both.
+    fn check_point(&self, by: Vec3, point: Vec3, exact: f32) {
+        let [a, b] = self.placed;
+        let there = Transform {
+            translation: a.transform.translation + by,
+            ..*a.transform
+        };
+        for placed in [Placed::new(a.shape, &there), b] {
+            let mut workspace = Workspace::default();
+            let closest = self.tests.closest_point(placed, point, &mut workspace);
+            let off = closest.map_or(f32::INFINITY, |closest| closest.distance(point));
+            assert!(
+                off <= 4.0 * exact,
+                "{point} is {off} off {placed:?}\n{}",
+                self.what()
+            );
+        }
+    }
+
     /// What is swept ends in touch, and passes nothing.
     fn check_sweep(&self, source: &mut Source, exact: f32) {
         let [a, b] = self.placed;
@@ -472,6 +491,24 @@ impl Pair<'_> {
             );
             let is_against = hit.normal.is_normalized() && hit.normal.dot(*direction) <= 1e-5;
             assert!(is_against, "{hit:?} {direction:?}\n{}", self.what());
+            // What overlaps at the start has no one point where it touches.
+            if hit.distance > 0.0 {
+                self.check_point(direction * hit.distance, hit.point, exact);
+            }
+        }
+        let end = Transform {
+            translation: a.transform.translation + direction * most,
+            ..*a.transform
+        };
+        let (moving, resting) = (Moving::new(a.shape, a.transform, &end), Moving::resting(b));
+        let mut workspace = Workspace::default();
+        let timed = self
+            .tests
+            .time_of_impact(&moving, &resting, &mut workspace)
+            .filter(|met| met.time > 0.0);
+        if let Some(met) = timed {
+            let by = moving.at(met.time).translation - a.transform.translation;
+            self.check_point(by, met.contact.point, exact);
         }
         for step in 0..12 {
             let distance = until * (step as f32 / 12.0);
@@ -505,6 +542,12 @@ impl Pair<'_> {
         let until = hit.map_or(most, |hit| hit.distance);
         if let Some(hit) = hit {
             let off = off(hit.distance, Vec3::ZERO);
+            let apart = hit.point.distance(origin + direction * hit.distance);
+            assert!(
+                apart <= 4.0 * exact,
+                "{apart} off, {hit:?} {direction:?}\n{}",
+                self.what()
+            );
             assert!(
                 off <= 4.0 * exact,
                 "{off} off, {hit:?} {direction:?}\n{}",

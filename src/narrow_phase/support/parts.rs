@@ -189,25 +189,27 @@ fn first_zero(
         let gap = gap_at(time)?;
         let closing = gap.normal.dot(direction);
         if gap.distance <= near[usize::from(time > 0.0)] {
-            // What is left of the way, but for rounding; the normal of what overlaps is that of the
-            // step before.
-            let rest = if time > 0.0 && closing > 0.0 {
-                (gap.distance / closing).max(0.0)
-            } else {
-                0.0
-            };
-            let gap = if gap.distance > 0.0 {
-                gap
-            } else {
-                last.unwrap_or(gap)
-            };
-            return Some(((time + rest).min(limit), gap));
+            // What is left of the way, but for rounding.
+            let mut rest = 0.0;
+            if time > 0.0 && gap.distance > 0.0 && closing > 0.0 {
+                rest = gap.distance / closing;
+                // Where that is further off, they only graze, and are no nearer before: so near to each
+                // other, the normal is that of rounding.
+                if rest > near[1]
+                    && gap_at(time + rest).is_none_or(|after| after.distance > gap.distance)
+                {
+                    rest = 0.0;
+                }
+            }
+            // The normal of what overlaps is that of the step before.
+            let normal = last.filter(|_| gap.distance <= 0.0).unwrap_or(gap.normal);
+            return Some(((time + rest).min(limit), Gap { normal, ..gap }));
         }
         if closing <= 0.0 {
             return None;
         }
         time += gap.distance / closing;
-        last = Some(gap);
+        last = Some(gap.normal);
         if time > limit || time.is_nan() {
             return None;
         }

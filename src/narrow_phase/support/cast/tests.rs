@@ -418,3 +418,96 @@ fn what_is_huge_is_as_right_as_what_is_not() {
         .is_none()
     );
 }
+
+/// Rays that aim at an end of what has no thickness: there, any normal will do.
+#[test]
+fn ends_without_thickness_are_met_where_they_are() {
+    let mut random = fastrand::Rng::with_seed(11);
+    let mut vector = |size: f32| Vec3::from([0; 3].map(|_| (random.f32() * 2.0 - 1.0) * size));
+    let mut worst = 0.0f32;
+    for _ in 0..3_000 {
+        let (a, b, c) = (vector(3.0), vector(3.0), vector(3.0));
+        let scale = vector(4.0).abs() + 0.1;
+        let at = Transform {
+            translation: vector(5.0),
+            rotation: Quat::from_scaled_axis(vector(3.0)),
+            scale,
+        };
+        let shapes = [
+            (Shape::segment(a, b), vec![a, b]),
+            (Shape::segment(Vec3::ZERO, b), vec![Vec3::ZERO]),
+            (Shape::triangle(a, b, c), vec![a, b, c]),
+            (Shape::convex_hull(vec![a, b, c, -a]), vec![a, c, -a]),
+            (Shape::convex_hull(vec![a, b]), vec![a, b]),
+        ];
+        for (shape, ends) in shapes {
+            let Ok(shape) = shape else {
+                continue;
+            };
+            let placed = Placed::new(&shape, &at);
+            for end in ends {
+                let (origin, end) = (vector(8.0), at.transform_point(end));
+                let far = origin.distance(end);
+                let Ok(direction) = Dir3::new(end - origin) else {
+                    continue;
+                };
+                let hit = NarrowPhase::default().cast_ray(placed, origin, direction, 100.0);
+                // It may pass by, by rounding.
+                if let Some(hit) = hit {
+                    let met = origin + direction * hit.distance;
+                    assert!(hit.distance <= far + 1e-4, "{hit:?} {far} {shape:?} {at:?}");
+                    worst = worst.max(met.distance(hit.point));
+                }
+            }
+        }
+    }
+    assert!(worst < 1e-4, "{worst}");
+}
+
+/// The point where something meets a plane or a face is not where it was above of before.
+#[test]
+fn what_goes_aslant_meets_where_it_arrives() {
+    let mut random = fastrand::Rng::with_seed(12);
+    let mut vector = |size: f32| Vec3::from([0; 3].map(|_| (random.f32() * 2.0 - 1.0) * size));
+    let targets = [
+        Shape::half_space(Vec3::Y).unwrap(),
+        Shape::cuboid(600.0, 0.5, 600.0),
+        Shape::cylinder(300.0, 0.5),
+        Shape::triangle(
+            Vec3::new(-600.0, 0.25, -600.0),
+            Vec3::new(0.0, 0.25, 900.0),
+            Vec3::new(600.0, 0.25, -600.0),
+        )
+        .unwrap(),
+    ];
+    for target in targets {
+        let target = Placed::new(&target, &Transform::IDENTITY);
+        for _ in 0..2_000 {
+            let moving = Transform {
+                translation: vector(3.0) + Vec3::Y * 6.0,
+                rotation: Quat::from_scaled_axis(vector(3.0)),
+                ..Transform::IDENTITY
+            };
+            let direction = Dir3::new(vector(1.0).with_y(-0.2)).unwrap();
+            let shapes = [
+                Shape::sphere(0.5),
+                Shape::capsule(0.5, 1.0),
+                Shape::cuboid(0.5, 0.25, 1.0),
+                Shape::cone(0.5, 1.0),
+            ];
+            for shape in shapes {
+                let placed = Placed::new(&shape, &moving);
+                let mut workspace = Workspace::default();
+                let hit = NarrowPhase::default()
+                    .sweep(placed, direction, 1000.0, target, &mut workspace)
+                    .unwrap();
+                let there = moving.translation + direction * hit.distance;
+                let reach = (hit.point - there).abs();
+                assert!(
+                    reach.max_element() < 1.1,
+                    "{hit:?} {there} {shape:?} {target:?}"
+                );
+            }
+        }
+    }
+}
