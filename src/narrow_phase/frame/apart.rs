@@ -7,7 +7,7 @@
 
 use std::ops::ControlFlow;
 
-use bevy::math::{Vec3, Vec3A, bounding::Aabb3d};
+use bevy::math::{Vec3A, bounding::Aabb3d};
 use smallvec::SmallVec;
 
 use super::closest;
@@ -117,35 +117,78 @@ impl<'a> Apart<'a> {
 
     /// Whether two polygons are near each other nowhere but where they join.
     fn are_apart(&self, one: u32, corners: &[Vec3A], other: u32) -> bool {
+        let [ours, theirs] = [one, other].map(|polygon| self.mesh.polygon(polygon as usize));
+        if let (&[a, b, c], &[d, e, f]) = (ours, theirs)
+            && let &[at_a, at_b, at_c] = corners
+        {
+            let (ours, at_ours) = ([a, b, c], [at_a, at_b, at_c]);
+            let (theirs, at_theirs) = ([d, e, f], [d, e, f].map(|vertex| self.at(vertex)));
+            return self.triangle_leaves_alone((ours, &at_ours), (other, theirs, &at_theirs))
+                && self.triangle_leaves_alone((theirs, &at_theirs), (one, ours, &at_ours));
+        }
         let others = self.corners(other);
         self.leaves_alone((one, corners), (other, &others))
             && self.leaves_alone((other, &others), (one, corners))
     }
 
-    /// Whether the sides of one polygon are near another nowhere but where the two join.
+    /// Whether the sides of one triangle are near another nowhere but where the two join.
     ///
-    /// Sides of a triangle that begin on another triangle are near it nowhere else, if their third
-    /// sides are not.
+    /// Sides that begin on the other are near it nowhere else, if their third sides are not.
+    fn triangle_leaves_alone(
+        &self,
+        (ours, corners): ([u32; 3], &[Vec3A; 3]),
+        (other, theirs, others): (u32, [u32; 3], &[Vec3A; 3]),
+    ) -> bool {
+        let is_shared = ours.map(|vertex| {
+            let [d, e, f] = theirs;
+            (vertex == d) | (vertex == e) | (vertex == f)
+        });
+        [[0, 1], [1, 2], [2, 0]].into_iter().all(|side| {
+            is_shared[side[0]]
+                || is_shared[side[1]]
+                || !self.is_near(side.map(|end| corners[end]), others, other)
+        })
+    }
+
+    /// The same of polygons of any number of corners.
     fn leaves_alone(&self, one: (u32, &[Vec3A]), other: (u32, &[Vec3A])) -> bool {
         let [ours, theirs] = [one.0, other.0].map(|polygon| self.mesh.polygon(polygon as usize));
-        let are_triangles = ours.len() == 3 && theirs.len() == 3;
-        let normal = self.mesh.normals()[other.0 as usize];
         let is_shared = |corner: usize| theirs.contains(&ours[corner % ours.len()]);
         border(one.1).enumerate().all(|(side, [from, to])| {
             let ends = match [is_shared(side), is_shared(side + 1)] {
                 [false, false] => [from, to],
                 [true, true] => return true,
-                _ if are_triangles => return true,
                 [true, false] => [from.lerp(to, AT_END), to],
                 [false, true] => [from, to.lerp(from, AT_END)],
             };
-            !self.is_near(ends, other.1, normal)
+            !self.is_near(ends, other.1, other.0)
         })
     }
 
+    /// Whether a segment and a polygon are apart along the way from the middle of one to that of the
+    /// other. Nearly all are.
+    #[inline]
+    fn are_parted(&self, ends: &[Vec3A; 2], corners: &[Vec3A]) -> bool {
+        let sum = corners
+            .iter()
+            .fold(Vec3A::ZERO, |sum, corner| sum + *corner);
+        let way = (ends[0] + ends[1]) * 0.5 - sum / corners.len() as f32;
+        let nearest = ends[0].dot(way).min(ends[1].dot(way));
+        let furthest = corners.iter().map(|corner| corner.dot(way));
+        let gap = nearest - furthest.fold(f32::NEG_INFINITY, f32::max);
+        gap > self.least * way.length()
+    }
+
     /// Whether a segment is near a polygon.
-    fn is_near(&self, ends: [Vec3A; 2], corners: &[Vec3A], normal: Vec3) -> bool {
-        let normal = Vec3A::from(normal);
+    #[inline]
+    fn is_near(&self, ends: [Vec3A; 2], corners: &[Vec3A], polygon: u32) -> bool {
+        !self.are_parted(&ends, corners) && self.is_near_side_by_side(ends, corners, polygon)
+    }
+
+    /// The same, of two that are not known to be apart.
+    #[inline(never)]
+    fn is_near_side_by_side(&self, ends: [Vec3A; 2], corners: &[Vec3A], polygon: u32) -> bool {
+        let normal = Vec3A::from(self.mesh.normals()[polygon as usize]);
         let height = |point: &Vec3A| (*point - corners[0]).dot(normal);
         // Corners are in one plane, but for a little.
         let off = corners.iter().map(|corner| height(corner).abs());

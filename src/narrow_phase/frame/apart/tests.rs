@@ -1,6 +1,6 @@
 use std::f32::consts::TAU;
 
-use bevy::math::{DVec3, Dir3};
+use bevy::math::{DVec3, Dir3, Vec3};
 use bevy::transform::components::Transform;
 
 use super::*;
