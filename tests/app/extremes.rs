@@ -308,7 +308,7 @@ fn a_chain_of_a_thousand() {
 }
 
 #[test]
-#[ignore = "long"]
+#[ignore = "a chain of ten thousand, for a release build"]
 fn a_chain_of_ten_thousand() {
     chain(10_000);
 }
@@ -357,14 +357,14 @@ fn a_thousand_swept_bodies_in_a_room() {
 }
 
 #[test]
-#[ignore = "long"]
+#[ignore = "ten thousand swept bodies, for a release build"]
 fn ten_thousand_swept_bodies_in_a_room() {
     room(10_000);
 }
 
 /// A million at rest, of which a few move.
 #[test]
-#[ignore = "long"]
+#[ignore = "a million objects, for a release build"]
 fn a_million_objects() {
     let mut app = plain_app(BroadPhaseMethod::default());
     let shape = CollisionShape::default();

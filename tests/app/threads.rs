@@ -26,7 +26,7 @@ use crate::common::{TICKS_PER_SECOND, app, tick};
 
 /// Tells the process of its own how many threads besides the main one it is to use.
 const HELPERS: &str = "BEVY_OCTREE_TEST_HELPERS";
-/// May tell for how many ticks the app runs, if not for 120.
+/// May tell for how many ticks the app and the room run, if not for 120 and 300.
 const TICKS: &str = "BEVY_OCTREE_TEST_TICKS";
 
 /// Runs a scene with enough objects for several jobs, and returns a hash of all pairs in their
@@ -260,12 +260,14 @@ fn stay_near(mut moving: Query<(&Transform, &mut Velocity), Without<ChildOf>>) {
     }
 }
 
+/// How many ticks are asked for, if any are.
+fn ticks_asked() -> Option<usize> {
+    std::env::var(TICKS).ok()?.parse().ok()
+}
+
 fn run_app() -> u64 {
-    let ticks = std::env::var(TICKS)
-        .ok()
-        .and_then(|ticks| ticks.parse().ok());
     let mut crowd = Crowd::new();
-    (0..ticks.unwrap_or(120)).for_each(|number| crowd.tick(number));
+    (0..ticks_asked().unwrap_or(120)).for_each(|number| crowd.tick(number));
     crowd.finish()
 }
 
@@ -363,7 +365,8 @@ fn in_a_process_of_its_own() {
     }
     println!("hash app {}", run_app());
     println!("hash characters {}", run_characters());
-    println!("hash room {}", crate::determinism::hash_after(300));
+    let ticks = ticks_asked().unwrap_or(300) as u64;
+    println!("hash room {}", crate::determinism::hash_after(ticks));
 }
 
 #[test]
