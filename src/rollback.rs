@@ -51,6 +51,8 @@ use crate::{
     disabled,
     maintenance::maintain,
     motion::CollisionClock,
+    parts::regroup,
+    regroup::Regroup,
     schedule::{CollisionSystems, add_to_tick, expect_ticks},
     swept,
     way::SweptWay,
@@ -72,6 +74,10 @@ impl Plugin for RollbackPlugin {
             let restore_state = restore_state
                 .in_set(RestoreSystems)
                 .before(CollisionSystems::First);
+            let catch_up = catch_up
+                .in_set(RestoreSystems)
+                .before(self::restore_state)
+                .run_if(resource_exists_and_changed::<CollisionSnapshot>);
             // By then, all who are there have their handles. Whoever is disabled may have been in contact.
             let restore_contacts = disabled::see_disabled(app.world_mut(), restore_contacts)
                 .in_set(CollisionSystems::Maintenance)
@@ -82,7 +88,7 @@ impl Plugin for RollbackPlugin {
                 .after(CollisionClock::advance)
                 // In a tick that leaves maintenance out, what is to be restored stays.
                 .run_if(|restoring: Res<Restoring>| !restoring.is_due);
-            app.add_systems(schedule, (restore_state, restore_contacts, take));
+            app.add_systems(schedule, (catch_up, restore_state, restore_contacts, take));
         });
     }
 
@@ -176,6 +182,17 @@ struct Restoring {
     index: u64,
 }
 
+/// Sees to it that parts which are there again, or whose body is marked anew, have their ways before these are those of
+/// before: later, they would begin anew.
+fn catch_up(world: &mut World) {
+    if world.resource::<Regroup>().is_due() {
+        regroup(world);
+    }
+    if world.resource::<Regroup>().is_sweep_due() {
+        swept::sweep_parts(world);
+    }
+}
+
 /// Goes back, if somebody has put another snapshot in place of the one that was taken.
 fn restore_state(
     snapshot: Res<CollisionSnapshot>,
@@ -255,19 +272,27 @@ fn take_snapshot(
     mut snapshot: ResMut<CollisionSnapshot>,
     (contacts, index): (Res<Contacts>, Option<Res<CollisionIndex>>),
     clock: Res<CollisionClock>,
-    ways: Query<(Entity, &SweptWay), swept::IsSwept>,
+    ways: Query<(Entity, Option<&CollisionOrder>, &SweptWay), swept::IsSwept>,
+    mut order: Local<Vec<(bool, u64, SavedWay)>>,
 ) {
     // Only others who write to it have something restored.
     let snapshot = snapshot.bypass_change_detection();
     snapshot.tick = clock.tick();
     contacts.save(&mut snapshot.contacts, index.as_deref());
+    // Whatever order tables are in, and entities have.
+    order.extend(
+        ways.iter()
+            .filter(|(.., way)| way.has_begun())
+            .map(|(entity, order, way)| {
+                let saved = SavedWay {
+                    entity,
+                    start: way.start().copied(),
+                    last: way.last_start().copied(),
+                };
+                (order.is_none(), order.map_or(0, |order| order.0), saved)
+            }),
+    );
+    order.sort_unstable_by_key(|(is_last, order, way)| (*is_last, *order, way.entity));
     snapshot.ways.clear();
-    let ways = ways.iter().filter(|(_, way)| way.has_begun());
-    snapshot.ways.extend(ways.map(|(entity, way)| SavedWay {
-        entity,
-        start: way.start().copied(),
-        last: way.last_start().copied(),
-    }));
-    // Whatever order tables are in.
-    snapshot.ways.sort_unstable_by_key(|way| way.entity);
+    snapshot.ways.extend(order.drain(..).map(|(.., way)| way));
 }

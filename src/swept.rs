@@ -394,7 +394,7 @@ fn end_ways_of_bodies(mut bodies: Query<(Entity, &mut SweptWay), SweptBody>, lin
 }
 
 /// Has the parts of bodies swept, or no longer, of which that may have changed.
-fn sweep_parts(world: &mut World) {
+pub(crate) fn sweep_parts(world: &mut World) {
     let Due { mut entities, all } = world.resource_mut::<Regroup>().take_to_sweep();
     if all {
         let mut parts =

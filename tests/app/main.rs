@@ -53,6 +53,7 @@ mod random_scenes;
 mod rapier;
 #[cfg(feature = "rapier")]
 mod rapier_bodies;
+mod restored_ways;
 mod rollback;
 mod rooms;
 mod schedule;
