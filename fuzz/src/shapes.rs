@@ -493,6 +493,18 @@ impl Pair<'_> {
             assert!(is_against, "{hit:?} {direction:?}\n{}", self.what());
             // What overlaps at the start has no one point where it touches.
             if hit.distance > 0.0 {
+                if let [Some(a), Some(b)] = &self.known {
+                    // The plane through where they touch parts them.
+                    let away = hit.normal.as_dvec3();
+                    let gone = direction.as_dvec3().dot(away) * f64::from(hit.distance);
+                    let apart = gone - b.along(away) - a.along(-away);
+                    let deep = DEEP * (a.size() + b.size()) + 4.0 * f64::from(exact);
+                    assert!(
+                        apart >= -deep,
+                        "{apart} apart along {hit:?} {direction:?}\n{}",
+                        self.what()
+                    );
+                }
                 self.check_point(direction * hit.distance, hit.point, exact);
             }
         }

@@ -16,7 +16,8 @@ const ON: f32 = f32::EPSILON;
 pub struct Contact {
     /// A unit vector from the first shape to the second: to part the two, push the second along it.
     pub normal: Vec3,
-    /// A point where the two meet, in the world.
+    /// A point where the two meet, in the world. Of two that overlap, one of those that they have in
+    /// common: which one is up to the kinds of the two, and it need not move steadily as they do.
     pub point: Vec3,
     /// How far the shapes overlap along the normal, in world units. Zero if they touch, or are
     /// apart by no more than the tolerance.
@@ -71,9 +72,11 @@ pub struct Impact {
     /// Which polygon of a mesh is met: its number among those that the mesh was made from; of a
     /// Bevy mesh, that of the triangle. What a [`PolygonMesh`](super::PolygonMesh) is asked about
     /// it goes by its [index](super::PolygonMesh::polygon_index) among those that were kept. One of
-    /// them, where several are. `None` where none is known,
-    /// and for shapes without polygons of their own: cuboids, balls, all of Rapier's but meshes; of
-    /// shapes on their way, only if [asked for](super::ShapeCastOptions::find_polygon).
+    /// them, where several are. Of a height field, the number of its
+    /// [triangle](super::HeightField::triangle); of a convex hull, that of the polygon of the hull. `None` where none is
+    /// known, and for shapes without polygons of their own: cuboids, balls, voxels, all of Rapier's but
+    /// meshes, and compounds, whatever their parts are: where the part counts, make it an entity of a
+    /// [`CollisionBody`](crate::parts::CollisionBody). Of shapes on their way, only if [asked for](super::ShapeCastOptions::find_polygon).
     #[doc(alias("triangle", "primitive", "feature", "face id"))]
     pub polygon: Option<u32>,
     /// How deep two shapes are in each other at the start, along `face_normal`; 0 if they are not,

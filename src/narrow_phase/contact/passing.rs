@@ -31,6 +31,9 @@ const MOST_PLANES: usize = 16;
 
 /// The square of the distance of two normals that count as one: what rounding makes of it.
 const SAME: f32 = 1e-12;
+/// The same of what faces the other way: two in one plane are on either side of it, and on which one they
+/// came, their contact says.
+const AGAINST: f32 = 1e-6;
 
 impl NarrowPhase {
     /// The contact of two of which the first moves with a velocity, as the second sees it, which
@@ -131,9 +134,9 @@ impl Planes {
     /// Takes up a plane, by its normal from the first shape to the second.
     fn suggest(&mut self, normal: Vec3A) {
         let is_new = || {
-            self.normals[..self.count]
-                .iter()
-                .all(|known| known.distance_squared(normal) > SAME)
+            let mut known = self.normals[..self.count].iter();
+            known.all(|known| known.distance_squared(normal) > SAME)
+                && self.normals[0].distance_squared(-normal) > AGAINST
         };
         if normal != Vec3A::ZERO && self.count < MOST_PLANES && is_new() {
             self.normals[self.count] = normal;

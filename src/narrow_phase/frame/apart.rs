@@ -153,11 +153,19 @@ impl<'a> Apart<'a> {
     /// The same of polygons of any number of corners.
     fn leaves_alone(&self, one: (u32, &[Vec3A]), other: (u32, &[Vec3A])) -> bool {
         let [ours, theirs] = [one.0, other.0].map(|polygon| self.mesh.polygon(polygon as usize));
-        let is_shared = |corner: usize| theirs.contains(&ours[corner % ours.len()]);
+        let at = |corner: usize| ours[corner % ours.len()];
+        let is_shared = |corner: usize| theirs.contains(&at(corner));
+        let is_side = |from: u32, to: u32| {
+            let next = theirs.iter().cycle().skip(1);
+            let mut sides = theirs.iter().zip(next);
+            sides.any(|(one, other)| [*one, *other] == [from, to] || [*other, *one] == [from, to])
+        };
         border(one.1).enumerate().all(|(side, [from, to])| {
             let ends = match [is_shared(side), is_shared(side + 1)] {
                 [false, false] => [from, to],
-                [true, true] => return true,
+                [true, true] if is_side(at(side), at(side + 1)) => return true,
+                // From one corner of it to another, across it, or beside it.
+                [true, true] => [from.lerp(to, AT_END), to.lerp(from, AT_END)],
                 [true, false] => [from.lerp(to, AT_END), to],
                 [false, true] => [from, to.lerp(from, AT_END)],
             };

@@ -117,32 +117,49 @@ pub fn first_impact(
         if matches!((a, b), (Part::HalfSpace { .. }, Part::HalfSpace { .. })) {
             return Err(Unknown);
         }
-        return Ok(first_zero(direction, 0.0, limit, near, |time| {
+        let approach = Approach::from_the_start([limit, 0.0], near);
+        return Ok(approach.first_zero(direction, |time| {
             gap(&a.moved(direction * time), b, f64::INFINITY, false).ok()?
         }));
     };
-    let start = if let Some(corners) = b.core_triangle() {
+    let mut approach = Approach::from_the_start([limit, a.radius + b.radius], near);
+    let parted = if let Some(corners) = b.core_triangle() {
         near_from(a, corners, direction, [b.radius, near[0]], limit)
     } else if let Some(corners) = a.core_triangle() {
-        near_from(b, corners, -direction, [a.radius, near[0]], limit)
+        near_from(b, corners, -direction, [a.radius, near[0]], limit).map(Parted::reversed)
     } else {
-        Some(0.0)
+        Some(Parted::default())
     };
-    let Some(start) = start else {
-        return Ok(None);
-    };
+    match parted {
+        Some(parted) => approach.parted = parted,
+        None => return Ok(None),
+    }
     // What does not change on the way is looked up once.
     let radii = [a.radius, b.radius];
     if let (Some(segment), Some(corners)) = (a.core_segment(), b.core_triangle()) {
-        return Ok(first_zero(direction, start, limit, near, |time| {
+        return Ok(approach.first_zero(direction, |time| {
             let segment = segment.map(|end| end + direction * time);
             let gap = segment_triangle::gap(segment, corners, f64::INFINITY, false)?;
             Some(gap.grown(radii))
         }));
     }
-    Ok(first_zero(direction, start, limit, near, |time| {
+    Ok(approach.first_zero(direction, |time| {
         gjk::gap(&a.moved(direction * time), b, f64::INFINITY, false)
     }))
+}
+
+/// Until when a plane certainly parts two on their way, and the plane's normal, from the first to the second.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Parted {
+    pub until: f64,
+    normal: Option<DVec3>,
+}
+
+impl Parted {
+    fn reversed(self) -> Self {
+        let normal = self.normal.map(|normal| -normal);
+        Self { normal, ..self }
+    }
 }
 
 /// From when on a shape may touch a triangle if it goes in a direction: at once, if it begins no
@@ -154,9 +171,9 @@ pub fn near_from(
     direction: DVec3,
     [radius, near]: [f64; 2],
     limit: f64,
-) -> Option<f64> {
+) -> Option<Parted> {
     let Some(up) = (b - a).cross(c - a).try_normalize() else {
-        return Some(0.0);
+        return Some(Parted::default());
     };
     let [low, high] = match body.core_segment() {
         Some(ends) => {
@@ -168,53 +185,79 @@ pub fn near_from(
     let reach = body.radius + radius;
     let (low, high) = (low - reach, high + reach);
     if low <= near && high >= -near {
-        return Some(0.0);
+        return Some(Parted::default());
     }
     // Along the plane or away from it, never.
-    let start = if low > 0.0 { -low } else { -high } / up.dot(direction);
-    (start >= 0.0 && start <= limit).then_some(start)
+    let (distance, normal) = if low > 0.0 { (low, -up) } else { (-high, up) };
+    let until = distance / normal.dot(direction);
+    (until >= 0.0 && until <= limit).then_some(Parted {
+        until,
+        normal: Some(normal),
+    })
 }
 
-/// When the gap of one that goes in a direction and another is first no more than nothing, and how
-/// they then are to each other. They have not met before `start`.
-fn first_zero(
-    direction: DVec3,
-    start: f64,
+/// One on its way to another.
+struct Approach {
+    parted: Parted,
     limit: f64,
+    /// How far from their cores the two shapes reach.
+    radii: f64,
     near: [f64; 2],
-    gap_at: impl Fn(f64) -> Option<Gap>,
-) -> Option<(f64, Gap)> {
-    let (mut time, mut last) = (start, None);
-    for _ in 0..MOST_STEPS {
-        let gap = gap_at(time)?;
-        let closing = gap.normal.dot(direction);
-        if gap.distance <= near[usize::from(time > 0.0)] {
-            // What is left of the way, but for rounding.
-            let mut rest = 0.0;
-            if time > 0.0 && gap.distance > 0.0 && closing > 0.0 {
-                rest = gap.distance / closing;
-                // Where that is further off, they only graze, and are no nearer before: so near to each
-                // other, the normal is that of rounding.
-                if rest > near[1]
-                    && gap_at(time + rest).is_none_or(|after| after.distance > gap.distance)
-                {
-                    rest = 0.0;
-                }
-            }
-            // The normal of what overlaps is that of the step before.
-            let normal = last.filter(|_| gap.distance <= 0.0).unwrap_or(gap.normal);
-            return Some(((time + rest).min(limit), Gap { normal, ..gap }));
-        }
-        if closing <= 0.0 {
-            return None;
-        }
-        time += gap.distance / closing;
-        last = Some(gap.normal);
-        if time > limit || time.is_nan() {
-            return None;
+}
+
+impl Approach {
+    fn from_the_start([limit, radii]: [f64; 2], near: [f64; 2]) -> Self {
+        let parted = Parted::default();
+        Self {
+            parted,
+            limit,
+            radii,
+            near,
         }
     }
-    None
+
+    /// When the gap of one that goes in a direction and another is first no more than nothing, and how
+    /// they then are to each other.
+    fn first_zero(
+        &self,
+        direction: DVec3,
+        gap_at: impl Fn(f64) -> Option<Gap>,
+    ) -> Option<(f64, Gap)> {
+        let near = self.near;
+        let (mut time, mut last) = (self.parted.until, self.parted.normal);
+        for _ in 0..MOST_STEPS {
+            let gap = gap_at(time)?;
+            let closing = gap.normal.dot(direction);
+            if gap.distance <= near[usize::from(time > 0.0)] {
+                // What is left of the way, but for rounding.
+                let mut rest = 0.0;
+                if time > 0.0 && gap.distance > 0.0 && closing > 0.0 {
+                    rest = gap.distance / closing;
+                    // Where that is further off, they only graze, and are no nearer before: so near to each
+                    // other, the normal is that of rounding.
+                    if rest > near[1]
+                        && gap_at(time + rest).is_none_or(|after| after.distance > gap.distance)
+                    {
+                        rest = 0.0;
+                    }
+                }
+                // Of cores that touch, the normal is that of rounding; and the plane of the step before,
+                // which parted them, comes to where they are as near as that.
+                let is_told = gap.distance + self.radii > near[1];
+                let normal = last.filter(|_| !is_told).unwrap_or(gap.normal);
+                return Some(((time + rest).min(self.limit), Gap { normal, ..gap }));
+            }
+            if closing <= 0.0 {
+                return None;
+            }
+            time += gap.distance / closing;
+            last = Some(gap.normal);
+            if time > self.limit || time.is_nan() {
+                return None;
+            }
+        }
+        None
+    }
 }
 
 /// Where a ray meets a triangle. `None` if it starts near its plane, or runs along it: then the

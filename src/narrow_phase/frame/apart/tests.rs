@@ -1,6 +1,6 @@
 use std::f32::consts::TAU;
 
-use bevy::math::{DVec3, Dir3, Vec3};
+use bevy::math::{DVec3, Dir3, IVec3, Quat, Vec3};
 use bevy::transform::components::Transform;
 
 use super::*;
@@ -93,6 +93,38 @@ fn polygons_of_more_corners_are_told_from_each_other() {
         let mesh = outline(inner);
         assert!(mesh.is_one_solid() && !tells_sides(&mesh), "{inner}");
     }
+}
+
+/// A floor of four corners, from two of which, across it, two tents rise: their edge lies on it.
+#[test]
+fn what_touches_a_polygon_between_corners_that_it_shares_is_near_it() {
+    let turn = Quat::from_scaled_axis(Vec3::new(0.37, 0.11, -0.23));
+    let corners = [
+        (-1, 0, -1),
+        (1, 0, -1),
+        (1, 0, 1),
+        (-1, 0, 1),
+        (1, 1, -1),
+        (-1, 1, 1),
+    ];
+    let vertices = corners.map(|(x, y, z)| turn * IVec3::new(x, y, z).as_vec3());
+    let tents = [
+        [0, 4, 1],
+        [1, 4, 2],
+        [2, 4, 0],
+        [0, 5, 2],
+        [2, 5, 3],
+        [3, 5, 0],
+    ];
+    let mut polygons = vec![vec![0, 1, 2, 3]];
+    polygons.extend(tents.map(Vec::from));
+    let mesh = PolygonMesh::new(vertices.to_vec(), &polygons).unwrap();
+    assert!(mesh.has_inside() && !tells_sides(&mesh));
+    let (shape, here) = (Shape::from(mesh), Transform::IDENTITY);
+    let below = turn * Vec3::new(0.9, -0.01, 0.9);
+    let tests = NarrowPhase::default();
+    let closest = tests.closest_point(Placed::new(&shape, &here), below, &mut Workspace::default());
+    assert!(closest.unwrap().distance(below) > 9e-3);
 }
 
 fn places(reach: f32) -> impl Iterator<Item = Vec3> {

@@ -1,6 +1,6 @@
 //! Rays, sweeps and what is huge, for all kinds of shapes.
 
-use bevy::math::{Dir3, Quat, Vec3};
+use bevy::math::{Dir3, Isometry3d, Quat, Vec2, Vec3};
 use bevy::transform::components::Transform;
 use bevy_rapier3d::geometry::Collider;
 use bevy_rapier3d::parry::math::IVector;
@@ -464,50 +464,111 @@ fn ends_without_thickness_are_met_where_they_are() {
     assert!(worst < 1e-4, "{worst}");
 }
 
-/// The point where something meets a plane or a face is not where it was above of before.
+/// What arrives at a level floor touches it where it arrives, and its normal is that of the floor.
 #[test]
 fn what_goes_aslant_meets_where_it_arrives() {
     let mut random = fastrand::Rng::with_seed(12);
     let mut vector = |size: f32| Vec3::from([0; 3].map(|_| (random.f32() * 2.0 - 1.0) * size));
-    let targets = [
-        Shape::half_space(Vec3::Y).unwrap(),
-        Shape::cuboid(600.0, 0.5, 600.0),
-        Shape::cylinder(300.0, 0.5),
-        Shape::triangle(
-            Vec3::new(-600.0, 0.25, -600.0),
-            Vec3::new(0.0, 0.25, 900.0),
-            Vec3::new(600.0, 0.25, -600.0),
-        )
-        .unwrap(),
+    let corner = |x: f32, z: f32| Vec3::new(x, 0.25, z);
+    let triangle = Shape::triangle(
+        corner(-600.0, -600.0),
+        corner(0.0, 900.0),
+        corner(600.0, -600.0),
+    );
+    let triangle = triangle.unwrap();
+    let field = HeightField::from_fn(9, 9, Vec2::splat(100.0), |_, _| 0.25).unwrap();
+    let corners = [
+        (-600.0, -600.0),
+        (-600.0, 600.0),
+        (600.0, 600.0),
+        (600.0, -600.0),
     ];
-    for target in targets {
-        let target = Placed::new(&target, &Transform::IDENTITY);
-        for _ in 0..2_000 {
+    let square = corners.map(|(x, z)| corner(x, z)).to_vec();
+    let targets = [
+        (Shape::half_space(Vec3::Y).unwrap(), 0.0),
+        (Shape::cuboid(600.0, 0.5, 600.0), 0.25),
+        (Shape::cylinder(300.0, 0.5), 0.25),
+        (
+            Shape::compound([(Isometry3d::IDENTITY, triangle.clone())]).unwrap(),
+            0.25,
+        ),
+        (triangle, 0.25),
+        (Shape::from(field), 0.25),
+        (Shape::mesh(square, [[0_u32, 1, 2, 3]]).unwrap(), 0.25),
+    ];
+    let shapes = [
+        Shape::sphere(0.5),
+        Shape::capsule(0.5, 1.0),
+        Shape::cuboid(0.5, 0.25, 1.0),
+        Shape::cylinder(0.5, 0.5),
+        Shape::cone(0.5, 1.0),
+        Shape::convex_hull((0..12).map(|_| vector(0.7))).unwrap(),
+    ];
+    for (target, top) in targets {
+        let floor = Placed::new(&target, &Transform::IDENTITY);
+        for number in 0..300 {
+            // Every other one is level, and meets the floor with a face.
+            let turn = vector(3.0) * Vec3::new((number % 2) as f32, 1.0, (number % 2) as f32);
             let moving = Transform {
                 translation: vector(3.0) + Vec3::Y * 6.0,
-                rotation: Quat::from_scaled_axis(vector(3.0)),
+                rotation: Quat::from_scaled_axis(turn),
                 ..Transform::IDENTITY
             };
-            let direction = Dir3::new(vector(1.0).with_y(-0.2)).unwrap();
-            let shapes = [
-                Shape::sphere(0.5),
-                Shape::capsule(0.5, 1.0),
-                Shape::cuboid(0.5, 0.25, 1.0),
-                Shape::cone(0.5, 1.0),
-            ];
-            for shape in shapes {
-                let placed = Placed::new(&shape, &moving);
+            let way = vector(1.0).with_y(if number % 3 == 0 { -1e3 } else { -0.2 });
+            let direction = Dir3::new(way).unwrap();
+            for shape in &shapes {
                 let mut workspace = Workspace::default();
-                let hit = NarrowPhase::default()
-                    .sweep(placed, direction, 1000.0, target, &mut workspace)
-                    .unwrap();
-                let there = moving.translation + direction * hit.distance;
-                let reach = (hit.point - there).abs();
+                let (placed, tests) = (Placed::new(shape, &moving), NarrowPhase::default());
+                let hit = tests.sweep(placed, direction, 300.0, floor, &mut workspace);
+                let hit = hit.expect("the floor is large");
+                let what = || format!("{hit:?} {moving:?} {direction:?} {shape:?} {target:?}");
+                let reach = hit.point - (moving.translation + direction * hit.distance);
+                assert!(reach.abs().max_element() < 1.1, "{}", what());
+                assert!((hit.point.y - top).abs() < 1e-3, "{}", what());
+                assert!(hit.normal.distance(Vec3::Y) < 1e-3, "{}", what());
+                let end = Transform {
+                    translation: moving.translation + direction * (hit.distance + 1.0),
+                    ..moving
+                };
+                let there = Moving::new(shape, &moving, &end);
+                let met = tests.time_of_impact(&there, &Moving::resting(floor), &mut workspace);
+                let met = met.expect("as the sweep does");
                 assert!(
-                    reach.max_element() < 1.1,
-                    "{hit:?} {there} {shape:?} {target:?}"
+                    met.contact.normal.distance(Vec3::NEG_Y) < 1e-3,
+                    "{met:?} {}",
+                    what()
                 );
             }
+        }
+    }
+}
+
+/// Surfaces without thickness that meet flat are on the side from which they came.
+#[test]
+fn plates_meet_on_the_side_from_which_they_come() {
+    let square = |half: f32| {
+        let corners = [(-half, -half), (-half, half), (half, half), (half, -half)];
+        let corners = corners.map(|(x, z)| Vec3::new(x, 0.0, z)).to_vec();
+        Shape::mesh(corners, [[0_u32, 1, 2, 3]]).unwrap()
+    };
+    let floors = [
+        square(3.0),
+        Shape::cuboid(6.0, 0.0, 6.0),
+        Shape::cylinder(3.0, 0.0),
+        HeightField::from_fn(3, 3, Vec2::splat(3.0), |_, _| 0.0)
+            .unwrap()
+            .into(),
+    ];
+    let (plate, mut workspace) = (square(0.5), Workspace::default());
+    for floor in &floors {
+        for side in [1.0, -1.0] {
+            let from = Transform::from_xyz(0.1, 5.0 * side, 0.2);
+            let to = Transform::from_xyz(0.1, -2.0 * side, 0.2);
+            let (moving, here) = (Moving::new(&plate, &from, &to), Transform::IDENTITY);
+            let resting = Moving::resting(Placed::new(floor, &here));
+            let met = NarrowPhase::default().time_of_impact(&moving, &resting, &mut workspace);
+            let met = met.expect("it goes through");
+            assert_eq!(met.contact.normal, Vec3::NEG_Y * side, "{met:?} {floor:?}");
         }
     }
 }
