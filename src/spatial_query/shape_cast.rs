@@ -30,7 +30,9 @@ pub struct ShapeHit {
     pub distance: f32,
     /// A point where the two touch.
     pub point: Vec3,
-    /// A unit vector from the entity to the moving shape, across the surfaces that touch.
+    /// A unit vector from the entity to the moving shape, across the surfaces that touch, and never along
+    /// the way: where the shape touches from the start and goes away, it is turned against that; the
+    /// `face_normal` is not, and is the one along which to push the shape out.
     pub normal: Vec3,
     /// The unit normal of the face of the entity that is touched, whichever side of it that is, if
     /// it was [asked for](ShapeCastOptions::find_polygon); as `normal` otherwise. See

@@ -52,12 +52,14 @@ fn check(what: &str, objects: &[(CollisionShape, Vec3)], by: Vec3) {
         tick(&mut app, 1);
         let expected = brute_force_contacts(&mut app);
         assert_eq!(contacts(&app), expected, "{what}, {method}");
+        let before = expected.len();
         for entity in &all[..all.len() / 2] {
             get_mut::<Transform>(&mut app, *entity).translation += by;
         }
         tick(&mut app, 2);
         let expected = brute_force_contacts(&mut app);
         assert_eq!(contacts(&app), expected, "{what}, moved, {method}");
+        assert!(before + expected.len() > 0, "{what}: nothing touches");
         for entity in all {
             app.world_mut().despawn(entity);
         }

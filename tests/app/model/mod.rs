@@ -1,7 +1,7 @@
 //! Whole apps to which anything happens, at random, beside what follows from their components alone:
 //! contacts, messages, observers, lists and queries after every step.
 //!
-//! `BEVY_OCTREE_TEST_CASES` is the number of histories to try, each of up to 60 steps.
+//! `BEVY_OCTREE_TEST_CASES` is the number of histories to try, each of up to 60 steps at random, after those that bring in who is there.
 
 mod apply;
 mod machine;
