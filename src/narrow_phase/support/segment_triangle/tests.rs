@@ -113,8 +113,8 @@ fn nothing_touches_a_triangle_before_it_is_near_its_plane() {
         let direction = point(&mut random, false).normalize();
         let radius = random.f64() * 0.5;
         let body = Convex::segment(segment, 0.0, Isometry::IDENTITY);
-        let from = near_from(&body, corners, direction, [radius, 1e-9], 6.0)
-            .map(|parted| parted.until);
+        let from =
+            near_from(&body, corners, direction, [radius, 1e-9], 6.0).map(|parted| parted.until);
         early += usize::from(from.is_some_and(|from| from > 0.0));
         never += usize::from(from.is_none());
         for step in 0..60 {
