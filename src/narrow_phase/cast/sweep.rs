@@ -16,7 +16,7 @@ use crate::narrow_phase::{
         case::Case,
         oriented_box::OrientedBox,
         placed::{Placed, PlacedPair},
-        smaller::Smaller,
+        smaller::{Smaller, unit},
         workspace::Workspace,
     },
     settings::NarrowPhase,
@@ -134,6 +134,8 @@ impl NarrowPhase {
             return Some(Impact {
                 distance: in_all(found.distance * factor),
                 point: origin + found.point * factor,
+                normal: unit(found.normal),
+                face_normal: unit(found.face_normal),
                 ..found
             });
         }

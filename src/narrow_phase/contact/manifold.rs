@@ -15,7 +15,7 @@ use crate::narrow_phase::{
     frame::{
         case::Case,
         placed::{Placed, PlacedPair, in_order},
-        smaller::Smaller,
+        smaller::{Smaller, unit},
         workspace::Workspace,
     },
     settings::NarrowPhase,
@@ -98,6 +98,7 @@ impl Manifold {
 
     /// At larger scale.
     fn larger(mut self, factor: f32) -> Self {
+        self.normal = unit(self.normal);
         for point in &mut self.points {
             point.point *= factor;
             point.depth = (point.depth * factor).min(f32::MAX);

@@ -13,7 +13,7 @@ use crate::narrow_phase::{
         oriented_box::OrientedBox,
         placed::{Placed, PlacedPair, in_order},
         separation::Separation,
-        smaller::Smaller,
+        smaller::{Smaller, unit},
         workspace::Workspace,
     },
     length::any_length,
@@ -199,7 +199,7 @@ impl NarrowPhase {
                     pair.a.transform.translation
                 },
                 depth: (found.depth * smaller.factor).min(f32::MAX),
-                ..found
+                normal: unit(found.normal),
             }
         });
         workspace.counters = counters;

@@ -1,7 +1,7 @@
 //! Pairs too large for products of their lengths to be held by 32-bit floats: what is asked about
 //! them is asked at a smaller scale, by a power of two, which changes nothing but the exponents.
 
-use bevy::transform::components::Transform;
+use bevy::{math::Vec3, transform::components::Transform};
 
 use super::case::Case;
 use super::placed::{Placed, PlacedPair};
@@ -9,6 +9,11 @@ use crate::narrow_phase::settings::NarrowPhase;
 
 /// The greatest length whose fourth power 32-bit floats hold, with room to spare.
 const LARGE: f32 = 1e9;
+
+/// A unit vector that was found at a smaller scale, where what is short has few digits left.
+pub fn unit(normal: Vec3) -> Vec3 {
+    normal.try_normalize().unwrap_or(normal)
+}
 
 /// A pair of shapes of ours at a smaller scale.
 pub struct Smaller {
