@@ -227,26 +227,26 @@ impl Approach {
         let (mut time, mut last) = (self.parted.until, self.parted.normal);
         for _ in 0..MOST_STEPS {
             let gap = gap_at(time)?;
-            let closing = gap.normal.dot(direction);
             if gap.distance <= near[usize::from(time > 0.0)] {
+                // Of cores that touch, the normal is that of rounding; and the plane of the step before,
+                // which parted them, comes to where they are as near as that.
+                let is_told = gap.distance + self.radii > near[1];
+                let normal = last.filter(|_| !is_told).unwrap_or(gap.normal);
+                let closing = normal.dot(direction);
                 // What is left of the way, but for rounding.
                 let mut rest = 0.0;
                 if time > 0.0 && gap.distance > 0.0 && closing > 0.0 {
                     rest = gap.distance / closing;
-                    // Where that is further off, they only graze, and are no nearer before: so near to each
-                    // other, the normal is that of rounding.
+                    // Where that is further off, they only graze, and are no nearer before.
                     if rest > near[1]
                         && gap_at(time + rest).is_none_or(|after| after.distance > gap.distance)
                     {
                         rest = 0.0;
                     }
                 }
-                // Of cores that touch, the normal is that of rounding; and the plane of the step before,
-                // which parted them, comes to where they are as near as that.
-                let is_told = gap.distance + self.radii > near[1];
-                let normal = last.filter(|_| !is_told).unwrap_or(gap.normal);
                 return Some(((time + rest).min(self.limit), Gap { normal, ..gap }));
             }
+            let closing = gap.normal.dot(direction);
             if closing <= 0.0 {
                 return None;
             }

@@ -1,6 +1,6 @@
 //! Verdicts and contacts against those of parry, and Rapier shapes.
 
-use bevy::math::{Quat, Vec3};
+use bevy::math::{Dir3, IVec3, Isometry3d, Quat, Vec3};
 use bevy::transform::components::Transform;
 use bevy_rapier3d::geometry::Collider;
 use bevy_rapier3d::parry::math::Pose;
@@ -349,4 +349,40 @@ fn capsule_inside_a_mesh_is_found() {
     let flat = here.with_scale(Vec3::new(1.0, 1.0, 0.0));
     assert!(meets((&around, flat), (&capsule, here)));
     assert!(!meets((&around, flat), (&capsule, at(0.0, 0.0, 0.2))));
+}
+
+/// Rays in the plane of a face, which graze the edges of what is behind it.
+#[test]
+fn rays_that_graze_an_edge_are_as_long_as_to_it() {
+    let mut voxels = Voxels::new(2.6).unwrap();
+    for cell in [IVec3::NEG_ONE, IVec3::new(0, 2, -1), IVec3::new(-1, -1, 0)] {
+        voxels.set(cell);
+    }
+    let edge = Shape::compound([(Isometry3d::IDENTITY, Shape::cylinder(2.0, 3.0))]).unwrap();
+    let turned = Transform {
+        translation: Vec3::new(2.0, 2.0, 6.0625),
+        rotation: Quat::from_xyzw(0.0, 0.0, 1.0, -4.371_139e-8),
+        ..Transform::IDENTITY
+    };
+    let mut random = fastrand::Rng::with_seed(3);
+    let mut met = 0;
+    for (shape, plane) in [(Shape::from(voxels), 2.0), (edge, 3.5)] {
+        let target = Placed::new(&shape, &turned);
+        for _ in 0..4000 {
+            let height = plane + (random.f32() - 0.5) * [0.0, 1e-6][random.usize(0..2)];
+            let [x, z] = [(); 2].map(|()| f32::from(random.i8(-100..100)) / 16.0);
+            let [along, across] = [(); 2].map(|()| random.f32() - 0.5);
+            let Ok(direction) = Dir3::new(Vec3::new(along, 0.0, across)) else {
+                continue;
+            };
+            let origin = Vec3::new(x, height, z);
+            let hit = NarrowPhase::default().cast_ray(target, origin, direction, 30.0);
+            if let Some(hit) = hit {
+                let off = hit.point.distance(origin + direction * hit.distance);
+                assert!(off < 1e-4, "{off}: {origin} {direction:?} {hit:?}");
+                met += 1;
+            }
+        }
+    }
+    assert!(met > 100, "{met}");
 }
