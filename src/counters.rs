@@ -63,7 +63,7 @@ impl AddAssign for TickCounters {
 }
 
 impl CollisionCounters {
-    fn begin_tick(mut counters: ResMut<Self>) {
+    pub(crate) fn begin_tick(mut counters: ResMut<Self>) {
         counters.tick = TickCounters::default();
     }
 

@@ -48,6 +48,7 @@ use crate::{
     collision_order::CollisionOrder,
     components::BroadPhaseProxy,
     contacts::{Contacts, Places, SavedContacts},
+    counters::CollisionCounters,
     disabled,
     maintenance::maintain,
     motion::CollisionClock,
@@ -76,6 +77,7 @@ impl Plugin for RollbackPlugin {
                 .before(CollisionSystems::First);
             let catch_up = catch_up
                 .in_set(RestoreSystems)
+                .after(CollisionCounters::begin_tick)
                 .before(self::restore_state)
                 .run_if(resource_exists_and_changed::<CollisionSnapshot>);
             // By then, all who are there have their handles. Whoever is disabled may have been in contact.
