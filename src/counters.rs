@@ -63,7 +63,7 @@ impl AddAssign for TickCounters {
 }
 
 impl CollisionCounters {
-    pub(crate) fn begin_tick(mut counters: ResMut<Self>) {
+    fn begin_tick(mut counters: ResMut<Self>) {
         counters.tick = TickCounters::default();
     }
 

@@ -48,7 +48,6 @@ use crate::{
     collision_order::CollisionOrder,
     components::BroadPhaseProxy,
     contacts::{Contacts, Places, SavedContacts},
-    counters::CollisionCounters,
     disabled,
     maintenance::maintain,
     motion::CollisionClock,
@@ -77,7 +76,8 @@ impl Plugin for RollbackPlugin {
                 .before(CollisionSystems::First);
             let catch_up = catch_up
                 .in_set(RestoreSystems)
-                .after(CollisionCounters::begin_tick)
+                // What parts belong to concerns nobody else so early.
+                .ambiguous_with_all()
                 .before(self::restore_state)
                 .run_if(resource_exists_and_changed::<CollisionSnapshot>);
             // By then, all who are there have their handles. Whoever is disabled may have been in contact.
