@@ -187,10 +187,11 @@ struct Restoring {
 /// Sees to it that parts which are there again, or whose body is marked anew, have their ways before these are those of
 /// before: later, they would begin anew.
 fn catch_up(world: &mut World) {
-    if world.resource::<Regroup>().is_due() {
+    let is_due = |world: &World, due: fn(&Regroup) -> bool| world.get_resource().is_some_and(due);
+    if is_due(world, Regroup::is_due) {
         regroup(world);
     }
-    if world.resource::<Regroup>().is_sweep_due() {
+    if is_due(world, Regroup::is_sweep_due) {
         swept::sweep_parts(world);
     }
 }

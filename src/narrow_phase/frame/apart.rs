@@ -156,9 +156,7 @@ impl<'a> Apart<'a> {
         let at = |corner: usize| ours[corner % ours.len()];
         let is_shared = |corner: usize| theirs.contains(&at(corner));
         let is_side = |from: u32, to: u32| {
-            let next = theirs.iter().cycle().skip(1);
-            let mut sides = theirs.iter().zip(next);
-            sides.any(|(one, other)| [*one, *other] == [from, to] || [*other, *one] == [from, to])
+            border(theirs).any(|side| side == [from, to] || side == [to, from])
         };
         border(one.1).enumerate().all(|(side, [from, to])| {
             let ends = match [is_shared(side), is_shared(side + 1)] {

@@ -366,7 +366,7 @@ fn sides(mesh: &PolygonMesh, polygon: u32) -> impl Iterator<Item = (u32, [u32; 2
 
 /// The sides of a polygon, given by its corners.
 #[inline]
-pub fn border(corners: &[Vec3A]) -> impl Iterator<Item = [Vec3A; 2]> {
+pub fn border<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 2]> {
     let next = corners.iter().cycle().skip(1);
     corners.iter().zip(next).map(|(a, b)| [*a, *b])
 }
